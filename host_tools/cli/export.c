@@ -9,7 +9,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include "../model/stress_summary.h"
-#include "../report/report.h"
 #include "../text/words.h"
 #include "outfile.h"
 
@@ -178,7 +177,7 @@ int export_solve(const options *options, const analysis *analysis, const double 
     double *vector = allocate_array(&arrays, 3 * nodes);
     add_places(&arrays, design, "node_place", NULL, nodes);
     if (vector)
-        report_displacement(&design->mesh, displacement, vector);
+        design_vectors(&design->mesh, displacement, vector);
     add_array(&arrays, "displacement", design->units.length, nodes, 3, vector);
     for (int k = 0; k < design->outputs; k++) {
         const size_t first = (size_t)design->named_first[k],
@@ -263,8 +262,8 @@ int export_modes(const options *options, const design *design, const vibration *
     double *shape = allocate_array(&arrays, count * 3 * nodes);
     add_places(&arrays, design, "node_place", NULL, nodes);
     for (size_t k = 0; k < count && shape; k++)
-        report_displacement(&design->mesh, vibration->shape + k * (size_t)design->mesh.free_dof,
-                            shape + k * 3 * nodes);
+        design_vectors(&design->mesh, vibration->shape + k * (size_t)design->mesh.free_dof,
+                       shape + k * 3 * nodes);
     add_array(&arrays, "frequency", "Hz", count, 0, vibration->frequency);
     add_array(&arrays, "mode_shape", "", count, 3 * nodes, shape);
     return write_arrays(options, &arrays);

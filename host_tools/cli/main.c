@@ -34,6 +34,7 @@
 #include "print_vibration.h"
 #include "../system/progress.h"
 #include "../report/report.h"
+#include "../vtk/vtk.h"
 #include "templates.h"
 #include "../model/voltages.h"
 
@@ -209,44 +210,13 @@ static int write_solve(const report_job *job, const void *result)
                         solution->stress);
 }
 
-/*
- * Write a VTU file of the deformed mesh, with the potentials of bare faces (without electrodes).
- *   vector [nodes][3] in  displacement of the middle surface
- * Returns 0, or -1 where memory runs out.
- */
-static int write_deformed(const analysis *analysis, double *vector, FILE *file)
+static int write_vtu(const solution *solution, const char *path)
 {
-    const design *design = &analysis->design;
-    report_array *array = calloc(1 + 2 * (size_t)design->layers, sizeof *array);
-    if (!array)
-        return -1;
-    array[0] = (report_array){"displacement", 3, false, vector};
-    const int potentials =
-        design->bare.count > 0 ? report_potentials(design, analysis->input_value, array + 1) : 0;
-    const int failed =
-        potentials < 0 ? -1 : report_vtu(file, &design->mesh, NULL, array, 1 + potentials);
-    for (int k = 1; k <= potentials; k++)
-        free(array[k].value);
-    free(array);
-    return failed;
-}
-
-static int write_vtu(const analysis *analysis, const double *displacement,
-                     const stress_field *stress, const char *path)
-{
-    const mesh *mesh = &analysis->design.mesh;
-    double *vector = calloc(3 * (size_t)mesh->nodes, sizeof *vector);
     outfile output;
-    const int status = vector ? outfile_begin(&output, path) : complain("out of memory", 1);
-    if (status) {
-        free(vector);
-        return status;
-    }
-    report_displacement(mesh, displacement, vector);
-    const int failed = stress ? report_stress_vtu(output.file, stress, vector)
-                              : write_deformed(analysis, vector, output.file);
-    free(vector);
-    return outfile_end(&output, failed);
+    if (outfile_begin(&output, path))
+        return 1;
+    return outfile_end(&output, vtk_write_solution(output.file, solution->analysis,
+                                                   solution->displacement, solution->stress));
 }
 
 /* Estimate the discretisation error of the outputs. Returns an exit code. */
@@ -283,7 +253,7 @@ static int write_solution(const options *options, analysis *analysis, solution *
     (options->as_json ? print_solve_json : print_solve)(analysis, result->displacement,
                                                         result->value, result->stress);
     if (options->vtu)
-        status = write_vtu(analysis, result->displacement, result->stress, options->vtu);
+        status = write_vtu(result, options->vtu);
     if (status == 0)
         status = write_reports(options, write_solve, result);
     return status == 0 ? export_solve(options, analysis, result->displacement, result->value,
@@ -488,7 +458,7 @@ static int command_shape(const options *options, analysis *analysis)
         if (status == 0)
             (options->as_json ? print_shape_json : print_shape)(&run);
         if (status == 0 && options->vtu)
-            status = write_vtu(analysis, best->displacement, NULL, options->vtu);
+            status = write_vtu(&(solution){analysis, best->displacement, NULL, NULL}, options->vtu);
         if (status == 0)
             status = write_reports(options, write_shape, &run);
         if (status == 0)
@@ -608,23 +578,10 @@ static int command_simulate(const options *options, analysis *analysis)
 /* Write a VTU file with one displacement field for each vibration mode. */
 static int write_modes(const vibration *vibration, const mesh *mesh, const char *path)
 {
-    const size_t length = 3 * (size_t)mesh->nodes, count = (size_t)vibration->count;
-    double *vector = calloc(length * count, sizeof *vector);
-    report_array *array = calloc(count, sizeof *array);
     outfile output;
-    int status = vector && array ? outfile_begin(&output, path) : complain("out of memory", 1);
-    if (status == 0) {
-        for (size_t i = 0; i < count; i++) {
-            array[i] = (report_array){.components = 3, .value = vector + i * length};
-            snprintf(array[i].name, sizeof array[i].name, "mode_%zu", i + 1);
-            report_displacement(mesh, vibration->shape + i * (size_t)mesh->free_dof,
-                                array[i].value);
-        }
-        status = outfile_end(&output, report_vtu(output.file, mesh, NULL, array, vibration->count));
-    }
-    free(vector);
-    free(array);
-    return status;
+    if (outfile_begin(&output, path))
+        return 1;
+    return outfile_end(&output, vtk_write_modes(output.file, mesh, vibration));
 }
 
 /* Estimate the discretisation error of the natural frequencies. Returns an exit code. */

@@ -480,7 +480,8 @@ static void print_voltages(const design *design, const voltages *result)
     char limits[32] = "";
     if (isfinite(result->limit[0]) || isfinite(result->limit[1]))
         limit_text(result, limits);
-    printf("\n  %s%s%s, voltages:\n", result->name, *limits ? " " : "", limits);
+    printf("\n  %s%s%s, %ss:\n", result->name, *limits ? " " : "", limits,
+           design_inputs_of(design).name);
     for (int k = 0; k < design->actuators; k++) {
         const scene_actuator *actuator = &design->actuator[k];
         const double *voltage = result->voltage + actuator->first;
@@ -655,8 +656,13 @@ void print_shape(const shape_run *run)
     print_head(analysis, "at rest");
     printf("  influence of %d amplifiers on %d target nodes, largest solver residual %.1e\n\n",
            design->amplifiers, design->targets, analysis->model.info.residual);
-    printf("  %-26s %-16s %12s %7s %12s %10s\n", "voltages", "limits (V)", "shape error", "active",
-           "largest (V)", "KKT");
+    const design_inputs inputs = design_inputs_of(design);
+    char names[32], limit[32], largest_name[32];
+    snprintf(names, sizeof names, "%ss", inputs.name);
+    snprintf(limit, sizeof limit, "limits (%.20s)", inputs.unit);
+    snprintf(largest_name, sizeof largest_name, "largest (%.20s)", inputs.unit);
+    printf("  %-26s %-16s %12s %7s %12s %10s\n", names, *inputs.unit ? limit : "limits",
+           "shape error", "active", *inputs.unit ? largest_name : "largest", "KKT");
     for (int i = 0; i < run->count; i++) {
         const voltages *result = &run->results[i];
         char limits[32];

@@ -109,6 +109,14 @@ double design_displacement(const mesh *mesh, const double *displacement, int nod
     return sum;
 }
 
+void design_vectors(const mesh *mesh, const double *displacement, double *vector)
+{
+    for (int i = 0; i < 3 * mesh->nodes; i++) {
+        const scene_component component = (scene_component)((int)COMPONENT_X + i % 3);
+        vector[i] = design_displacement(mesh, displacement, i / 3, component, FACE_MIDDLE);
+    }
+}
+
 static void append_output(const mesh *mesh, const scene_output *output, int node, row_builder *rows,
                           double *dense)
 {

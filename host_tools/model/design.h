@@ -193,6 +193,19 @@ double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
 /* Whether an amplifier is held at one voltage, because its limits allow no other voltage. */
 bool design_is_held(const design *design, int amplifier);
 
+/*
+ * Names and unit of what the amplifiers of a scene give: temperatures if all of them supply
+ * heaters, otherwise voltages.
+ */
+typedef struct design_inputs {
+    const char *name, *title; /* "voltage", "Voltage" or "temperature", "Temperature" */
+    const char *unit;
+} design_inputs;
+design_inputs design_inputs_of(const design *design);
+
+/* Return the unit of the input of an amplifier: of voltages, or of temperatures for a heater. */
+const char *design_unit(const design *design, int amplifier);
+
 void design_free(design *design);
 
 /*
@@ -348,5 +361,12 @@ void design_output_weights(const mesh *mesh, int node, scene_component component
  */
 double design_displacement(const mesh *mesh, const double *displacement, int node,
                            scene_component component, scene_face face);
+
+/*
+ * Compute the Cartesian displacement of the middle surface at all nodes.
+ *   displacement [free_dof] in   displacement vector of the structure
+ *   vector [nodes][3]       out  displacement of each node along x, y and z
+ */
+void design_vectors(const mesh *mesh, const double *displacement, double *vector);
 
 #endif

@@ -182,6 +182,22 @@ bool design_is_held(const design *design, int amplifier)
     return design->lower[amplifier] == design->upper[amplifier];
 }
 
+const char *design_unit(const design *design, int amplifier)
+{
+    const bool is_heater = scene_is_heater(design->actuator, design->actuators, amplifier);
+    return is_heater ? design->units.temperature : design->units.voltage;
+}
+
+design_inputs design_inputs_of(const design *design)
+{
+    int heaters = 0;
+    for (int k = 0; k < design->amplifiers; k++)
+        heaters += scene_is_heater(design->actuator, design->actuators, k);
+    if (heaters > 0 && heaters == design->amplifiers)
+        return (design_inputs){"temperature", "Temperature", design->units.temperature};
+    return (design_inputs){"voltage", "Voltage", design->units.voltage};
+}
+
 /* ---- voltage problem -------------------------------------------------- */
 
 static int allocate_control(design *design)

@@ -94,7 +94,8 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
         }
         lowest = fmin(lowest, problem->lower[k]);
         highest = fmax(highest, problem->upper[k]);
-        result->active_limits += voltage[k] == problem->lower[k] || voltage[k] == problem->upper[k];
+        result->at_limit[k] = voltage[k] == problem->lower[k] || voltage[k] == problem->upper[k];
+        result->active_limits += result->at_limit[k];
     }
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
@@ -166,6 +167,7 @@ static int open_result(const analysis *analysis, voltages *result, const char *n
     snprintf(result->name, sizeof result->name, "%s", name);
     result->amplifiers = analysis->design.amplifiers;
     result->voltage = calloc((size_t)analysis->design.amplifiers, sizeof *result->voltage);
+    result->at_limit = calloc((size_t)analysis->design.amplifiers, sizeof *result->at_limit);
     result->shape = calloc((size_t)analysis->design.targets, sizeof *result->shape);
     result->aligned_target =
         calloc((size_t)analysis->design.targets, sizeof *result->aligned_target);
@@ -174,8 +176,9 @@ static int open_result(const analysis *analysis, voltages *result, const char *n
     result->optimality = (double)NAN;
     result->limit[0] = -HUGE_VAL;
     result->limit[1] = HUGE_VAL;
-    return result->voltage && result->shape && result->aligned_target && result->displacement ? 0
-                                                                                              : -1;
+    const bool has_memory = result->voltage && result->at_limit && result->shape &&
+                            result->aligned_target && result->displacement;
+    return has_memory ? 0 : -1;
 }
 
 static int out_of_memory(const analysis *analysis, char *error)
@@ -365,6 +368,7 @@ int voltages_given(analysis *analysis, const char *name, const double *voltage, 
 void voltages_free(voltages *result)
 {
     free(result->voltage);
+    free(result->at_limit);
     free(result->shape);
     free(result->aligned_target);
     free(result->displacement);
@@ -414,46 +418,33 @@ typedef struct newton {
     voltages best; /* voltages and shape with the smallest objective of all iterations so far */
 } newton;
 
-/*
- * Save a result, which has the smallest objective of all iterations so far, and the state of the
- * equilibrium solver that belongs to it.
- */
-static void save_best(const analysis *analysis, newton *newton, const voltages *result)
+/* Copy a result into another one of the same design, with the values of its arrays. */
+static void copy_result(const analysis *analysis, const voltages *from, voltages *to)
 {
-    const voltages own = newton->best;
-    equilibrium_save(&analysis->equilibrium, newton->state);
-    newton->best = *result;
-    newton->best.voltage =
-        memcpy(own.voltage, result->voltage, (size_t)result->amplifiers * sizeof *result->voltage);
-    newton->best.shape =
-        memcpy(own.shape, result->shape, (size_t)analysis->design.targets * sizeof *result->shape);
-    newton->best.aligned_target =
-        memcpy(own.aligned_target, result->aligned_target,
-               (size_t)analysis->design.targets * sizeof *result->aligned_target);
-    newton->best.displacement =
-        memcpy(own.displacement, result->displacement,
-               (size_t)analysis->design.mesh.free_dof * sizeof *result->displacement);
+    const size_t amplifiers = (size_t)analysis->design.amplifiers;
+    const size_t targets = (size_t)analysis->design.targets;
+    const size_t dof = (size_t)analysis->design.mesh.free_dof;
+    const voltages own = *to;
+    *to = *from;
+    to->voltage = memcpy(own.voltage, from->voltage, amplifiers * sizeof *own.voltage);
+    to->at_limit = memcpy(own.at_limit, from->at_limit, amplifiers * sizeof *own.at_limit);
+    to->shape = memcpy(own.shape, from->shape, targets * sizeof *own.shape);
+    to->aligned_target =
+        memcpy(own.aligned_target, from->aligned_target, targets * sizeof *own.aligned_target);
+    to->displacement = memcpy(own.displacement, from->displacement, dof * sizeof *own.displacement);
 }
 
+/*
+ * Return to the saved result with the smallest objective, and to the state of the equilibrium
+ * solver that belongs to it. The counts of iterations and linear solves go on.
+ */
 static void restore_best(analysis *analysis, const newton *newton, voltages *result)
 {
+    const int iterations = result->iterations, linear_solves = result->linear_solves;
     equilibrium_restore(&analysis->equilibrium, newton->state);
-    memcpy(result->voltage, newton->best.voltage,
-           (size_t)result->amplifiers * sizeof *result->voltage);
-    memcpy(result->shape, newton->best.shape,
-           (size_t)analysis->design.targets * sizeof *result->shape);
-    memcpy(result->displacement, newton->best.displacement,
-           (size_t)analysis->design.mesh.free_dof * sizeof *result->displacement);
-    memcpy(result->aligned_target, newton->best.aligned_target,
-           (size_t)analysis->design.targets * sizeof *result->aligned_target);
-    result->error = newton->best.error;
-    result->error_all = newton->best.error_all;
-    result->rms = newton->best.rms;
-    result->valley = newton->best.valley;
-    result->fixed_off = newton->best.fixed_off;
-    result->residual = newton->best.residual;
-    result->active_limits = newton->best.active_limits;
-    result->optimality = newton->best.optimality;
+    copy_result(analysis, &newton->best, result);
+    result->iterations = iterations;
+    result->linear_solves = linear_solves;
 }
 
 /*
@@ -475,7 +466,8 @@ static pzs_status relinearise(analysis *analysis, newton *newton, voltages *resu
             newton->wanted[i] += newton->influence[i * amplifiers + k] * result->voltage[k];
     }
     result->relinearised++;
-    save_best(analysis, newton, result);
+    equilibrium_save(&analysis->equilibrium, newton->state);
+    copy_result(analysis, result, &newton->best);
     return status;
 }
 

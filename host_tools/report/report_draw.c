@@ -65,6 +65,13 @@ void draw_extend(draw_scale *scale, const double *value, int count)
         scale->most = fmax(scale->most, fabs(value[i]));
 }
 
+draw_scale draw_scale_of(bool is_signed, const char *unit, const double *value, int count)
+{
+    draw_scale scale = {is_signed, 0, unit};
+    draw_extend(&scale, value, count);
+    return scale;
+}
+
 int draw_level(const draw_scale *scale, double value)
 {
     if (!isfinite(value))
@@ -164,10 +171,7 @@ double draw_round(double value)
     return number[k] * power;
 }
 
-/*
- * Draw a grid line at one value of the horizontal axis (is_x) or of the vertical axis of a diagram,
- * and write this value beside the axis.
- */
+/* Draw a grid line of a diagram at a value of the axis x (is_x) or y, with its number. */
 static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x, double value)
 {
     const draw_axis *axis = is_x ? x : y;

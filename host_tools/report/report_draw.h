@@ -55,7 +55,8 @@ typedef struct draw_scale {
     const char *unit;
 } draw_scale;
 
-/* Extend the range of a colour scale to contain values. */
+/* Return a colour scale that contains values, or extend the range of a scale to contain values. */
+draw_scale draw_scale_of(bool is_signed, const char *unit, const double *value, int count);
 void draw_extend(draw_scale *scale, const double *value, int count);
 
 /*

@@ -10,10 +10,7 @@
 /* Height of the lines of text below a map, in pixels. */
 enum { FOOT = 25 };
 
-/*
- * Write below a map the ranges of its two surface coordinates, or the direction from which the
- * surface is seen.
- */
+/* Write below a map the ranges of its coordinates, or the direction of view. */
 static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
@@ -68,10 +65,11 @@ static bool do_overlap(const design *design, const scene_actuator *one, const sc
     return false;
 }
 
-int shell_find_plans(const design *design, int *plan)
+void shell_find_plans(shell *map)
 {
+    const design *design = map->design;
     const scene_actuator *actuator = design->actuator;
-    int plans = 0;
+    int *plan = map->plan;
     for (int k = 0; k < design->actuators; k++) {
         plan[k] = actuator[k].drives > 0 || actuator[k].stacks ? 0 : -1;
         for (int other = 0; other < k; other++)
@@ -79,9 +77,8 @@ int shell_find_plans(const design *design, int *plan)
                 plan[k]++;
                 other = -1;
             }
-        plans = plan[k] >= plans ? plan[k] + 1 : plans;
+        map->plans = plan[k] >= map->plans ? plan[k] + 1 : map->plans;
     }
-    return plans;
 }
 
 /* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
@@ -120,10 +117,7 @@ static void draw_piece(void *context, int element, const double (*natural)[2], s
     electrode->area += fabs(twice) / 2;
 }
 
-/*
- * Prepare the drawing of an electrode on a map of the surface: find the elements of the electrode
- * if it is a patch of whole elements.
- */
+/* Prepare the drawing of an electrode: find its elements if it is a patch of whole elements. */
 static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
 {
     electrode electrode = {*map, patches, index, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, 0};
@@ -189,22 +183,45 @@ static text_room room_of(const electrode *electrode)
     return cells > 0 && least > sqrt(electrode->area / cells) ? nearest : room;
 }
 
-/*
- * Style class of an electrode's outline for each value of shell_mark: voltage within its limits, at
- * an active limit, and beyond the limits.
- */
-static const char *const mark_style[] = {"patch", "limit", "beyond"};
+void shell_extend(draw_scale *scale, const design *design, const double *value)
+{
+    for (int k = 0; k < design->amplifiers; k++)
+        if (design_unit(design, k) == scale->unit)
+            draw_extend(scale, &value[k], 1);
+}
 
-/*
- * Begin an SVG group for the drawing of an amplifier, with a title that states name and voltage of
- * the amplifier.
- */
-static void begin_amplifier(FILE *file, const design *design, const shell_voltage_set *set,
-                            int amplifier)
+bool shell_is_beyond(const design *design, const voltages *result, int amplifier)
+{
+    return result->voltage[amplifier] < design->lower[amplifier] ||
+           result->voltage[amplifier] > design->upper[amplifier];
+}
+
+/* An amplifier as a map shows it. */
+typedef struct drawn {
+    FILE *file;
+    const draw_scale *scale;
+    double value;        /* voltage of the amplifier, or temperature of its heater */
+    const char *colour;  /* style class of the colour of this value; "none" if the colour scale has
+                            another unit */
+    const char *outline; /* style class of the outline: "patch" for a voltage within its limits,
+                            "limit" at an active limit, "beyond" beyond the limits */
+    bool is_marked;      /* whether the voltage is at an active limit or beyond the limits */
+} drawn;
+
+/* Begin the SVG group of an amplifier, with a title that states name and voltage. */
+static drawn begin_amplifier(FILE *file, const design *design, const shell_voltage_set *set,
+                             int amplifier)
 {
     static const char *const words[] = {"", ", limit active", ", beyond the limits of the scene"};
-    put(file, "<g><title>%t: %q%s</title>", design->amplifier_name[amplifier],
-        set->voltage[amplifier], set->scale->unit, words[set->mark[amplifier]]);
+    static const char *const outline[] = {"patch", "limit", "beyond"};
+    const double value = set->result->voltage[amplifier];
+    const char *unit = design_unit(design, amplifier);
+    const bool is_at_limit = set->result->at_limit[amplifier];
+    const int mark = is_at_limit ? 1 : 2 * shell_is_beyond(design, set->result, amplifier);
+    put(file, "<g><title>%t: %q%s</title>", design->amplifier_name[amplifier], value, unit,
+        words[mark]);
+    const char *colour = unit == set->scale->unit ? draw_colour(set->scale, value) : "none";
+    return (drawn){file, set->scale, value, colour, outline[mark], mark > 0};
 }
 
 /*
@@ -212,48 +229,44 @@ static void begin_amplifier(FILE *file, const design *design, const shell_voltag
  * and end the SVG group of the amplifier. A voltage at a limit is written in any case, all other
  * voltages only if the font is large enough to be read.
  */
-static void end_amplifier(FILE *file, const shell_voltage_set *set, int amplifier,
-                          const text_room *room)
+static void end_amplifier(const drawn *drawn, const text_room *room)
 {
     const double digit = 0.6; /* width of a digit of a text relative to the font size */
     const double smallest = 4.5, readable = 9, largest = 14; /* sizes of fonts for voltages on a map
                                                                 (pixels) */
-    const double voltage = set->voltage[amplifier], most = set->scale->most;
+    const double most = drawn->scale->most;
     char text[40];
-    snprintf(text, sizeof text, "%.*f", (most < 100) + (most < 10), voltage);
+    snprintf(text, sizeof text, "%.*f", (most < 100) + (most < 10), drawn->value);
     double size = fmin(room->height * 0.5, (room->width - 6) / (digit * (double)strlen(text)));
-    const bool is_over = set->mark[amplifier] != SHELL_FREE && size < smallest;
-    const char *tone = is_over ? "tag" : draw_tone(set->scale, voltage);
+    const bool is_over = drawn->is_marked && size < smallest;
+    const char *tone = is_over ? "tag" : draw_tone(drawn->scale, drawn->value);
     const char *sign = strtod(text, NULL) < 0 ? "−" : "";
     size = is_over ? readable : fmin(size, largest);
-    if (size >= smallest && isfinite(voltage))
-        put(file, "<text class=\"value %s\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%s%s</text>",
-            tone, size, room->middle[0], room->middle[1] + size * 0.36, sign,
-            text + (*text == '-'));
-    fputs("</g>\n", file);
+    if (size >= smallest && isfinite(drawn->value))
+        put(drawn->file,
+            "<text class=\"value %s\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%s%s</text>", tone,
+            size, room->middle[0], room->middle[1] + size * 0.36, sign, text + (*text == '-'));
+    fputs("</g>\n", drawn->file);
 }
 
-/* Draw an electrode and its voltage, with a second outline at or beyond a limit of the voltage. */
 static void draw_electrode(electrode *electrode, const shell_voltage_set *set, int amplifier)
 {
     FILE *file = electrode->part.file;
-    const double voltage = set->voltage[amplifier], rest = 1 - 0.86;
-    begin_amplifier(file, electrode->part.design, set, amplifier);
-    draw_pieces(electrode, false, draw_colour(set->scale, voltage));
+    const double rest = 1 - 0.86;
+    const drawn drawn = begin_amplifier(file, electrode->part.design, set, amplifier);
+    draw_pieces(electrode, false, drawn.colour);
     const text_room room = room_of(electrode);
     draw_pieces(electrode, true, electrode->patches->outlines ? "frame" : "patch");
-    if (set->mark[amplifier] != SHELL_FREE) {
-        put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(.86)\">",
-            mark_style[set->mark[amplifier]], draw_tone(set->scale, voltage),
-            rest * (electrode->low[0] + electrode->high[0]) / 2,
+    if (drawn.is_marked) {
+        put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(.86)\">", drawn.outline,
+            draw_tone(set->scale, drawn.value), rest * (electrode->low[0] + electrode->high[0]) / 2,
             rest * (electrode->low[1] + electrode->high[1]) / 2);
         draw_pieces(electrode, true, "");
         fputs("</g>", file);
     }
-    end_amplifier(file, set, amplifier, &room);
+    end_amplifier(&drawn, &room);
 }
 
-/* Draw all electrodes of an actuator with their voltages. */
 static void draw_actuator(const shell *map, const scene_actuator *actuator,
                           const shell_voltage_set *set)
 {
@@ -278,10 +291,7 @@ static void stack_at(const shell *map, const scene_actuator *actuator, int k, do
     view_project(&map->view, place, at);
 }
 
-/*
- * Radius of the discs by which a map shows the piezoelectric stacks of an actuator, chosen so that
- * they do not touch one another (pixels).
- */
+/* Radius of the discs for the stacks of an actuator, which must not touch (pixels). */
 static double stack_radius(const shell *map, const scene_actuator *actuator)
 {
     const double largest = 16, share = 0.45;
@@ -295,55 +305,66 @@ static double stack_radius(const shell *map, const scene_actuator *actuator)
     return radius;
 }
 
-/* Draw the piezoelectric stacks of an actuator as discs in the colours of their voltages. */
 static void draw_stacks(const shell *map, const scene_actuator *actuator,
                         const shell_voltage_set *set)
 {
     const double radius = stack_radius(map, actuator);
     for (int k = 0; k < actuator->grid[0]; k++) {
-        const int amplifier = actuator->first + k;
         text_room room = {.width = 1.8 * radius, .height = 1.8 * radius};
         stack_at(map, actuator, k, room.middle);
-        begin_amplifier(map->file, map->design, set, amplifier);
-        draw_disc(map->file, draw_colour(set->scale, set->voltage[amplifier]), room.middle, radius);
-        if (set->mark[amplifier] != SHELL_FREE)
-            draw_disc(map->file, mark_style[set->mark[amplifier]], room.middle, radius - 1);
-        end_amplifier(map->file, set, amplifier, &room);
+        const drawn drawn = begin_amplifier(map->file, map->design, set, actuator->first + k);
+        draw_disc(map->file, drawn.colour, room.middle, radius);
+        if (drawn.is_marked)
+            draw_disc(map->file, drawn.outline, room.middle, radius - 1);
+        end_amplifier(&drawn, &room);
     }
 }
 
-void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set)
+static void draw_patches(const shell *map, int which, const shell_voltage_set *set)
 {
-    draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH, map->view.height + FOOT,
-               "Voltages of the amplifiers", "Every patch in the colour of its voltage");
     for (int k = 0; k < map->design->actuators; k++) {
         const scene_actuator *actuator = &map->design->actuator[k];
-        if (plan[k] == which)
+        if (map->plan[k] == which)
             (actuator->stacks ? draw_stacks : draw_actuator)(map, actuator, set);
     }
     shell_edges(map, "frame");
     write_ranges(map);
-    draw_end(map->file, DRAW_GROUP);
 }
 
-void shell_bars(FILE *file, const design *design, const shell_voltage_set *set)
+static void draw_bars(const shell *map, double height, const shell_voltage_set *set)
 {
-    enum { NAMES = 74, ROOM = 330 };
-    const double height = fmin(fmax((double)ROOM / design->amplifiers, 2), 18);
+    enum { NAMES = 74 };
     const double half = (SHELL_MAP_WIDTH - NAMES) / 2.0, middle = NAMES + half;
-    draw_begin(file, DRAW_GROUP, SHELL_MAP_WIDTH, height * design->amplifiers + 4,
-               "Voltages of the amplifiers",
-               "A bar for each amplifier, to the right for positive voltages");
-    for (int k = 0; k < design->amplifiers; k++) {
-        const double share = set->scale->most > 0 ? set->voltage[k] / set->scale->most : 0;
-        begin_amplifier(file, design, set, k);
+    FILE *file = map->file;
+    for (int k = 0; k < map->design->amplifiers; k++) {
+        const drawn drawn = begin_amplifier(file, map->design, set, k);
+        const double share = set->scale->most > 0 ? drawn.value / set->scale->most : 0;
         for (int outline = 0; outline < 2; outline++)
             put(file, "<path class=\"%s\" d=\"M%f %fh%fv%fH%fz\"/>",
-                outline ? mark_style[set->mark[k]] : draw_colour(set->scale, set->voltage[k]),
-                middle, height * k + 1, half * share, height - 2, middle);
+                outline ? drawn.outline : drawn.colour, middle, height * k + 1, half * share,
+                height - 2, middle);
         put(file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%d\" y=\"%f\">%t</text></g>\n",
-            fmin(height, 11), NAMES - 6, height * (k + 0.8), design->amplifier_name[k]);
+            fmin(height, 11), NAMES - 6, height * (k + 0.8), map->design->amplifier_name[k]);
     }
-    put(file, "<path class=\"grid\" d=\"M%f 0V%f\"/>", middle, height * design->amplifiers);
-    draw_end(file, DRAW_GROUP);
+    put(file, "<path class=\"grid\" d=\"M%f 0V%f\"/>", middle, height * map->design->amplifiers);
+}
+
+void shell_voltages(const shell *map, int which, const shell_voltage_set *set)
+{
+    const int bars = map->plans > 0 ? 0 : map->design->amplifiers;
+    const double bar = fmin(fmax(330.0 / bars, 2), 18);
+    const design_inputs inputs = design_inputs_of(map->design);
+    char title[64], description[80];
+    snprintf(title, sizeof title, "%ss of the amplifiers", inputs.title);
+    snprintf(description, sizeof description,
+             bars ? "A bar for each amplifier, to the right for positive %ss"
+                  : "Every patch in the colour of its %s",
+             inputs.name);
+    draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH,
+               bars ? bar * bars + 4 : map->view.height + FOOT, title, description);
+    if (bars)
+        draw_bars(map, bar, set);
+    else
+        draw_patches(map, which, set);
+    draw_end(map->file, DRAW_GROUP);
 }

@@ -16,10 +16,7 @@ void shell_node(const shell *shell, int node, const char *style, double radius)
     draw_disc(shell->file, style, at, radius);
 }
 
-/*
- * Draw a point load as an arrow that ends at its node, or, if its direction is along the line of
- * sight, as a disc.
- */
+/* Draw a point load as an arrow that ends at its node, or as a disc if it is seen end-on. */
 static void draw_load(const shell *shell, const scene_load *load)
 {
     const double degree = 0.017453292519943295, length = 46;

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Frame of report pages and of single pictures, and pictures of shapes with their misfit (reached
- * minus target values).
- */
+/* Frames of report pages and pictures, and pictures of shapes with their misfit. */
 #include "report_page.h"
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +18,8 @@ int page_open(page *page, const report_job *job, const analysis *analysis)
                           .file = job->file,
                           .analysis = analysis,
                           .mesh = &design->mesh,
-                          .design = design};
+                          .design = design,
+                          .inputs = design_inputs_of(design)};
     words_unit(&design->units, QUANTITY_PRESSURE, page->pressure);
     page->vector = calloc(7 * nodes + (size_t)design->targets, sizeof *page->vector);
     if (shell_open(&page->space, job->file, design, false) < 0 ||
@@ -55,19 +53,12 @@ static void write_command(const report_job *job)
     }
 }
 
-/*
- * Return the result of a numerical check for display: NAN for a negative value, which stands for a
- * check that was not made.
- */
+/* Return the result of a numerical check: NAN for a negative value, a check that was not made. */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;
 }
 
-/*
- * Write the size of the mesh and the results of the numerical checks, such as the largest residual
- * of the linear solves, on a report page.
- */
 static void write_structure_facts(const page *page, double residual)
 {
     const mesh *mesh = page->mesh;
@@ -109,10 +100,6 @@ static void write_facts(const page *page, double residual)
     fprintf(page->file, FACT("Scene", "%08lx") "</dl>\n", (unsigned long)design->structure.scene);
 }
 
-/*
- * Write on a report page the warnings on implausible numbers of the scene file, and on a shell that
- * the equilibrium solver has found on the wrong side of the surface of a rigid body.
- */
 static void write_warnings(const page *page)
 {
     static const char *const item = "<li><b class=\"warn\">%t</b>: %t</li>\n";
@@ -211,7 +198,7 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
 
 void page_displace(page *page, const double *u)
 {
-    report_displacement(page->mesh, u, page->vector);
+    design_vectors(page->mesh, u, page->vector);
     page->largest = 0;
     for (int n = 0; n < page->mesh->nodes; n++) {
         page->value[n] = vector_length(page->vector + 3 * n);
@@ -219,13 +206,12 @@ void page_displace(page *page, const double *u)
     }
 }
 
-void page_shape(page *page, const double *u, const double *reached, const double *target)
+draw_scale page_shape(page *page, const double *u, const double *reached, const double *target)
 {
     const design *design = page->design;
     const scene_direction direction = {.component = design->goal.what.component};
     page_displace(page, u);
     (void)design_misfit(design, reached, target, page->row);
-    page->misfit = 0;
     for (int i = 0; i < 3 * page->mesh->nodes; i++)
         page->value[i / 3] = page->wanted[i] = (double)NAN;
     for (int t = 0; t < design->targets; t++) {
@@ -233,10 +219,10 @@ void page_shape(page *page, const double *u, const double *reached, const double
         double along[3];
         springs_direction(&page->mesh->point[node], &direction, along);
         page->value[node] = page->row[t];
-        page->misfit = fmax(page->misfit, fabs(page->row[t]));
         for (int i = 0; i < 3; i++)
             page->wanted[3 * node + i] = page->vector[3 * node + i] - page->row[t] * along[i];
     }
+    return draw_scale_of(true, design->units.length, page->row, design->targets);
 }
 
 void page_draw_shape(const page *page, const draw_scale *scale)

@@ -8,8 +8,8 @@
 #include "report_shell.h"
 
 /*
- * A report page in HTML, or its main picture in an SVG file. The members vector, wanted, value,
- * largest and misfit belong to the shape that is drawn at present. Lengths are in the length unit
+ * A report page in HTML, or its main picture in an SVG file. The members vector, wanted, value
+ * and largest belong to the shape that is drawn at present. Lengths are in the length unit
  * of the scene.
  */
 typedef struct page {
@@ -19,6 +19,7 @@ typedef struct page {
     const mesh *mesh;
     const design *design;
     shell space, map;
+    design_inputs inputs; /* names and unit of what the amplifiers give: voltages or temperatures */
     char pressure[WORDS_UNIT]; /* unit of pressures and stresses as text; empty if the scene file
                                   names none */
     draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
@@ -30,7 +31,6 @@ typedef struct page {
     double *row; /* [targets] work array for the misfit (reached minus target value) of each target
                     row (controlled displacement) */
     double largest; /* largest length of the drawn displacement of any node */
-    double misfit;  /* largest absolute value of the misfit, reached minus target value */
 } page;
 
 /*
@@ -94,8 +94,9 @@ void page_displace(page *page, const double *u);
  *   u               [dof]      in  displacement vector
  *   reached, target [targets]  in  reached value and target value of each target row (controlled
  *                                  displacement)
+ * Returns the colour scale of the misfit.
  */
-void page_shape(page *page, const double *u, const double *reached, const double *target);
+draw_scale page_shape(page *page, const double *u, const double *reached, const double *target);
 
 /*
  * Draw the reached shape in space, coloured by its misfit (reached minus target value), and the

@@ -44,10 +44,6 @@ static void put_text(FILE *file, const char *text, bool raises_digits)
     }
 }
 
-/*
- * Write a number with a given number of significant digits, and with a power of ten if it is very
- * large or very small.
- */
 static void put_number(FILE *file, double value, int digits)
 {
     const double size = fabs(value);
@@ -95,10 +91,6 @@ static void put_unit_name(FILE *file, const char *unit)
     put_text(file, unit, true);
 }
 
-/*
- * Write a quantity with its unit. For lengths the unit is the one in which the value `most` is most
- * readable, such as mm or um.
- */
 static void put_quantity(FILE *file, double value, double most, const char *name)
 {
     const put_unit unit = put_unit_of(most, name);
@@ -118,10 +110,7 @@ static void put_limits(FILE *file, const double limit[2], const char *unit)
         put(file, "%n to %q", limit[0], limit[1], unit);
 }
 
-/*
- * Write one value with a directive of a format, such as %n for a number with four significant
- * digits.
- */
+/* Write one number with a directive of a format, such as %n. */
 static void put_value(FILE *file, char directive, double value, va_list *more)
 {
     const bool has_most = directive == 'a' || directive == 'b';
@@ -203,16 +192,18 @@ void put_row(FILE *file, const char *format, ...)
     fputs("</td></tr>\n", file);
 }
 
-void put_table(FILE *file, const char *caption, const char *head)
+void put_table(FILE *file, const char *caption, const char *head, ...)
 {
-    put(file,
-        "<figure class=\"table\"><figcaption>%s</figcaption><div class=\"wide\" "
-        "tabindex=\"0\"><table><thead><tr>",
-        caption);
+    va_list more;
+    va_start(more, head);
+    fputs("<figure class=\"table\"><figcaption>", file);
+    put_list(file, caption, NULL, &more);
+    fputs("</figcaption><div class=\"wide\" tabindex=\"0\"><table><thead><tr>", file);
     if (*head) {
-        put_list(file, open_cell(file, head_cell, head), head_cell, NULL);
+        put_list(file, open_cell(file, head_cell, head), head_cell, &more);
         fputs("</th>", file);
     }
+    va_end(more);
     fputs("</tr></thead><tbody>\n", file);
 }
 

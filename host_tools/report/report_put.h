@@ -41,10 +41,10 @@ void put_row(FILE *file, const char *format, ...);
 /*
  * put_table begins an HTML table, and put_table_end ends it. On a narrow page the table can be
  * scrolled on its own.
- *   caption  in  markup
+ *   caption  in  markup with directives
  *   head     in  heading cells in the format of put_row; "" for no heading
  */
-void put_table(FILE *file, const char *caption, const char *head);
+void put_table(FILE *file, const char *caption, const char *head, ...);
 void put_table_end(FILE *file);
 
 /*

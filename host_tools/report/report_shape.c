@@ -1,26 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Report page of `pzs shape` (report.h). */
 #include <math.h>
-#include <stdlib.h>
 #include "report_page.h"
 
-/*
- * Report page of `pzs shape`. The misfit (reached minus target value) has the same colour scale,
- * page.scale, in all results, of which there is one for each pair of voltage limits.
- */
+/* Report page of `pzs shape`. All results have one colour scale of the misfit, page.scale. */
 typedef struct shape_page {
     page page;
-    const voltages *result; /* [results] optimal voltages of all amplifiers for each pair of voltage
-                               limits */
+    const voltages *result; /* [results] results, one for each pair of voltage limits */
     int results;
-    int *plan; /* [actuators] index of the map on which each actuator is drawn */
-    int plans; /* number of maps of the surface over which the actuators are distributed, so that no
-                  electrodes overlap on a map */
     draw_scale voltage;
-    shell_mark *mark; /* [amplifiers] for the result that is drawn at present: whether each voltage
-                         is at a limit, beyond the limits, or neither */
-    double *limit;    /* [2][amplifiers] lowest and highest voltages that the limits allow in the
-                         result drawn at present */
 } shape_page;
 
 static bool is_limited(const voltages *result)
@@ -28,77 +16,34 @@ static bool is_limited(const voltages *result)
     return isfinite(result->limit[0]) || isfinite(result->limit[1]);
 }
 
-static bool is_at(double voltage, double limit)
+/* Return the largest absolute voltage, or temperature of a heater, of a result. */
+static double largest_voltage(const shape_page *shape, const voltages *result)
 {
-    return fabs(voltage - limit) <= 1e-9 * fabs(limit);
-}
-
-static bool is_beyond(const shape_page *shape, const voltages *result, int k)
-{
-    const design *design = shape->page.design;
-    return result->voltage[k] < design->lower[k] || result->voltage[k] > design->upper[k];
-}
-
-/*
- * Return the largest absolute voltage of a result, which contains the optimal voltages of all
- * amplifiers.
- */
-static double largest_voltage(const voltages *result)
-{
-    draw_scale scale = {.most = 0};
-    draw_extend(&scale, result->voltage, result->amplifiers);
+    draw_scale scale = {.unit = shape->voltage.unit};
+    shell_extend(&scale, shape->page.design, result->voltage);
     return scale.most;
 }
 
-/*
- * Mark the voltages of a result that are at an active limit or beyond the limits of the scene.
- * Amplifiers that are held at a fixed voltage get no mark at a limit.
- */
-static void find_marks(const shape_page *shape, const voltages *result)
-{
-    const design *design = shape->page.design;
-    const common_limits common = {LIMITS_GIVEN, result->limit[0], result->limit[1]};
-    double *lower = shape->limit, *upper = shape->limit + design->amplifiers;
-    char error[SCENE_ERROR];
-    const bool has_limits = is_limited(result) && result->active_limits > 0 &&
-                            design_limits(design, common, lower, upper, error) == 0;
-    for (int k = 0; k < design->amplifiers; k++) {
-        const double voltage = result->voltage[k];
-        const bool is_active = is_at(voltage, lower[k]) || is_at(voltage, upper[k]);
-        shape->mark[k] = is_beyond(shape, result, k) ? SHELL_BEYOND : SHELL_FREE;
-        if (has_limits && is_active && !design_is_held(design, k))
-            shape->mark[k] = SHELL_AT_LIMIT;
-    }
-}
-
-/*
- * Let the page draw a result (optimal voltages for one pair of limits, and the shape that they
- * reach) from now on. Returns the colour scale of its misfit, reached minus target value.
- */
+/* Draw the shape of a result from now on. Returns the colour scale of its misfit. */
 static draw_scale take_result(shape_page *shape, const voltages *result)
 {
-    page *page = &shape->page;
-    page_shape(page, result->displacement, result->shape, page->design->target);
-    find_marks(shape, result);
-    return (draw_scale){true, page->misfit, page->design->units.length};
+    return page_shape(&shape->page, result->displacement, result->shape,
+                      shape->page.design->target);
 }
 
-/*
- * Choose the colour scales, the magnification of the displacement and the view in space; all
- * results on the page of `pzs shape` have them in common.
- */
+/* Choose the colour scales, magnification and view that all results have in common. */
 static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
     draw_scale displacement = {.most = 0};
     page->scale = (draw_scale){true, 0, page->design->units.length};
-    shape->voltage = (draw_scale){true, 0, page->design->units.voltage};
+    shape->voltage = (draw_scale){true, 0, page->inputs.unit};
     draw_extend(&displacement, page->design->target, page->design->targets);
     for (int k = 0; k < shape->results; k++) {
         const draw_scale misfit = take_result(shape, &shape->result[k]);
         draw_extend(&displacement, &page->largest, 1);
         draw_extend(&page->scale, &misfit.most, 1);
-        draw_extend(&shape->voltage, shape->result[k].voltage, page->design->amplifiers);
+        shell_extend(&shape->voltage, page->design, shape->result[k].voltage);
     }
     if (!page->analysis->is_nonlinear)
         page->space.factor = view_magnification(page->mesh, displacement.most, 0.2);
@@ -112,10 +57,7 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/*
- * Return the result (optimal voltages for one pair of limits) that the page of `pzs shape` shows
- * first: the first one with voltage limits, or the first result if none has limits.
- */
+/* Return the result that the page shows first: the first one with voltage limits, if any. */
 static const voltages *main_result(const shape_page *shape)
 {
     for (int k = 0; k < shape->results; k++)
@@ -124,10 +66,6 @@ static const voltages *main_result(const shape_page *shape)
     return shape->result;
 }
 
-/*
- * Write one sentence with the shape error and the number of voltages at a limit, for the result
- * (optimal voltages for one pair of limits) that the page shows first.
- */
 static void write_verdict(const shape_page *shape)
 {
     const voltages *best = main_result(shape);
@@ -147,38 +85,34 @@ static void write_row(const shape_page *shape, const voltages *result, double wo
     const char *length = shape->page.design->units.length;
     int beyond = 0;
     for (int k = 0; k < result->amplifiers; k++)
-        beyond += is_beyond(shape, result, k);
+        beyond += shell_is_beyond(shape->page.design, result, k);
     put_row(shape->page.file, "%t|%l|%b|%q|%q|%n|%a|%s%d%s|%r", result->name, result->limit,
             shape->voltage.unit, result->error, worst, result->rms, length, result->valley, length,
-            is_limited(result) ? result->active_limits : (double)NAN, largest_voltage(result),
-            shape->voltage.most, shape->voltage.unit, beyond ? "<b>" : "", beyond,
-            beyond ? "</b>" : "", result->optimality);
+            is_limited(result) ? result->active_limits : (double)NAN,
+            largest_voltage(shape, result), shape->voltage.most, shape->voltage.unit,
+            beyond ? "<b>" : "", beyond, beyond ? "</b>" : "", result->optimality);
 }
 
 static void write_table(const shape_page *shape)
 {
+    const char *input = shape->page.inputs.name;
     double worst = 0;
     for (int k = 0; k < shape->results; k++)
         worst = fmax(worst, shape->result[k].error);
-    put_table(
-        shape->page.file,
-        "Relative RMS error: root of the weighted squares of the misfit over those "
-        "of what is wanted (target less the shape without voltages). PV: peak to valley. Clipped "
-        "least squares: voltages without limits, cut to the limits. Regularised, then clipped: "
-        "the same with the one parameter that leaves the smallest error, chosen knowing the "
-        "answer. KKT violation: largest violated optimality condition, relative.",
-        "Voltages|Limits|Relative RMS error|Misfit, RMS|Misfit, PV|Limit active|Largest voltage|"
-        "Beyond the<br>scene’s limits|KKT violation");
+    put_table(shape->page.file,
+              "Relative RMS error: root of the weighted squares of the misfit over those "
+              "of what is wanted (target less the shape without %ss). PV: peak to valley. Clipped "
+              "least squares: %ss without limits, cut to the limits. Regularised, then clipped: "
+              "the same with the one parameter that leaves the smallest error, chosen knowing the "
+              "answer. KKT violation: largest violated optimality condition, relative.",
+              "%ss|Limits|Relative RMS error|Misfit, RMS|Misfit, PV|Limit active|Largest %s|"
+              "Beyond the<br>scene’s limits|KKT violation",
+              input, input, shape->page.inputs.title, input);
     for (int k = 0; k < shape->results; k++)
         write_row(shape, &shape->result[k], worst);
     put_table_end(shape->page.file);
 }
 
-/*
- * Write notes on the page: voltage limits narrower than those of the scene, target rows (controlled
- * displacements) that no voltage moves, and free functions (shapes that may be added to the target
- * at no cost).
- */
 static void write_notes(const shape_page *shape)
 {
     FILE *file = shape->page.file;
@@ -199,10 +133,6 @@ static void write_notes(const shape_page *shape)
             design->goal.free[k].name, k + 1 == design->free_functions ? ".</p>\n" : "");
 }
 
-/*
- * Draw the target values and the reached values at the outputs of a measured influence matrix with
- * a common colour scale.
- */
 static void draw_levels(const page *page, const voltages *result)
 {
     draw_scale scale = {true, 0, page->design->units.length};
@@ -214,32 +144,20 @@ static void draw_levels(const page *page, const voltages *result)
     page_caption(page, &scale, "Reached, on one scale with target:");
 }
 
-/*
- * Draw the voltages of all amplifiers in a result on one map of the surface, or as bars if the
- * scene has no patches to draw on a map.
- */
-static void draw_plan(const shape_page *shape, int which, const voltages *result)
-{
-    const shell_voltage_set set = {result->voltage, shape->mark, &shape->voltage};
-    if (shape->plans > 0)
-        shell_voltages(&shape->page.map, shape->plan, which, &set);
-    else
-        shell_bars(shape->page.file, shape->page.design, &set);
-}
-
 static void draw_voltages(const shape_page *shape, const voltages *result)
 {
     const design *design = shape->page.design;
+    const shell_voltage_set set = {result, &shape->voltage};
     fputs("<figure>\n", shape->page.file);
-    for (int which = 0; which < shape->plans || which == 0; which++)
-        draw_plan(shape, which, result);
+    for (int which = 0; which < shape->page.map.plans || which == 0; which++)
+        shell_voltages(&shape->page.map, which, &set);
     for (int k = 0; k < design->actuators; k++)
-        if (design->actuator[k].is_temperature)
+        if (scene_heats_all(&design->actuator[k]))
             put(shape->page.file, "<p class=\"keys\">%t: %q</p>\n", design->actuator[k].name,
                 result->voltage[design->actuator[k].first], design->units.temperature);
     page_caption(&shape->page, &shape->voltage,
-                 "Voltages: largest <b>%q</b>. One scale for all results:", largest_voltage(result),
-                 shape->voltage.unit);
+                 "%ss: largest <b>%q</b>. One scale for all results:", shape->page.inputs.title,
+                 largest_voltage(shape, result), shape->voltage.unit);
 }
 
 static void draw_result(shape_page *shape, const voltages *result)
@@ -275,11 +193,13 @@ static void write_page(shape_page *shape, const modes *modes)
 {
     const page *page = &shape->page;
     double residual = 0;
+    char title[64];
     for (int k = 0; k < shape->results; k++)
         residual = fmax(residual, shape->result[k].residual);
-    page_begin(page, "Voltages for a wanted shape", residual);
+    snprintf(title, sizeof title, "%ss for a wanted shape", page->inputs.title);
+    page_begin(page, title, residual);
     write_verdict(shape);
-    fputs("<section>\n<h2>Voltages</h2>\n", page->file);
+    put(page->file, "<section>\n<h2>%ss</h2>\n", page->inputs.title);
     write_table(shape);
     write_notes(shape);
     page_voltages(page, shape->result, shape->results);
@@ -293,10 +213,6 @@ static void write_page(shape_page *shape, const modes *modes)
     page_end(page);
 }
 
-/*
- * Write the main picture of the report of `pzs shape`: the reached shape and the voltages of the
- * result that the page shows first.
- */
 static void write_picture(shape_page *shape)
 {
     const page *page = &shape->page;
@@ -311,7 +227,7 @@ static void write_picture(shape_page *shape)
     put(page->file, "<svg width=\"420\" height=\"%f\">", page->space.view.height);
     page_draw_shape(page, &own);
     fputs("</svg>\n<svg x=\"436\" width=\"320\" height=\"350\">", page->file);
-    draw_plan(shape, 0, result);
+    shell_voltages(&page->map, 0, &(shell_voltage_set){result, &shape->voltage});
     fputs("</svg>\n", page->file);
     draw_legend_at(page->file, &own, 0, height - 32);
     draw_legend_at(page->file, &shape->voltage, 430, height - 32);
@@ -321,23 +237,14 @@ static void write_picture(shape_page *shape)
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes)
 {
-    const size_t amplifiers = (size_t)analysis->design.amplifiers;
     shape_page shape = {.result = result, .results = results};
-    shape.plan = calloc((size_t)analysis->design.actuators + 1, sizeof *shape.plan);
-    shape.mark = calloc(amplifiers + 1, sizeof *shape.mark);
-    shape.limit = calloc(2 * amplifiers + 1, sizeof *shape.limit);
-    const bool failed =
-        page_open(&shape.page, job, analysis) < 0 || !shape.plan || !shape.mark || !shape.limit;
+    const bool failed = page_open(&shape.page, job, analysis) < 0;
     if (!failed) {
-        shape.plans = shell_find_plans(&analysis->design, shape.plan);
         fit_page(&shape);
         if (job->is_svg)
             write_picture(&shape);
         else
             write_page(&shape, modes);
     }
-    free(shape.plan);
-    free(shape.mark);
-    free(shape.limit);
     return page_close(&shape.page, failed);
 }

@@ -13,10 +13,13 @@
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
-/*
- * Fill in the points and cells (quadrilaterals) of a picture whose points are the nodes and whose
- * cells are the elements of the mesh.
- */
+/* A cell (quadrilateral) and the sum of the coordinates of its corners towards the viewer. */
+typedef struct shell_depth {
+    double depth;
+    int cell;
+} shell_depth;
+
+/* Let nodes and elements of the mesh be the points and cells of a picture. */
 static void fill_from_elements(shell *shell)
 {
     for (int n = 0; n < shell->points; n++) {
@@ -27,10 +30,7 @@ static void fill_from_elements(shell *shell)
         shell->cell[k / 4][k % 4] = shell->mesh->element[k / 4][k % 4];
 }
 
-/*
- * Fill in the points and cells (quadrilaterals) of a picture on the plane of the parameters theta1
- * and theta2, for a mesh along lines of curvature.
- */
+/* Fill in the points and cells on the plane of the parameters theta1 and theta2. */
 static void fill_from_parameters(shell *shell)
 {
     const scene_line *line = shell->mesh->line;
@@ -75,10 +75,10 @@ int shell_open(shell *shell, FILE *file, const design *design, bool is_map)
     shell->place = calloc(points, sizeof *shell->place);
     shell->cell = calloc(2 * cells, sizeof *shell->cell);
     shell->is_held = calloc((size_t)mesh->nodes, sizeof *shell->is_held);
-    shell->order = calloc(cells, sizeof *shell->order);
-    shell->side = calloc(4 * cells, sizeof *shell->side);
-    if (!shell->node || !shell->place || !shell->cell || !shell->is_held || !shell->order ||
-        !shell->side)
+    shell->plan = calloc((size_t)design->actuators + 1, sizeof *shell->plan);
+    shell->work = calloc(cells, 4 * sizeof(quad_side) + sizeof(shell_depth));
+    if (!shell->node || !shell->place || !shell->cell || !shell->is_held || !shell->plan ||
+        !shell->work)
         return -1;
     view_begin(&shell->view, mesh, is_map);
     if (!is_map && (mesh->quads != NULL) == mesh->is_from_file)
@@ -87,6 +87,8 @@ int shell_open(shell *shell, FILE *file, const design *design, bool is_map)
         fill_from_parameters(shell);
     else
         fill_from_elements(shell);
+    if (is_map)
+        shell_find_plans(shell);
     for (int k = 0; k < shell->points && is_map; k++)
         view_include(&shell->view, shell->place[k]);
     view_fit(&shell->view, SHELL_MAP_WIDTH, SHELL_MAP_WIDTH, 120);
@@ -99,8 +101,8 @@ void shell_close(shell *shell)
     free(shell->place);
     free(shell->cell);
     free(shell->is_held);
-    free(shell->order);
-    free(shell->side);
+    free(shell->plan);
+    free(shell->work);
 }
 
 void shell_place(const shell *shell, int point, double place[3])
@@ -166,10 +168,6 @@ static void draw_part(const shell *shell, int cell, const double from[2], const 
     draw_polygon(shell->file, (const double(*)[2])at, 4);
 }
 
-/*
- * Draw all cells of a mesh as one SVG path with a style class; cells with a displacement of NaN are
- * left out.
- */
 static void draw_cells(const shell *shell, const char *style)
 {
     static const double first[2] = {0, 0}, last[2] = {1, 1};
@@ -187,7 +185,7 @@ void shell_lines(const shell *shell, const char *style)
 void shell_edges(const shell *shell, const char *style)
 {
     const int sides = 4 * shell->cells;
-    quad_side *side = shell->side;
+    quad_side *side = shell->work;
     for (int k = 0; k < sides; k++) {
         const int *corner = shell->cell[k / 4];
         side[k] =
@@ -215,24 +213,24 @@ static int farther_first(const void *one, const void *other)
     return (a->cell > b->cell) - (a->cell < b->cell);
 }
 
-/* Sort the cells (quadrilaterals) of a mesh from the farthest to the nearest to the viewer. */
-static void sort_cells(const shell *shell)
+/* Return the cells (quadrilaterals) of a mesh, sorted from the farthest to the nearest. */
+static const shell_depth *sort_cells(const shell *shell)
 {
+    shell_depth *order = shell->work;
     for (int k = 0; k < shell->cells; k++) {
-        shell->order[k] = (shell_depth){0, k};
+        order[k] = (shell_depth){0, k};
         for (int r = 0; r < 4; r++) {
             double place[3];
             shell_place(shell, shell->cell[k][r], place);
-            shell->order[k].depth += vector_dot(shell->view.axis[2], place);
+            order[k].depth += vector_dot(shell->view.axis[2], place);
         }
     }
-    qsort(shell->order, (size_t)shell->cells, sizeof *shell->order, farther_first);
+    qsort(order, (size_t)shell->cells, sizeof *order, farther_first);
+    return order;
 }
 
 /*
- * Return the index of the colour at a point inside a cell (quadrilateral) of a picture, for a value
- * interpolated from those at the corners of the cell.
- *   own [4] in  values at the corners
+ * Return the index of the colour at a point inside a cell with the values own [4] at its corners.
  */
 static int level_inside(const double own[4], const draw_scale *scale, double first, double second)
 {
@@ -285,10 +283,7 @@ static void draw_frame(const shell *shell, int cell)
             shell_node(shell, single.cell[0][r], "pin", 2.5);
 }
 
-/*
- * Draw the values at the points of a mesh as coloured discs. If there are very many points, only
- * some are drawn.
- */
+/* Draw the values at the points of a mesh, or at some of very many, as coloured discs. */
 static void draw_points(const shell *shell, const double *value, const draw_scale *scale)
 {
     enum { MOST_DOTS = 2500 };
@@ -309,12 +304,12 @@ void shell_surface(const shell *shell, const double *value, const draw_scale *sc
     bool has_values = false;
     while (pieces < SIDE_PIECES && (pieces + 1) * (pieces + 1) * shell->cells <= most)
         pieces++;
-    sort_cells(shell);
+    const shell_depth *order = sort_cells(shell);
     fputs("<g class=\"cells\">\n", shell->file);
     for (int k = 0; k < shell->cells; k++) {
-        has_values |= paint_cell(shell, shell->order[k].cell, value, scale, pieces);
+        has_values |= paint_cell(shell, order[k].cell, value, scale, pieces);
         if (!shell->is_map)
-            draw_frame(shell, shell->order[k].cell);
+            draw_frame(shell, order[k].cell);
     }
     if (!has_values)
         draw_points(shell, value, scale);

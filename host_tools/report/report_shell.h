@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Pictures of a mesh, in space or as a flat map: coloured surface, mesh lines, supports, loads and
- * voltages.
- */
+/* Pictures of a mesh, in space or as a flat map, with supports, loads and voltages. */
 #ifndef REPORT_SHELL_H
 #define REPORT_SHELL_H
 
-#include "../model/analysis.h"
+#include "../model/voltages.h"
 #include "../quads/quad_side.h"
 #include "report_draw.h"
 
@@ -44,20 +41,8 @@ void view_include(view *view, const double point[3]);
 void view_fit(view *view, double width, double height, double least);
 void view_project(const view *view, const double point[3], double at[2]);
 
-/*
- * Return a round factor of magnification that draws a displacement of length `most` as about the
- * part `share` of the size of the mesh.
- */
+/* Return a round factor that draws a displacement `most` as about `share` of the mesh size. */
 double view_magnification(const mesh *mesh, double most, double share);
-
-/*
- * A cell (quadrilateral) of a mesh with its depth: the sum over its four corners of their
- * coordinates towards the viewer, by which cells are sorted.
- */
-typedef struct shell_depth {
-    double depth;
-    int cell;
-} shell_depth;
 
 /*
  * A mesh as it is drawn: points, and cells (quadrilaterals) between them. They are the nodes and
@@ -74,18 +59,20 @@ typedef struct shell {
     int *node;          /* [points] number of the mesh node at each point of the picture */
     double (*place)[3]; /* [points] coordinates of the undeformed mesh: x, y, z in a picture in
                            space, theta1, theta2 and 0 on a map of the parameters */
-    int (*cell)[4];     /* [2 cells] point indices of the corners of each cell (quadrilateral); the
-                           second half is memory for a copy with fewer cells */
+    int (*cell)[4];     /* [2 cells] point indices of the corners of each cell, and memory for a
+                           copy of the mesh with fewer cells */
     bool *is_held; /* [nodes] whether a support includes the node; only in a picture in space */
-    shell_depth *order;   /* [cells] work array: cells (quadrilaterals) sorted by depth */
-    quad_side *side;      /* [cells][4] work array: sides of the cells (quadrilaterals) */
+    int *plan;  /* [actuators] index of the map on which the patches of each actuator are drawn, so
+                   that no patches overlap on a map; -1: the actuator has no patches or stacks */
+    int plans;  /* number of maps on which the patches of all actuators are drawn */
+    void *work; /* memory in which the cells (quadrilaterals) or their sides are sorted */
     const double *vector; /* [nodes][3] displacement along x, y and z that is drawn; NULL: the
                              undeformed mesh is drawn */
     double factor;        /* factor by which the drawn displacement is magnified */
 } shell;
 
 /*
- * Prepare a picture of a mesh without displacement. shell_open returns 0, or -1 if memory runs out;
+ * Prepare a picture of a mesh without displacement. Returns 0, or -1 if memory runs out;
  * shell_close is called in both cases.
  */
 int shell_open(shell *shell, FILE *file, const design *design, bool is_map);
@@ -130,9 +117,7 @@ void shell_loads(const shell *shell);
 void shell_outputs(const shell *shell);
 void shell_directions(const shell *shell);
 
-/*
- * Number of points along each side of the grid that draws the part of a rigid body near the shell.
- */
+/* Number of points along each side of the grid that draws a rigid body near the shell. */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {
     bool is_given;
@@ -140,48 +125,37 @@ typedef struct shell_body {
     double place[SHELL_NET][SHELL_NET][3];
 } shell_body;
 
-/*
- * Find the part of the rigid body near the shell, at its position in the last equilibrium, and make
- * it visible in the view.
- */
+/* Find the part of the rigid body near the shell in the last equilibrium, for the view to show. */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 
 /* Draw the rigid body of a contact if it lies in front of the shell (is_in_front), or behind it. */
 void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front);
 
-/*
- * Draw a whole map of a surface: values [nodes] in colours, frame, mesh lines and ranges of the
- * coordinates.
- */
+/* Draw a map of values [nodes] in colours, with frame, mesh lines and ranges of coordinates. */
 void shell_map(const shell *map, const double *value, const draw_scale *scale, const char *title);
 
-typedef enum shell_mark { SHELL_FREE, SHELL_AT_LIMIT, SHELL_BEYOND } shell_mark;
-
-/* Voltages of all amplifiers, as pictures show them. */
+/* Voltages of all amplifiers, with the colour scale in which pictures show them. */
 typedef struct shell_voltage_set {
-    const double *voltage;  /* [amplifiers] voltages of the amplifiers (in the voltage unit of the
-                               scene) */
-    const shell_mark *mark; /* [amplifiers] for each voltage: whether it is at an active limit,
-                               beyond the limits, or neither */
+    const voltages *result;
     const draw_scale *scale;
 } shell_voltage_set;
 
 /*
- * Distribute the actuators over as many maps of the surface as are necessary so that no patches
- * overlap on a map. An actuator without patches and stacks, such as the temperature of the whole
- * shell, is on no map.
- *   plan [actuators]  out  index of the map of each actuator, or -1
- * Returns the number of maps.
+ * Extend a colour scale to contain the inputs of those amplifiers that have the unit of the scale.
+ *   value [amplifiers] in  voltages, or temperatures of heaters
  */
-int shell_find_plans(const design *design, int *plan);
+void shell_extend(draw_scale *scale, const design *design, const double *value);
+
+/* Return whether the voltage of an amplifier is beyond the voltage limits of the scene. */
+bool shell_is_beyond(const design *design, const voltages *result, int amplifier);
+
+/* Distribute the actuators over as many maps of the surface as necessary: plan and plans. */
+void shell_find_plans(shell *map);
 
 /*
- * Draw one map of the surface with voltages in the patches of those actuators whose map number
- * plan[actuator] is `which`.
+ * Draw the map with number `which`: voltages in the patches of its actuators. If the scene has no
+ * patches, draw the voltages of all amplifiers as bars.
  */
-void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set);
-
-/* Draw the voltages of all amplifiers as bars, for scenes without patches. */
-void shell_bars(FILE *file, const design *design, const shell_voltage_set *set);
+void shell_voltages(const shell *map, int which, const shell_voltage_set *set);
 
 #endif

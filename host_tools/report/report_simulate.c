@@ -9,14 +9,10 @@ typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    draw_axis time, bin; /* horizontal axes of the diagrams over time: one in ticks of the control
-                            loop, one in bins (equal time intervals of the record) */
+    draw_axis time, bin; /* horizontal axes: one in ticks of the control loop, one in bins (equal
+                            time intervals) */
 } simulate_page;
 
-/*
- * Write the largest difference, over all phases (intervals between events) of the simulation,
- * between the shape error of the controller at the end of the phase and the least possible error.
- */
 static void write_verdict(const simulate_page *self)
 {
     const simulation *simulation = self->simulation;
@@ -31,11 +27,11 @@ static void write_verdict(const simulate_page *self)
     }
     simulate_words_phase(simulation, worst, name);
     put(self->page.file,
-        "<p class=\"verdict\"><b>%d voltages beyond a limit or the step limit</b> in %d ticks; at "
+        "<p class=\"verdict\"><b>%d %ss beyond a limit or the step limit</b> in %d ticks; at "
         "the end of a phase the relative RMS error is at most %p above the optimum for that plant "
         "in the same limits (“%t”, from tick %d).</p>\n",
-        (int)simulation->count[LAW_CONTROLLER].beyond_limits, self->record->ticks, fmax(above, 0),
-        name, worst->from);
+        (int)simulation->count[LAW_CONTROLLER].beyond_limits, self->page.inputs.name,
+        self->record->ticks, fmax(above, 0), name, worst->from);
 }
 
 static void write_phases(const simulate_page *self)
@@ -44,12 +40,13 @@ static void write_phases(const simulate_page *self)
         self->page.file,
         "Relative RMS error: root of the weighted squares of the misfit over those "
         "of the scene’s target. Steady: over the last ticks of the phase. Optimum: the best "
-        "voltages for this plant in the same limits. Clipped: least squares without limits, cut "
+        "%ss for this plant in the same limits. Clipped: least squares without limits, cut "
         "to limits and step limit, same plant and sensors. Regularised, clipped: the same with "
         "the one parameter that is best for the scene’s target on the controller’s model, chosen "
         "knowing the answer. Settled: ticks until the shape stays "
-        "within 5 % of its change. Step limit: ticks that the step limit alone needs.",
-        "Tick|~Events|Optimum|Steady|Clipped|Regularised,<br/>clipped|Worst|Settled|Step limit");
+        "within 5 %% of its change. Step limit: ticks that the step limit alone needs.",
+        "Tick|~Events|Optimum|Steady|Clipped|Regularised,<br/>clipped|Worst|Settled|Step limit",
+        self->page.inputs.name);
     for (int k = 0; k < self->simulation->phases; k++) {
         const simulate_phase *phase = &self->simulation->phase[k];
         const simulate_course *course = phase->course;
@@ -68,8 +65,9 @@ static void write_counts(const simulate_page *self)
     static const char *const law_name[LAWS] = {"Controller", "Clipped least squares",
                                                "Regularised, then clipped"};
     put_table(self->page.file, "Ticks of all laws",
-              "Law|Voltages beyond limit or step limit|Limits between amplifiers violated|Not "
-              "finite|Missed ticks|Held|A sensor rejected|Out of iterations|Most iterations");
+              "Law|%ss beyond limit or step limit|Limits between amplifiers violated|Not "
+              "finite|Missed ticks|Held|A sensor rejected|Out of iterations|Most iterations",
+              self->page.inputs.title);
     for (int law = 0; law < LAWS; law++) {
         const simulate_count *count = &self->simulation->count[law];
         put_row(self->page.file, "%s|%d|%d|%d|%d|%d|%d|%d|%d", law_name[law],
@@ -81,7 +79,6 @@ static void write_counts(const simulate_page *self)
     put_table_end(self->page.file);
 }
 
-/* Write on the report page in what the simulated plant differs from the model of the controller. */
 static void write_plant(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -100,15 +97,11 @@ static void write_plant(const simulate_page *self)
         *imperfections ? imperfections : "none",
         simulation->estimates ? simulation->estimator.sensors : design->targets,
         simulation->estimates ? (double)NAN : simulate->noise, design->units.length,
-        simulate->delay, simulate->step, design->units.voltage, simulate->dead_band,
-        design->units.voltage,
+        simulate->delay, simulate->step, self->page.inputs.unit, simulate->dead_band,
+        self->page.inputs.unit,
         simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
-/*
- * Write on the report page whether the simulated structure has inertia, its first natural
- * frequency, and the result of the stability tests of the control loop.
- */
 static void write_certificate(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -131,16 +124,9 @@ static void write_certificate(const simulate_page *self)
         certificate->has_modes ? text : certificate->reason);
 }
 
-/*
- * Position in pixels of the edges of the diagrams over time (TOP, BOTTOM, LEFT, RIGHT), and height
- * of the text below a diagram (FOOT).
- */
+/* Edges of the diagrams over time, and height of the text below a diagram (pixels). */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
-/*
- * Draw the frame of a diagram with the time axis, and a vertical line at the beginning of each
- * phase (interval between events) of the simulation.
- */
 static void draw_time(const simulate_page *self, double bottom)
 {
     FILE *file = self->page.file;
@@ -155,10 +141,6 @@ static void draw_time(const simulate_page *self, double bottom)
         bottom + 28, self->record->ticks / self->page.design->control.rate, "s");
 }
 
-/*
- * Draw the shape errors of all control laws over time, on a logarithmic axis of at most six powers
- * of ten.
- */
 static void draw_errors(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -210,20 +192,13 @@ static void write_errors(const simulate_page *self)
         (record->ticks + record->bins - 1) / record->bins);
 }
 
-/*
- * Whether the voltage of an amplifier is at a limit at the end of a time bin; the record of a
- * simulation is divided into bins of equal length.
- */
+/* Whether the voltage of an amplifier is at a limit at the end of a time bin. */
 static bool is_active(const simulate_record *record, int amplifier, int bin)
 {
     const double voltage = record->voltage[bin * record->amplifiers + amplifier];
     return voltage <= record->lower[amplifier] || voltage >= record->upper[amplifier];
 }
 
-/*
- * Draw the voltage of an amplifier over time as a coloured strip, with a line where the voltage is
- * at a limit.
- */
 static void draw_row(const simulate_page *self, int amplifier, const draw_scale *scale, double y,
                      double height)
 {
@@ -249,10 +224,13 @@ static void write_voltages(const simulate_page *self)
     FILE *file = self->page.file;
     const int rows = self->record->amplifiers;
     const double height = fmax(4, fmin(14, 420.0 / rows)), bottom = TOP + height * rows;
-    draw_scale scale = {true, 0, self->page.design->units.voltage};
-    draw_extend(&scale, self->record->voltage, self->record->bins * rows);
+    draw_scale scale = {true, 0, self->page.inputs.unit};
+    for (int k = 0; k < self->record->bins; k++)
+        shell_extend(&scale, self->page.design, self->record->voltage + k * rows);
+    char title[64];
+    snprintf(title, sizeof title, "%ss of the amplifiers over time", self->page.inputs.title);
     fputs("<figure>\n", file);
-    draw_begin(file, DRAW_CHART, RIGHT + 10, bottom + FOOT, "Voltages of the amplifiers over time",
+    draw_begin(file, DRAW_CHART, RIGHT + 10, bottom + FOOT, title,
                "A row for each amplifier, with a line where a limit is active");
     fputs("<g class=\"flat\">\n", file);
     for (int k = 0; k < rows; k++) {
@@ -265,19 +243,15 @@ static void write_voltages(const simulate_page *self)
     draw_time(self, bottom);
     draw_end(file, DRAW_CHART);
     page_caption(&self->page, &scale,
-                 "Voltages of the amplifiers under the controller, a row each; the line within "
-                 "marks active limits.");
+                 "%ss of the amplifiers under the controller, a row each; the line within "
+                 "marks active limits.",
+                 self->page.inputs.title);
 }
 
-/*
- * Draw the shape that the controller has reached at the end of the last phase (interval between
- * events) of the simulation, with its misfit (reached minus target value).
- */
 static void write_shape(page *page, const simulate_phase *last)
 {
     const simulate_course *course = &last->course[LAW_CONTROLLER];
-    page_shape(page, course->displacement, course->shape, last->target);
-    page->scale = (draw_scale){true, page->misfit, page->design->units.length};
+    page->scale = page_shape(page, course->displacement, course->shape, last->target);
     page->space.factor = view_magnification(page->mesh, page->largest, 0.3);
     shell_include(&page->space);
     view_fit(&page->space.view, 600, 400, 180);

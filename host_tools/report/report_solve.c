@@ -4,7 +4,6 @@
 #include "../quads/vector.h"
 #include "report_page.h"
 
-/* Data of the report page of `pzs solve`. */
 typedef struct solve_page {
     page page;
     const double *output;       /* [output rows] values of the outputs of the scene */
@@ -13,19 +12,12 @@ typedef struct solve_page {
     shell_body body;
 } solve_page;
 
-/*
- * Return value number i of output k of the scene, where an output may have one value or one for
- * each node.
- */
 static double value_of(const solve_page *solve, int k, int i)
 {
     return analysis_output(solve->page.analysis, k, i, solve->output);
 }
 
-/*
- * Write a row of the table of outputs on the report page: the value of output k, or, if the output
- * has several values, their range.
- */
+/* Write the row of an output: its value, or the range if the output has several values. */
 static void write_output(const solve_page *solve, int k)
 {
     const scene_output *output = &solve->page.design->output[k];
@@ -89,11 +81,7 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
     return count;
 }
 
-/*
- * Draw one diagram of all outputs that have values at several nodes of a mesh line along the
- * surface coordinate theta1 (along = 0) or theta2 (along = 1), over this coordinate; nothing if
- * there are no such outputs.
- */
+/* Draw the outputs along a surface coordinate in one diagram, if there are any. */
 static void draw_lines(const solve_page *solve, int along)
 {
     const page *page = &solve->page;
@@ -132,8 +120,7 @@ static void draw_lines(const solve_page *solve, int along)
 }
 
 /*
- * Choose colour scale, magnification and view of the picture of the deformed shape. Displacements
- * of a geometrically nonlinear analysis are not magnified.
+ * Choose scale, magnification and view of the deformed shape; nonlinear shapes are not magnified.
  */
 static void fit_deformed(solve_page *solve)
 {
@@ -180,10 +167,6 @@ static void write_deformed(const solve_page *solve)
                  page->space.factor, page->scale.most, page->scale.unit);
 }
 
-/*
- * Draw a map of each displacement component, along the directions e1, e2 (tangential) and e3
- * (normal) of the surface.
- */
 static void write_components(const page *page)
 {
     static const char *const name[3] = {"u₁ along e₁", "u₂ along e₂", "u₃ outwards"};
@@ -191,10 +174,9 @@ static void write_components(const page *page)
           "scale of its own.</p>\n<div class=\"row\">\n",
           page->file);
     for (int a = 0; a < 3; a++) {
-        draw_scale scale = {true, 0, page->scale.unit};
         for (int n = 0; n < page->mesh->nodes; n++)
             page->value[n] = vector_dot(page->mesh->point[n].triad[a], page->vector + 3 * n);
-        draw_extend(&scale, page->value, page->mesh->nodes);
+        draw_scale scale = draw_scale_of(true, page->scale.unit, page->value, page->mesh->nodes);
         const bool is_negligible = scale.most < 1e-9 * page->scale.most;
         scale.most = is_negligible ? 0 : scale.most;
         page_map(page, page->value, &scale, name[a]);
@@ -204,12 +186,11 @@ static void write_components(const page *page)
     fputs("</div>\n</section>\n", page->file);
 }
 
-/* Write on the report page the map of the contact pressure between the shell and a rigid body. */
 static void write_contact_map(const page *page)
 {
     const pzs_contact_info *info = &page->analysis->equilibrium.contact.info;
-    draw_scale scale = {false, 0, page->pressure};
-    draw_extend(&scale, info->pressure, page->mesh->nodes);
+    const draw_scale scale =
+        draw_scale_of(false, page->pressure, info->pressure, page->mesh->nodes);
     fputs("<section>\n<h2>Contact pressure</h2>\n", page->file);
     page_map(page, info->pressure, &scale, "Contact pressure");
     page_caption(page, &scale,
@@ -219,12 +200,35 @@ static void write_contact_map(const page *page)
     fputs("</section>\n", page->file);
 }
 
+/* Write a map of the potentials of each bare face (without electrodes) of the layers. */
+static void write_potentials(const page *page)
+{
+    const design *design = page->design;
+    char name[WORDS_FACE];
+    fputs("<section>\n<h2>Faces without electrodes</h2>\n<div class=\"row\">\n", page->file);
+    for (int k = 0; k < 2 * design->layers; k++) {
+        if (!words_bare_face(design->layer, k, name))
+            continue;
+        for (int n = 0; n < page->mesh->nodes; n++)
+            page->value[n] =
+                bare_faces_potential(&design->bare, page->analysis->input_value, k / 2, k % 2, n);
+        const draw_scale scale =
+            draw_scale_of(true, design->units.voltage, page->value, page->mesh->nodes);
+        page_map(page, page->value, &scale, name);
+        page_caption(page, &scale, "Electric %t", name);
+    }
+    fputs("</div>\n</section>\n", page->file);
+}
+
 static void write_page(const solve_page *solve)
 {
     const page *page = &solve->page;
     const analysis *analysis = page->analysis;
-    const voltages applied = {.name = "Voltage", .voltage = analysis->input_value};
-    page_begin(page, "Displacement under loads and applied voltages",
+    voltages applied = {.voltage = analysis->input_value};
+    char title[64];
+    snprintf(applied.name, sizeof applied.name, "%s", page->inputs.title);
+    snprintf(title, sizeof title, "Displacement under loads and applied %ss", page->inputs.name);
+    page_begin(page, title,
                analysis->is_nonlinear ? analysis->equilibrium.solver.info.residual
                                       : analysis->model.info.residual);
     fputs("<section>\n<h2>Result</h2>\n<div class=\"row\">\n", page->file);
@@ -238,6 +242,8 @@ static void write_page(const solve_page *solve)
     if (solve->body.is_given)
         write_contact_map(page);
     write_components(page);
+    if (page->design->bare.count > 0)
+        write_potentials(page);
     page_stress(page, solve->stress);
     page_end(page);
 }

@@ -6,12 +6,7 @@
 #include "../text/words.h"
 #include "report_page.h"
 
-/*
- * Average at the nodes a value that is given for each element (largest von Mises stress, or use of
- * the strength), weighted with the areas of the elements.
- *   load  [elements] in   value of each element
- *   value [nodes]    out  mean value at each node
- */
+/* Average the values load [elements] at the nodes, weighted with the areas of the elements. */
 static void average_load(const stress_field *field, const double *load, double *value)
 {
     const mesh *mesh = &field->state.design->mesh;
@@ -34,9 +29,9 @@ static void write_load(const page *page, const stress_field *field)
     if (!load)
         return;
     const bool has_strength = stress_load(field, load);
-    draw_scale scale = {false, 0, has_strength ? "" : page->pressure};
     average_load(field, load, page->value);
-    draw_extend(&scale, page->value, page->mesh->nodes);
+    const draw_scale scale =
+        draw_scale_of(false, has_strength ? "" : page->pressure, page->value, page->mesh->nodes);
     page_map(page, page->value, &scale, has_strength ? "Use of the strength" : "Von Mises stress");
     page_caption(page, &scale, "%s, averaged at the nodes; largest %q",
                  has_strength
@@ -67,9 +62,6 @@ static void write_components(const page *page, const stress_summary *summary)
     put_table_end(page->file);
 }
 
-/*
- * Return the largest value that was found for a stress or reserve factor, or NAN if there is none.
- */
 static double value_of(const stress_extreme *found)
 {
     return found->element >= 0 ? found->value : (double)NAN;

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Tables of layers, materials, voltages and target shapes, and the text of the scene, on report
- * pages.
- */
+/* Tables of layers, materials and voltages, and the text of the scene, on report pages. */
 #include <math.h>
 #include <string.h>
 #include "report_page.h"
@@ -22,10 +19,7 @@ static void write_layers(const page *page)
     put_table_end(page->file);
 }
 
-/*
- * Write the table of the material constants. Its piezoelectric constants are the strains d31 or the
- * stresses e31, as in the scene file.
- */
+/* Write the constants of the materials: strains d31 or stresses e31, as the scene states them. */
 static void write_materials(const page *page)
 {
     const design *design = page->design;
@@ -73,7 +67,7 @@ void page_voltages(const page *page, const voltages *result, int results)
 {
     if (page->design->amplifiers == 0)
         return;
-    fputs("<details><summary>Voltages by amplifier</summary>\n", page->file);
+    put(page->file, "<details><summary>%ss by amplifier</summary>\n", page->inputs.title);
     put_table(page->file, "", "");
     fputs("<tr><th scope=\"row\">Amplifier</th>", page->file);
     for (int i = 0; i < results; i++)
@@ -81,34 +75,30 @@ void page_voltages(const page *page, const voltages *result, int results)
     for (int k = 0; k < page->design->amplifiers; k++) {
         put(page->file, "</tr>\n<tr><th scope=\"row\">%t</th>", page->design->amplifier_name[k]);
         for (int i = 0; i < results; i++)
-            put(page->file, "<td>%q</td>", result[i].voltage[k], page->design->units.voltage);
+            put(page->file, "<td>%q</td>", result[i].voltage[k], design_unit(page->design, k));
     }
     fputs("</tr>\n", page->file);
     put_table_end(page->file);
     fputs("</details>\n", page->file);
 }
 
-/*
- * Write the table of the shape errors of all alternative target shapes of a scene, each with its
- * own optimal voltages, for one pair of voltage limits.
- *   limits in  index of the pair of voltage limits
- */
+/* Write the shape errors of all alternative target shapes for one pair of voltage limits. */
 static void write_modes(const page *page, const modes *modes, int limits)
 {
     put(page->file, "<section>\n<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,
-        page->design->units.voltage);
+        page->inputs.unit);
     put_table(page->file,
-              "Relative RMS error of each mode of the target alone. At 100\xc2\xa0% nothing is "
+              "Relative RMS error of each mode of the target alone. At 100\xc2\xa0%% nothing is "
               "gained.",
-              "Mode|Target, RMS|Unconstrained|Largest voltage,<br>unconstrained|Clipped least "
-              "squares|Optimum within limits|Limit active");
+              "Mode|Target, RMS|Unconstrained|Largest %s,<br>unconstrained|Clipped least "
+              "squares|Optimum within limits|Limit active",
+              page->inputs.name);
     for (int k = 0; k < modes->count; k++) {
         const mode *mode = &modes->mode[k];
         const mode_left *left = &modes->left[k * modes->limits + limits];
         put_row(page->file, "%t|%q|%p|%q|%p|%b|%d", page->design->goal.mode[k].name, mode->size,
                 page->design->units.length, mode->unconstrained_error, mode->largest_voltage,
-                page->design->units.voltage, left->clipped, left->optimum, 1.0,
-                left->active_limits);
+                page->inputs.unit, left->clipped, left->optimum, 1.0, left->active_limits);
     }
     put_table_end(page->file);
     fputs("</section>\n", page->file);

@@ -117,10 +117,7 @@ static void write_variables(FILE *file, int is_dark)
     fputs("}\n", file);
 }
 
-/*
- * Write a rule of a style sheet with colours in place of CSS variables, because many SVG viewers do
- * not know variables.
- */
+/* Write a style rule without CSS variables, which many SVG viewers do not know. */
 static void write_expanded(FILE *file, const char *rule, int is_dark)
 {
     const char *at;

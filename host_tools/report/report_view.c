@@ -9,10 +9,7 @@
 /* Smallest distance of the drawn points from the edges of a picture, in pixels. */
 enum { EDGE = 18 };
 
-/*
- * Set the axes of a view along a normal. The y axis of space points up, or the z axis if the normal
- * is along y.
- */
+/* Set the axes of a view along a normal, with the y axis of space up, or z if y is the normal. */
 static void look_along(view *view, const double normal[3])
 {
     double(*axis)[3] = view->axis;
@@ -66,10 +63,7 @@ static void look_at_parameters(view *view, const mesh *mesh)
     view->axis[1][0] = -fmin(fmax(aspect, 0.3), 3) / range[0];
 }
 
-/*
- * Compute the mean of the unit normals at all nodes. Returns its length: 1 for a plate, 0 for a
- * closed surface.
- */
+/* Compute the mean unit normal. Returns its length: 1 for a plate, 0 for a closed surface. */
 static double mean_normal(const mesh *mesh, double normal[3])
 {
     normal[0] = normal[1] = normal[2] = 0;

@@ -267,6 +267,15 @@ bool scene_heats_all(const scene_actuator *actuator)
     return actuator->drives == 0 && actuator->is_temperature;
 }
 
+bool scene_is_heater(const scene_actuator *actuator, int actuators, int amplifier)
+{
+    for (int i = 0; i < actuators; i++)
+        if (actuator[i].is_temperature && amplifier >= actuator[i].first &&
+            amplifier < actuator[i].first + actuator[i].grid[0] * actuator[i].grid[1])
+            return true;
+    return false;
+}
+
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count)
 {
     return find(scene->sensor, scene->sensors, name, first, count);

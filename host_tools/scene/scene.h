@@ -958,6 +958,12 @@ bool scene_has_electrodes(const scene_actuator *actuator);
 bool scene_heats_all(const scene_actuator *actuator);
 
 /*
+ * Return whether the input of the amplifier with an index is a temperature: that of a heater or of
+ * the whole shell.
+ */
+bool scene_is_heater(const scene_actuator *actuator, int actuators, int amplifier);
+
+/*
  * Mark the nodes of a named set, or the node nearest to a point, on a mesh from a file. A named set
  * is searched for among the node sets, then the edge sets, then the element sets.
  *   in_set [nodes] out  1 for the nodes of the set or point, else 0

@@ -140,11 +140,7 @@ static dimension of_reading(const reader *reader, int map)
  */
 static dimension of_amplifier(const scene *scene, int k)
 {
-    for (int i = 0; i < scene->actuators; i++)
-        if (scene->actuator[i].is_temperature && k >= scene->actuator[i].first &&
-            k < scene->actuator[i].first + scene->actuator[i].grid[0] * scene->actuator[i].grid[1])
-            return OF_TEMPERATURE;
-    return OF_VOLTAGE;
+    return scene_is_heater(scene->actuator, scene->actuators, k) ? OF_TEMPERATURE : OF_VOLTAGE;
 }
 
 static dimension of_limit(const reader *reader, int map)

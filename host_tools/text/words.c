@@ -64,3 +64,10 @@ words_quantity words_of_output(const scene_output *output)
     default: return QUANTITY_FORCE;
     }
 }
+
+bool words_bare_face(const scene_layer *layer, int k, char text[WORDS_FACE])
+{
+    snprintf(text, WORDS_FACE, "potential of layer %d %.60s, %s face", k / 2 + 1, layer[k / 2].name,
+             k % 2 ? "outer" : "inner");
+    return layer[k / 2].bare & (k % 2 ? BARE_OUTER : BARE_INNER);
+}

@@ -31,6 +31,17 @@ enum { WORDS_UNIT = 3 * SCENE_NAME };
 const char *words_unit(const scene_unit_names *units, words_quantity quantity,
                        char text[WORDS_UNIT]);
 
+/* Size of the name of the potentials of a face, including its NUL (characters). */
+enum { WORDS_FACE = SCENE_NAME + 48 };
+
+/*
+ * Write the name of the potentials of the inner (k even) or outer face (k odd) of layer k / 2, such
+ * as "potential of layer 1 upper, inner face". Returns whether the face is bare (without
+ * electrode).
+ *   layer [layers] in  layers of the scene
+ */
+bool words_bare_face(const scene_layer *layer, int k, char text[WORDS_FACE]);
+
 /*
  * Return whether the scene file names no units at all, so that its numbers are in arbitrary
  * consistent units.

@@ -67,7 +67,7 @@ tap $? "no circle among $(wc -l <"$scratch/pairs") includes"
 # The stages after the design take what the scene says from the design. plant.c changes a copy of the scene, from which
 # it builds a design of its own.
 grep -nE '(->|\.|\b)scene(->|\.[a-z_]+ )' host_tools/fmu/*.c host_tools/report/*.c host_tools/simulate/*.c host_tools/tables/*.c \
-    host_tools/text/*.c | grep -v '^host_tools/simulate/plant\.c' | grep -vE ':[0-9]+: *(/?\*|.*[a-z0-9]->scene,)' >"$scratch/found"
+    host_tools/text/*.c host_tools/vtk/*.c | grep -v '^host_tools/simulate/plant\.c' | grep -vE ':[0-9]+: *(/?\*|.*[a-z0-9]->scene,)' >"$scratch/found"
 [ ! -s "$scratch/found" ]
-tap $? "fmu, report, simulate, tables and text do not reach into a scene"
+tap $? "fmu, report, simulate, tables, text and vtk do not reach into a scene"
 tap_end

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * VTK files of results for ParaView. Each function returns 0, or -1 when memory runs out or the
+ * file cannot be written.
+ */
+#ifndef VTK_H
+#define VTK_H
+
+#include <stdio.h>
+#include "../model/analysis.h"
+#include "../model/stress_field.h"
+#include "../model/vibration.h"
+
+/*
+ * Write a VTK file for ParaView with the displacement of the middle surface, the potentials of bare
+ * faces (without electrodes) and the recovered stresses: for each layer and height stress and
+ * strain in material axes, at the element centres and averaged at the nodes; reserve factors,
+ * resultants and electric fields. With stresses a node on the border of a patch has two points in
+ * the file, one for each side of the border.
+ *   u [dof]  in  displacement vector
+ *   stress   in  recovered stresses; NULL: without
+ */
+int vtk_write_solution(FILE *file, const analysis *analysis, const double *u,
+                       const stress_field *stress);
+
+/* Write a VTK file for ParaView with one displacement field for each vibration mode. */
+int vtk_write_modes(FILE *file, const mesh *mesh, const vibration *vibration);
+
+#endif

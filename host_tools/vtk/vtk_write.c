@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* VTK files of displacements, potentials, stresses and vibration modes for ParaView (vtk.h). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../model/stress_summary.h"
+#include "../text/words.h"
+#include "vtk.h"
+#include "vtk_file.h"
+
+/*
+ * Numbers of the arrays that the VTK file contains for one layer, with values in each cell: stress
+ * and strain at each height of the layer, whether the layer is present, electric field, electric
+ * displacement, and, if the scene states strengths, the reserve factor.
+ */
+enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESERVE, LAYER_ARRAYS };
+
+/* Size of the text of a unit in parentheses, including its NUL (characters). */
+enum { UNIT_TEXT = 2 * WORDS_UNIT };
+
+/* Store the values of an element of a layer in the arrays of the layer [LAYER_ARRAYS]. */
+static void fill_element(const vtk_array *array, const scene_strength *strength, int element,
+                         const stress_layer *result)
+{
+    double reserve = 1e9;
+    for (int height = 0; height < STRESS_HEIGHTS; height++) {
+        const stress_point *at = &result->at[height];
+        const int first = STRESS_COMPONENTS * element;
+        memcpy(array[height].value + first, at->stress, sizeof at->stress);
+        memcpy(array[STRAIN + height].value + first, at->strain, sizeof at->strain);
+        reserve = fmin(reserve, stress_reserve(strength, at->stress));
+    }
+    array[PRESENT].value[element] = 1;
+    array[FIELD].value[element] = result->field;
+    array[FLUX].value[element] = result->displacement;
+    if (strength->given)
+        array[RESERVE].value[element] = reserve;
+}
+
+/* Write the unit of a quantity in parentheses; an empty text if the scene file names none. */
+static const char *unit_text(const scene_unit_names *units, words_quantity quantity,
+                             char text[UNIT_TEXT])
+{
+    char unit[WORDS_UNIT];
+    text[0] = '\0';
+    if (*words_unit(units, quantity, unit) && quantity == QUANTITY_CHARGE)
+        snprintf(text, UNIT_TEXT, " (%s/%.60s2)", unit, units->length);
+    else if (*unit)
+        snprintf(text, UNIT_TEXT, " (%s)", unit);
+    return text;
+}
+
+/* Begin the arrays of the VTK file that have the values of a layer in the cells. */
+static void name_arrays(vtk_file *vtk, const design *design, int layer, bool has_strength)
+{
+    const scene_unit_names *units = &design->units;
+    const char *given = design->layer[layer].name;
+    char name[SCENE_NAME], unit[UNIT_TEXT];
+    snprintf(name, sizeof name, " %.60s", given);
+    if (!*given)
+        snprintf(name, sizeof name, " layer %d", layer + 1);
+    unit_text(units, QUANTITY_PRESSURE, unit);
+    for (int height = 0; height < STRESS_HEIGHTS; height++)
+        vtk_add(vtk, true, STRESS_COMPONENTS, "stress%s %s%s", name, stress_height_name[height],
+                unit);
+    for (int height = 0; height < STRESS_HEIGHTS; height++)
+        vtk_add(vtk, true, STRESS_COMPONENTS, "strain%s %s", name, stress_height_name[height]);
+    vtk_add(vtk, true, 1, "present%s", name);
+    vtk_add(vtk, true, 1, "electric field%s%s", name, unit_text(units, QUANTITY_FIELD, unit));
+    vtk_add(vtk, true, 1, "electric displacement%s%s", name,
+            unit_text(units, QUANTITY_CHARGE, unit));
+    if (has_strength)
+        vtk_add(vtk, true, 1, "reserve factor%s", name);
+}
+
+/* Add the stresses and strains of a layer in the cells, and their averages at the points. */
+static void add_layer(vtk_file *vtk, const stress_field *field, int layer)
+{
+    const design *design = field->state.design;
+    const scene_strength *strength = &design->material[design->layer[layer].material].strength;
+    const int first = vtk->arrays;
+    name_arrays(vtk, design, layer, strength->given);
+    for (int element = 0; !vtk->is_full && element < field->elements; element++) {
+        stress_layer result;
+        if (!stress_is_present(field, element, layer))
+            continue;
+        stress_layer_of(field, element, layer, &result);
+        fill_element(vtk->array + first, strength, element, &result);
+    }
+    for (int k = first; !vtk->is_full && k < first + PRESENT; k++) {
+        double *mean = vtk_add(vtk, false, STRESS_COMPONENTS, "%s", vtk->array[k].name);
+        if (mean)
+            stress_points_average(vtk->points, field, vtk->array[k].value, STRESS_COMPONENTS, mean);
+    }
+}
+
+static void add_displacement(vtk_file *vtk, const double *u, const char *name)
+{
+    double *value = vtk_add(vtk, false, 3, "%s", name);
+    double *vector = calloc(3 * (size_t)vtk->mesh->nodes, sizeof *vector);
+    vtk->is_full |= !vector;
+    if (!vtk->is_full)
+        design_vectors(vtk->mesh, u, vector);
+    for (int k = 0; !vtk->is_full && k < vtk_points(vtk); k++)
+        memcpy(value + 3 * k, vector + 3 * vtk_node(vtk, k), 3 * sizeof *value);
+    free(vector);
+}
+
+static void add_resultants(vtk_file *vtk, const stress_field *field)
+{
+    const char *length = field->state.design->units.length;
+    const char *force = field->state.design->units.force;
+    char unit[SCENE_ERROR] = "";
+    if (*length && *force)
+        snprintf(unit, sizeof unit, " (%.30s/%.30s, %.30s, %.30s/%.30s)", force, length, force,
+                 force, length);
+    double *value =
+        vtk_add(vtk, true, STRESS_RESULTANTS, "resultants N11 N22 N12 M11 M22 M12 Q13 Q23%s", unit);
+    for (int element = 0; value && element < field->elements; element++)
+        stress_resultants(field, element, value + element * STRESS_RESULTANTS);
+}
+
+static void add_potentials(vtk_file *vtk, const design *design, const double *input_value)
+{
+    char name[WORDS_FACE], unit[UNIT_TEXT];
+    unit_text(&design->units, QUANTITY_VOLTAGE, unit);
+    for (int k = 0; design->bare.count > 0 && k < 2 * design->layers; k++) {
+        if (!words_bare_face(design->layer, k, name))
+            continue;
+        double *value = vtk_add(vtk, false, 1, "%s%s", name, unit);
+        for (int i = 0; value && i < vtk_points(vtk); i++)
+            value[i] =
+                bare_faces_potential(&design->bare, input_value, k / 2, k % 2, vtk_node(vtk, i));
+    }
+}
+
+int vtk_write_solution(FILE *file, const analysis *analysis, const double *u,
+                       const stress_field *stress)
+{
+    const design *design = &analysis->design;
+    stress_points points = {.count = 0};
+    vtk_file vtk = {.mesh = &design->mesh, .points = stress ? &points : NULL};
+    vtk.is_full = stress && stress_points_make(&points, stress) < 0;
+    add_displacement(&vtk, u, "displacement");
+    add_potentials(&vtk, design, analysis->input_value);
+    if (stress)
+        add_resultants(&vtk, stress);
+    for (int layer = 0; stress && layer < design->layers; layer++)
+        add_layer(&vtk, stress, layer);
+    const int status = vtk_end(&vtk, file);
+    stress_points_free(&points);
+    return status;
+}
+
+int vtk_write_modes(FILE *file, const mesh *mesh, const vibration *vibration)
+{
+    vtk_file vtk = {.mesh = mesh};
+    for (int k = 0; k < vibration->count; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "mode_%d", k + 1);
+        add_displacement(&vtk, vibration->shape + (size_t)k * (size_t)mesh->free_dof, name);
+    }
+    return vtk_end(&vtk, file);
+}
