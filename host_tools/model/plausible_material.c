@@ -3,7 +3,9 @@
 #include "plausible_parts.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 #include "../scene/scene_units.h"
 
 /* ---- units ------------------------------------------------------------ */
@@ -58,18 +60,46 @@ int measure_modulus(const subject *of, int k, measured *found)
     return 1;
 }
 
-int measure_density(const subject *of, int k, measured *found)
+/*
+ * Measure one constant of the material with index k.
+ *   name, unit  in  name and physical dimension of the constant
+ *   constant    in  offset of the constant, a double, in scene_material
+ */
+static int measure_constant(const subject *of, int k, const char *name, size_t constant,
+                            const units_unit *unit, measured *found)
 {
     const scene *scene = of->scene;
     if (k >= scene->materials)
         return 0;
     const scene_material *material = &scene->material[k];
-    if (material->density > 0)
-        found->value = plausible_si(scene, material->density, &density_unit);
+    double value;
+    memcpy(&value, (const char *)material + constant, sizeof value);
+    if (fabs(value) > 0)
+        found->value = plausible_si(scene, fabs(value), unit);
     found->at = material->at;
-    snprintf(found->what, WHAT, "density of material '%s', %g in the scene's units", material->name,
-             material->density);
+    snprintf(found->what, WHAT, "%s of material '%s', %g in the scene's units", name,
+             material->name, fabs(value));
     return 1;
+}
+
+int measure_density(const subject *of, int k, measured *found)
+{
+    return measure_constant(of, k, "density", offsetof(scene_material, density), &density_unit,
+                            found);
+}
+
+/* Measure the permittivity of a material. No permittivity is smaller than that of vacuum. */
+int measure_permittivity(const subject *of, int k, measured *found)
+{
+    return measure_constant(of, k, "permittivity", offsetof(scene_material, permittivity),
+                            &permittivity_unit, found);
+}
+
+/* Measure the absolute pyroelectric constant of a material. */
+int measure_pyroelectric(const subject *of, int k, measured *found)
+{
+    return measure_constant(of, k, "|pyroelectric|", offsetof(scene_material, pyroelectric),
+                            &pyroelectric_unit, found);
 }
 
 /* Return the largest Young's modulus of a material (Pa). */
@@ -114,35 +144,6 @@ int measure_piezo(const subject *of, int k, measured *found)
     const char *format = material->has_e ? "|e%s/E| of material '%s', %g in the scene's units"
                                          : "|d%s| of material '%s', %g in the scene's units";
     snprintf(found->what, WHAT, format, name[i], material->name, fabs(value));
-    return 1;
-}
-
-/* Measure the permittivity of a material. No permittivity is smaller than that of vacuum. */
-int measure_permittivity(const subject *of, int k, measured *found)
-{
-    const scene *scene = of->scene;
-    if (k >= scene->materials)
-        return 0;
-    const scene_material *material = &scene->material[k];
-    if (material->permittivity > 0)
-        found->value = plausible_si(scene, material->permittivity, &permittivity_unit);
-    found->at = material->at;
-    snprintf(found->what, WHAT, "permittivity of material '%s', %g in the scene's units",
-             material->name, material->permittivity);
-    return 1;
-}
-
-/* Measure the absolute pyroelectric constant of a material. */
-int measure_pyroelectric(const subject *of, int k, measured *found)
-{
-    const scene *scene = of->scene;
-    if (k >= scene->materials)
-        return 0;
-    const scene_material *material = &scene->material[k];
-    found->value = plausible_si(scene, fabs(material->pyroelectric), &pyroelectric_unit);
-    found->at = material->at;
-    snprintf(found->what, WHAT, "|pyroelectric| of material '%s', %g in the scene's units",
-             material->name, fabs(material->pyroelectric));
     return 1;
 }
 

@@ -322,25 +322,35 @@ static void fill_element(const stress_field *field, int element)
 /* ---- plies -------------------------------------------------------------------- */
 
 /*
+ * Compute the voltage across a layer, as the field at height z follows from it (V), and the
+ * temperature there above that of the stress-free shape (K).
+ */
+static void causes_at(const stress_field *field, int element, int layer, double z, double *voltage,
+                      double *kelvin)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    const double *temperature = field->element[element].temperature;
+    const laminate_field volt = {.ply = layer},
+                         heat = {.ply = -1, .temperature = {temperature[0], temperature[1]}};
+    const laminate_place *place = place_of(mesh, element);
+    *voltage = voltage_across(field, element, layer) *
+               laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
+    *kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z) +
+              heat_of(field, element, layer);
+}
+
+/*
  * Compute the stress that the voltage and the temperature of a layer cause at height z if all
  * strains are zero, in the shell axes (stress [6] out, Pa).
  */
 static void prescribed_stress(const stress_field *field, int element, int layer, double z,
                               double stress[6])
 {
-    const mesh *mesh = &field->state.design->mesh;
-    const laminate_ply *ply = &mesh->laminate.ply[layer];
-    const double *temperature = field->element[element].temperature;
-    const laminate_field volt = {.ply = layer},
-                         heat = {.ply = -1, .temperature = {temperature[0], temperature[1]}};
-    const laminate_place *place = place_of(mesh, element);
-    const double voltage = voltage_across(field, element, layer) *
-                           laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
-    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z) +
-                          heat_of(field, element, layer);
+    const laminate_ply *ply = &field->state.design->mesh.laminate.ply[layer];
+    double voltage, kelvin, across, along[2][2];
+    causes_at(field, element, layer, z, &voltage, &kelvin);
     for (int i = 0; i < 6; i++)
         stress[i] = ply->stress_per_voltage[i] * voltage + ply->stress_per_kelvin[i] * kelvin;
-    double across, along[2][2];
     if (!bare_faces_field(&field->state.design->bare, field->state.input_value, layer, element,
                           &across, along))
         return;
@@ -426,17 +436,10 @@ static void fill_samples(const stress_field *field, int element)
 static double electric_displacement(const stress_field *field, int element, int layer, double z,
                                     const double strain[6])
 {
-    const mesh *mesh = &field->state.design->mesh;
-    const laminate_ply *ply = &mesh->laminate.ply[layer];
-    const double *temperature = field->element[element].temperature;
-    const laminate_field volt = {.ply = layer},
-                         heat = {.ply = -1, .temperature = {temperature[0], temperature[1]}};
-    const laminate_place *place = place_of(mesh, element);
-    const double share = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
-    const double voltage = voltage_across(field, element, layer);
-    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z) +
-                          heat_of(field, element, layer);
-    double sum = (-ply->capacitance * share * voltage - ply->pyroelectric_charge * kelvin) *
+    const laminate_ply *ply = &field->state.design->mesh.laminate.ply[layer];
+    double voltage, kelvin;
+    causes_at(field, element, layer, z, &voltage, &kelvin);
+    double sum = (-ply->capacitance * voltage - ply->pyroelectric_charge * kelvin) *
                  (ply->electrode_distance / (ply->z[1] - ply->z[0]));
     for (int i = 0; i < 6; i++)
         sum += ply->electrode_distance * ply->stress_per_voltage[i] * strain[i];

@@ -249,16 +249,34 @@ int read_int(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-int read_pair(reader *reader, int node, void *to, const void *rule)
+/*
+ * Check that a node of a YAML tree is a list of two values; `what` names them in the error message.
+ */
+static int require_two(reader *reader, int node, const char *what)
 {
-    double *pair = to;
-    int first;
     if (require_kind(reader, node, TREE_LIST) != 0)
         return -1;
     if (reader->t->node[node].count != 2)
-        return tree_fault(reader->t, node, "'%.60s' has %d values; give two, [from, to]",
-                          tree_name(reader->t, node), reader->t->node[node].count);
-    first = reader->t->node[node].first;
+        return tree_fault(reader->t, node, "'%.60s' has %d values; give two%s",
+                          tree_name(reader->t, node), reader->t->node[node].count, what);
+    return 0;
+}
+
+int read_int_pair(reader *reader, int node, void *to, const void *rule)
+{
+    int *pair = to;
+    const int first = reader->t->node[node].first;
+    if (require_two(reader, node, "") != 0 || read_int(reader, first, &pair[0], rule) != 0)
+        return -1;
+    return read_int(reader, reader->t->node[first].next, &pair[1], rule);
+}
+
+int read_pair(reader *reader, int node, void *to, const void *rule)
+{
+    double *pair = to;
+    const int first = reader->t->node[node].first;
+    if (require_two(reader, node, ", [from, to]") != 0)
+        return -1;
     if (read_real(reader, first, &pair[0], rule) != 0)
         return -1;
     return read_real(reader, reader->t->node[first].next, &pair[1], rule);

@@ -154,10 +154,12 @@ field_read read_real; /* reader of a number into a double; its rule is the permi
 field_read read_int;  /* reader of an integer number into an int; its rule is the permitted range */
 field_read read_pair; /* reader of a list of two numbers into a double[2]; its rule is the permitted
                          range of both, or NULL */
-field_read read_name; /* reader of a value that is a name into a char[SCENE_NAME] */
-field_read read_text; /* reader of a value that is a text into an allocated char * */
-field_read read_choice; /* reader of a value that is a word into an int; its rule is the array of
-                           the permitted words */
+field_read read_int_pair; /* reader of a list of two integer numbers into an int[2]; its rule is the
+                             permitted range of both */
+field_read read_name;     /* reader of a value that is a name into a char[SCENE_NAME] */
+field_read read_text;     /* reader of a value that is a text into an allocated char * */
+field_read read_choice;   /* reader of a value that is a word into an int; its rule is the array of
+                             the permitted words */
 field_read read_flag; /* reader of one of the words true, false, on, off, yes and no into a bool */
 field_read read_either; /* reader of one of two words into a bool; its rule is an array of choices
                            with the values 1 (true) and 0 (false) */

@@ -159,26 +159,12 @@ static int read_hexagons(reader *reader, int node, void *to, const void *rule)
                                                                      : 0;
 }
 
-static int read_counts(reader *reader, int node, void *to, const void *rule)
-{
-    int *count = to, k = 0;
-    if (require_kind(reader, node, TREE_LIST) != 0)
-        return -1;
-    if (reader->t->node[node].count != 2)
-        return tree_fault(reader->t, node, "'count' has %d values; give two",
-                          reader->t->node[node].count);
-    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_int(reader, i, &count[k++], rule) != 0)
-            return -1;
-    return 0;
-}
-
 static const field outline_grid_fields[] = {
     {"from", read_pair, offsetof(grid_pattern, from), .required = 1, .of = OF_OUTLINE,
      .form = &real_pair_form, .help = "Corner of the rectangle with the smaller coordinates."},
     {"to", read_pair, offsetof(grid_pattern, to), .required = 1, .of = OF_OUTLINE,
      .form = &real_pair_form, .help = "Corner of the rectangle with the larger coordinates."},
-    {"count", read_counts, offsetof(grid_pattern, count), &cell_count, 1, .of = OF_NUMBER,
+    {"count", read_int_pair, offsetof(grid_pattern, count), &cell_count, 1, .of = OF_NUMBER,
      .form = &cell_counts_form,
      .help = "Number of electrodes along the first and the second coordinate."},
     {"gap", read_real, offsetof(grid_pattern, gap), &not_negative, .of = OF_OUTLINE,

@@ -124,21 +124,6 @@ static const range cell_count = {1, BICUBIC_CELLS, 0, "must be from 1 to 64"};
 static const form cell_form = {.type = FORM_NUMBER, .range = &cell_count};
 static const form cells_form = {.type = FORM_LIST, .item = &cell_form, .least = 2, .most = 2};
 
-static int read_cells(reader *reader, int node, void *to, const void *rule)
-{
-    int *cells = to, k = 0;
-    (void)rule;
-    if (require_kind(reader, node, TREE_LIST) != 0)
-        return -1;
-    if (reader->t->node[node].count != 2)
-        return tree_fault(reader->t, node, "'cells' has %d numbers; give two, along x and y",
-                          reader->t->node[node].count);
-    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_int(reader, i, &cells[k++], &cell_count) != 0)
-            return -1;
-    return 0;
-}
-
 static int fit_points(reader *reader, int node, surface_text *text)
 {
     return scene_points_fit(reader, tree_find(reader->t, node, "points"), text->cells,
@@ -193,7 +178,8 @@ static const field surface_fields[] = {
     {"points", skip_value, 0, .of = OF_LENGTH, .form = &scene_points_form,
      .help = "Points [[x, y, z], ...] of a surface fitted to points, or a file of them, in the "
              "scene's unit of length."},
-    {"cells", read_cells, offsetof(surface_text, cells), .form = &cells_form, .of = OF_NUMBER,
+    {"cells", read_int_pair, offsetof(surface_text, cells), &cell_count, .form = &cells_form,
+     .of = OF_NUMBER,
      .help = "Numbers of pieces along x and y of a surface fitted to points; fewer pieces smooth "
              "more. Default: about four points to a piece."},
     {.key = NULL}};
