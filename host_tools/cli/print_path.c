@@ -4,21 +4,23 @@
 #include <stdio.h>
 #include "print_outputs.h"
 
-static const char *const event_name[] = {
-    [LOAD_PATH_LIMIT] = "limit point", [LOAD_PATH_BIFURCATION] = "bifurcation"};
+static const char *const event_name[] = {[LOAD_PATH_LIMIT] = "limit point",
+                                         [LOAD_PATH_BIFURCATION] = "bifurcation",
+                                         [LOAD_PATH_STABILITY] = "change of stability"};
 
 /*
- * Whether the output with index k is a displacement with a single value, which the table of the
- * load path lists.
+ * Whether the table of the load path lists the output with index k: outputs with a single value,
+ * apart from strains and stresses, which are recovered at the end of the path alone.
  */
 static int is_listed(const analysis *analysis, int k)
 {
-    return print_is_displacement(analysis, k) && analysis_outputs(analysis, k) == 1;
+    return analysis->design.output[k].recovered == RECOVERED_NONE &&
+           analysis_outputs(analysis, k) == 1;
 }
 
-static const double *row_of(const load_path *path, int point)
+static const double *values_of(const load_path *path, int point)
 {
-    return path->value + (size_t)point * (size_t)path->rows;
+    return path->value + (size_t)point * (size_t)path->outputs;
 }
 
 /* ---- text ------------------------------------------------------------- */
@@ -35,21 +37,23 @@ static void print_head_of_points(const analysis *analysis)
 
 void print_load_path(const analysis *analysis, const load_path *path)
 {
-    printf("  load path: %d points, %d linear solves%s\n", path->points, path->linear_solves,
+    printf("  load path: %d points%s, %d linear solves%s\n", path->points,
+           path->has_equal_steps ? " in equal load steps" : "", path->linear_solves,
            path->is_complete ? "" : "; it does not reach the full load");
     for (int i = 0; i < path->events; i++)
         printf("  %s at load factor %.6g, between points %d and %d\n",
                event_name[path->event[i].type], path->event[i].load_factor,
                path->event[i].point + 1, path->event[i].point + 2);
     if (path->events == 0)
-        puts("  no limit point and no bifurcation");
+        puts(path->has_equal_steps ? "  no change of stability"
+                                   : "  no limit point and no bifurcation");
     print_head_of_points(analysis);
     for (int i = 0; i < path->points; i++) {
         printf("  %6d %12.6f %16d", i + 1, path->point[i].load_factor,
                path->point[i].negative_pivots);
         for (int k = 0; k < analysis->design.outputs; k++)
             if (is_listed(analysis, k))
-                printf(" %15.7e", analysis_output(analysis, k, 0, row_of(path, i)));
+                printf(" %15.7e", values_of(path, i)[k]);
         putchar('\n');
     }
     putchar('\n');
@@ -75,8 +79,7 @@ static void json_point(json *json, const analysis *analysis, const load_path *pa
     json_open(json, "outputs", '{');
     for (int k = 0; k < design->outputs; k++)
         if (is_listed(analysis, k))
-            json_number(json, design->output[k].name,
-                        analysis_output(analysis, k, 0, row_of(path, i)));
+            json_number(json, design->output[k].name, values_of(path, i)[k]);
     json_close(json, '}');
     json_close(json, '}');
 }
@@ -85,6 +88,7 @@ void print_load_path_json(json *json, const analysis *analysis, const load_path 
 {
     json_open(json, "path", '{');
     json_bool(json, "complete", path->is_complete);
+    json_bool(json, "equal_load_steps", path->has_equal_steps);
     json_number(json, "linear_solves", path->linear_solves);
     json_open(json, "events", '[');
     for (int i = 0; i < path->events; i++)

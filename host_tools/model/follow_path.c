@@ -9,33 +9,39 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/core/guard.h"
+#include "../../lib/model/electrode.h"
 #include "../../lib/model/model.h"
 #include "../../lib/nonlinear/nonlinear.h"
+#include "path_points.h"
+#include "stepped_path.h"
 
 /* ---- state ------------------------------------------------------------ */
 
 /*
  * State of the arc-length method, which follows the load path (curve of equilibria) step by step.
- * All vectors have free_dof entries. A point of the load path consists of a displacement and a load
- * factor; `direction` is the increment of the displacement in the last step, by which the forward
- * direction on the path is known.
+ * All vectors have `entries` entries: the free dof of the displacement, then the voltages of the
+ * open electrodes. A point of the load path consists of such a vector and a load factor;
+ * `direction` is the increment of the vector in the last step, by which the forward direction on
+ * the path is known.
  */
 typedef struct arc_search {
     pzs_solver *solver;
-    const double *full; /* [inputs] input values of the scene at full load */
-    size_t free_dof;
+    pzs_circuit *circuit; /* open electrodes; NULL: the scene has none */
+    const double *full;   /* [inputs] input values of the scene at full load */
+    size_t free_dof, entries;
     double *memory;
-    double *metric; /* [free_dof] weight of each dof in the norm of a displacement: 1 for the means
-                       of both faces' displacements, thickness^2 for the other dof */
-    double *start;  /* [free_dof] displacement at the last converged point of the load path */
-    double *direction; /* [free_dof] increment of the displacement in the last converged step on the
-                          load path */
-    double *increment; /* [free_dof] displacement since the last converged point of the load path */
-    double *by_residual; /* [free_dof] change of displacement by the residual forces: inverse
-                            tangent stiffness times (load minus internal force) */
-    double *by_load;     /* [free_dof] change of displacement per unit of the load factor: inverse
-                            tangent stiffness times force per unit of the load factor */
-    double *unit;        /* [free_dof] nodal forces per unit of one input of the structure */
+    double *metric; /* [entries] weight of each entry in the norm of a vector: 1 for the means of
+                       both faces' displacements, thickness^2 for the other dof, 0 for voltages */
+    double *start;  /* [entries] displacement and voltages at the last converged point of the load
+                       path */
+    double *direction;   /* [entries] increment in the last converged step on the load path */
+    double *increment;   /* [entries] increment since the last converged point of the load path */
+    double *by_residual; /* [entries] change by the residual forces and charges: inverse tangent
+                            matrix times (load minus internal force) */
+    double *by_load;     /* [entries] change per unit of the load factor: inverse tangent matrix
+                            times force and charge per unit of the load factor */
+    double *unit;        /* [entries] nodal forces, or changes, per unit of one input of the
+                            structure */
     double load_factor;  /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
@@ -45,7 +51,7 @@ static double scalar_product(const arc_search *arc_search, const double *first,
                              const double *second)
 {
     double sum = 0;
-    for (size_t i = 0; i < arc_search->free_dof; i++)
+    for (size_t i = 0; i < arc_search->entries; i++)
         sum += arc_search->metric[i] * first[i] * second[i];
     return sum;
 }
@@ -60,23 +66,31 @@ static void fill_metric(arc_search *arc_search)
                 i % structure->dof_per_node < 3 ? 1 : thickness * thickness;
 }
 
+static size_t open_electrodes(const arc_search *arc_search)
+{
+    return arc_search->circuit ? arc_search->circuit->state.open.n : 0;
+}
+
 /* Allocate the vectors of the arc-length method. Returns 0, or -1 where memory runs out. */
 static int arc_open(arc_search *arc_search, analysis *analysis)
 {
     memset(arc_search, 0, sizeof *arc_search);
     arc_search->solver = &analysis->equilibrium.solver;
     arc_search->full = analysis->equilibrium.full_input;
+    arc_search->circuit =
+        analysis->equilibrium.circuit_work ? &analysis->equilibrium.circuit : NULL;
     arc_search->free_dof = (size_t)analysis->design.mesh.free_dof;
+    arc_search->entries = arc_search->free_dof + open_electrodes(arc_search);
     double **const vector[] = {&arc_search->metric,      &arc_search->start,
                                &arc_search->direction,   &arc_search->increment,
                                &arc_search->by_residual, &arc_search->by_load,
                                &arc_search->unit};
     const size_t vectors = sizeof vector / sizeof *vector;
-    arc_search->memory = calloc(vectors * arc_search->free_dof, sizeof *arc_search->memory);
+    arc_search->memory = calloc(vectors * arc_search->entries, sizeof *arc_search->memory);
     if (!arc_search->memory)
         return -1;
     for (size_t i = 0; i < vectors; i++)
-        *vector[i] = arc_search->memory + i * arc_search->free_dof;
+        *vector[i] = arc_search->memory + i * arc_search->entries;
     fill_metric(arc_search);
     return 0;
 }
@@ -84,18 +98,32 @@ static int arc_open(arc_search *arc_search, analysis *analysis)
 /* ---- one linear solve ------------------------------------------------- */
 
 /*
- * Set the equilibrium solver to the displacement at the last converged point of the load path plus
- * the present displacement increment, at the present load factor.
+ * Set the input values of the equilibrium solver to those at the present load factor, with the
+ * present voltages of the open electrodes.
  */
-static void set_point(arc_search *arc_search)
+static void set_inputs(arc_search *arc_search)
 {
     pzs_solver *solver = arc_search->solver;
     const uint32_t inputs = solver->state.model->state.structure->input.count;
-    for (size_t i = 0; i < arc_search->free_dof; i++)
-        solver->state.displacement[i] = arc_search->start[i] + arc_search->increment[i];
     for (uint32_t j = 0; j < inputs; j++)
         solver->state.input_value[j] = arc_search->load_factor * arc_search->full[j];
+    for (uint32_t k = 0; k < open_electrodes(arc_search); k++) {
+        const size_t entry = arc_search->free_dof + k;
+        const uint16_t input = pzs_electrode_open_input(arc_search->circuit->state.tables, k);
+        solver->state.input_value[input] = arc_search->start[entry] + arc_search->increment[entry];
+    }
     pzs_nonlinear_set_prescribed(solver);
+}
+
+/*
+ * Set the equilibrium solver to the displacement at the last converged point of the load path plus
+ * the present increment, at the present load factor and voltages.
+ */
+static void set_point(arc_search *arc_search)
+{
+    for (size_t i = 0; i < arc_search->free_dof; i++)
+        arc_search->solver->state.displacement[i] = arc_search->start[i] + arc_search->increment[i];
+    set_inputs(arc_search);
 }
 
 /*
@@ -105,11 +133,11 @@ static void set_point(arc_search *arc_search)
 static void full_force(arc_search *arc_search)
 {
     const uint32_t inputs = arc_search->solver->state.model->state.structure->input.count;
-    memset(arc_search->by_load, 0, arc_search->free_dof * sizeof *arc_search->by_load);
+    memset(arc_search->by_load, 0, arc_search->entries * sizeof *arc_search->by_load);
     for (uint32_t j = 0; j < inputs; j++) {
         if (arc_search->full[j] == 0)
             continue;
-        memset(arc_search->unit, 0, arc_search->free_dof * sizeof *arc_search->unit);
+        memset(arc_search->unit, 0, arc_search->entries * sizeof *arc_search->unit);
         pzs_nonlinear_unit_force(arc_search->solver, j, arc_search->unit);
         for (size_t i = 0; i < arc_search->free_dof; i++)
             arc_search->by_load[i] += arc_search->full[j] * arc_search->unit[i];
@@ -117,9 +145,47 @@ static void full_force(arc_search *arc_search)
 }
 
 /*
+ * Add to a change of the displacement, which was solved for at constant voltages, the part that the
+ * voltages of the open electrodes cause, and append the change of these voltages.
+ *   input  in  the input to whose unit the change belongs; NEWTON: residual forces and charges;
+ *       NO_INPUT: forces without charges
+ *   change [entries] in/out  change of the displacement, then of the voltages
+ * Returns false if the voltages cannot be solved for.
+ */
+static bool condense_voltages(arc_search *arc_search, uint32_t input, double *change)
+{
+    if (!arc_search->circuit)
+        return true;
+    if (!pzs_nonlinear_condense(arc_search->solver, input, change))
+        return false;
+    memcpy(change + arc_search->free_dof, arc_search->circuit->state.voltage_change,
+           open_electrodes(arc_search) * sizeof *change);
+    return true;
+}
+
+/*
+ * Add to by_load the changes by the charges that the inputs at full load bring onto the open
+ * electrodes while the shell cannot deform. Returns false if the voltages cannot be solved for.
+ */
+static bool add_charges_of_load(arc_search *arc_search)
+{
+    const uint32_t inputs = arc_search->solver->state.model->state.structure->input.count;
+    for (uint32_t j = 0; arc_search->circuit && j < inputs; j++) {
+        if (arc_search->full[j] == 0)
+            continue;
+        memset(arc_search->unit, 0, arc_search->entries * sizeof *arc_search->unit);
+        if (!condense_voltages(arc_search, j, arc_search->unit))
+            return false;
+        for (size_t i = 0; i < arc_search->entries; i++)
+            arc_search->by_load[i] += arc_search->full[j] * arc_search->unit[i];
+    }
+    return true;
+}
+
+/*
  * Assemble and factor the tangent stiffness at the present point, and solve for the changes of
- * displacement by the residual forces and per unit of the load factor. Returns false if the tangent
- * stiffness is singular.
+ * displacement and voltages by the residuals and per unit of the load factor. Returns false if the
+ * tangent stiffness is singular.
  *   uses_true_resultants in  true: the geometric stiffness comes from the stress resultants of the
  *       displacement; false: from the resultants extrapolated from the last point of the iteration
  */
@@ -134,7 +200,10 @@ static bool solve_both(arc_search *arc_search, bool uses_true_resultants)
         return false;
     pzs_model_backsolve(solver->state.model, arc_search->by_residual, arc_search->by_residual);
     pzs_model_backsolve(solver->state.model, arc_search->by_load, arc_search->by_load);
-    return pzs_guard_nonfinite(arc_search->by_load, (uint32_t)arc_search->free_dof) < 0;
+    return condense_voltages(arc_search, NEWTON, arc_search->by_residual) &&
+           condense_voltages(arc_search, NO_INPUT, arc_search->by_load) &&
+           add_charges_of_load(arc_search) &&
+           pzs_guard_nonfinite(arc_search->by_load, (uint32_t)arc_search->entries) < 0;
 }
 
 /* ---- one step --------------------------------------------------------- */
@@ -180,14 +249,15 @@ static bool correct_increment(arc_search *arc_search, double arc)
         if (!isfinite(change))
             return false;
         double moved2 = 0;
-        for (size_t k = 0; k < arc_search->free_dof; k++) {
+        for (size_t k = 0; k < arc_search->entries; k++) {
             double *by = &arc_search->by_residual[k];
             *by += change * arc_search->by_load[k];
             arc_search->increment[k] += *by;
             moved2 += arc_search->metric[k] * *by * *by;
         }
-        pzs_nonlinear_extrapolate(arc_search->solver, arc_search->by_residual);
         arc_search->load_factor += change;
+        set_inputs(arc_search);
+        pzs_nonlinear_extrapolate(arc_search->solver, arc_search->by_residual);
         if (moved2 <= tolerance * tolerance * arc * arc)
             return true;
     }
@@ -209,7 +279,7 @@ static double forward_sign(const arc_search *arc_search)
  */
 static bool restore_start(arc_search *arc_search)
 {
-    memset(arc_search->increment, 0, arc_search->free_dof * sizeof *arc_search->increment);
+    memset(arc_search->increment, 0, arc_search->entries * sizeof *arc_search->increment);
     arc_search->load_factor = arc_search->start_factor;
     return solve_both(arc_search, true);
 }
@@ -224,10 +294,11 @@ static bool try_step(arc_search *arc_search, double arc)
     const double change =
         forward_sign(arc_search) * arc /
         sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load));
-    for (size_t i = 0; i < arc_search->free_dof; i++)
+    for (size_t i = 0; i < arc_search->entries; i++)
         arc_search->increment[i] = change * arc_search->by_load[i];
-    pzs_nonlinear_extrapolate(arc_search->solver, arc_search->increment);
     arc_search->load_factor = arc_search->start_factor + change;
+    set_inputs(arc_search);
+    pzs_nonlinear_extrapolate(arc_search->solver, arc_search->increment);
     return correct_increment(arc_search, arc) && solve_both(arc_search, true);
 }
 
@@ -237,7 +308,7 @@ static bool try_step(arc_search *arc_search, double arc)
  */
 static void accept_point(arc_search *arc_search)
 {
-    for (size_t i = 0; i < arc_search->free_dof; i++) {
+    for (size_t i = 0; i < arc_search->entries; i++) {
         arc_search->direction[i] = arc_search->increment[i];
         arc_search->start[i] += arc_search->increment[i];
         arc_search->increment[i] = 0;
@@ -298,12 +369,6 @@ static double locate_critical_point(arc_search *arc_search, double arc, signatur
     return load_factor;
 }
 
-static void add_event(load_path *path, load_path_event_type type, double load_factor)
-{
-    if (path->events < LOAD_PATH_EVENTS)
-        path->event[path->events++] = (load_path_event){type, path->points - 1, load_factor};
-}
-
 /*
  * Find the critical points within a step of length `arc` that has just converged, and append them
  * to the path. At a limit point one pivot of the tangent stiffness changes its sign; further sign
@@ -318,33 +383,23 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
     if (!is_limit && changes == 0)
         return true;
     const double load_factor = arc_search->load_factor;
-    double *kept = malloc(arc_search->free_dof * sizeof *kept);
+    double *kept = malloc(arc_search->entries * sizeof *kept);
     if (!kept)
         return false;
-    memcpy(kept, arc_search->increment, arc_search->free_dof * sizeof *kept);
+    memcpy(kept, arc_search->increment, arc_search->entries * sizeof *kept);
     if (is_limit)
-        add_event(path, LOAD_PATH_LIMIT,
-                  locate_critical_point(arc_search, arc, before, LOAD_PATH_LIMIT));
+        path_points_event(path, LOAD_PATH_LIMIT, path->points - 1,
+                          locate_critical_point(arc_search, arc, before, LOAD_PATH_LIMIT));
     if (changes > is_limit)
-        add_event(path, LOAD_PATH_BIFURCATION,
-                  locate_critical_point(arc_search, arc, before, LOAD_PATH_BIFURCATION));
-    memcpy(arc_search->increment, kept, arc_search->free_dof * sizeof *kept);
+        path_points_event(path, LOAD_PATH_BIFURCATION, path->points - 1,
+                          locate_critical_point(arc_search, arc, before, LOAD_PATH_BIFURCATION));
+    memcpy(arc_search->increment, kept, arc_search->entries * sizeof *kept);
     free(kept);
     arc_search->load_factor = load_factor;
     return solve_both(arc_search, true);
 }
 
 /* ---- path ------------------------------------------------------------- */
-
-static void add_point(load_path *path, const arc_search *arc_search)
-{
-    const pzs_solver *solver = arc_search->solver;
-    path->point[path->points] = (load_path_point){
-        arc_search->start_factor, (int)solver->info.negative_pivots, arc_search->iterations};
-    pzs_observe(solver->state.model->state.structure, arc_search->start,
-                path->value + (size_t)path->points * (size_t)path->rows);
-    path->points++;
-}
 
 /*
  * Return the length of the next step on the load path: longer after few iterations, shorter after
@@ -360,13 +415,13 @@ static double next_arc(double arc, int iterations, double longest)
  * Make all steps of the load path. The first step is as long as the linear displacement under a
  * twentieth of the load, and no step is longer than four times that.
  */
-static void take_steps(arc_search *arc_search, load_path *path)
+static void take_steps(arc_search *arc_search, analysis *analysis, load_path *path)
 {
     const double first =
         sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load)) / 20;
     double arc = first;
     memcpy(arc_search->direction, arc_search->by_load,
-           arc_search->free_dof * sizeof *arc_search->direction);
+           arc_search->entries * sizeof *arc_search->direction);
     while (path->points < LOAD_PATH_POINTS && arc_search->start_factor < 1 && arc > first / 1024) {
         const signature before = signature_at(arc_search, arc_search->direction);
         arc_search->iterations = 0;
@@ -379,7 +434,7 @@ static void take_steps(arc_search *arc_search, load_path *path)
         }
         path->linear_solves += arc_search->iterations;
         accept_point(arc_search);
-        add_point(path, arc_search);
+        path_points_add(path, analysis, arc_search->start_factor, arc_search->iterations);
         arc = next_arc(arc, arc_search->iterations, 4 * first);
     }
 }
@@ -388,61 +443,71 @@ static void take_steps(arc_search *arc_search, load_path *path)
 static void continue_from_end(arc_search *arc_search)
 {
     pzs_solver *solver = arc_search->solver;
-    memset(arc_search->increment, 0, arc_search->free_dof * sizeof *arc_search->increment);
+    const double *voltage = arc_search->start + arc_search->free_dof;
+    memset(arc_search->increment, 0, arc_search->entries * sizeof *arc_search->increment);
     arc_search->load_factor = arc_search->start_factor;
     set_point(arc_search);
     memcpy(solver->state.converged_displacement, solver->state.displacement,
            arc_search->free_dof * sizeof *solver->state.displacement);
     memcpy(solver->state.converged_input_value, solver->state.input_value,
            solver->state.model->state.structure->input.count * sizeof *solver->state.input_value);
+    for (size_t k = 0; k < open_electrodes(arc_search); k++) {
+        arc_search->circuit->state.voltage[k] = voltage[k];
+        arc_search->circuit->state.converged_voltage[k] = voltage[k];
+    }
     solver->settings.extrapolated_iterations = 0;
 }
 
-/*
- * Refuse scenes for which the arc-length method is not implemented: contact, prescribed
- * displacements, open electrodes, bare faces. Returns 0, or -1 with error filled.
- */
-static int check_scene(const analysis *analysis, char *error)
+static int refuse(const analysis *analysis, const char *reason, char *error)
 {
-    const design *design = &analysis->design;
-    const char *reason = NULL;
-    if (!analysis->equilibrium.full_input)
-        reason = "needs kinematics: nonlinear (or auto)";
-    else if (design->contact.given)
-        reason = "does not follow contact; use equilibrium.load_steps";
-    else if (analysis->design.mesh.prescribed_count > 0)
-        reason = "does not follow prescribed displacements, which pass limit points by themselves; "
-                 "use equilibrium.load_steps";
-    else if (analysis->equilibrium.circuit_work)
-        reason = "does not follow open electrodes and bare faces; use equilibrium.load_steps";
-    return reason ? scene_fault(design->at, error, "--path %s", reason) : 0;
+    return scene_fault(analysis->design.at, error, "--path%s", reason);
+}
+
+/*
+ * Compute the load path by the arc-length method and append its points to an empty path. *reached
+ * is the load factor of the last point. Returns 0, or -1 with error filled.
+ */
+static int follow_arcs(load_path *path, analysis *analysis, double *reached, char *error)
+{
+    arc_search arc_search;
+    if (arc_open(&arc_search, analysis) < 0)
+        return refuse(analysis, ": out of memory", error);
+    if (!solve_both(&arc_search, true) ||
+        !(scalar_product(&arc_search, arc_search.by_load, arc_search.by_load) > 0)) {
+        free(arc_search.memory);
+        return refuse(analysis, ": the scene has no load, or its reference state is not stiff",
+                      error);
+    }
+    path_points_add(path, analysis, 0, arc_search.iterations);
+    take_steps(&arc_search, analysis, path);
+    continue_from_end(&arc_search);
+    *reached = arc_search.start_factor;
+    free(arc_search.memory);
+    return 0;
 }
 
 int load_path_follow(load_path *path, analysis *analysis, char *error)
 {
-    arc_search arc_search;
-    memset(path, 0, sizeof *path);
-    if (check_scene(analysis, error) < 0)
-        return -1;
     const design *design = &analysis->design;
-    path->rows = (int)analysis->design.structure.output.count;
-    path->value = calloc((size_t)LOAD_PATH_POINTS * ((size_t)path->rows + 1), sizeof *path->value);
+    const bool is_stepped = design->contact.given || design->mesh.prescribed_count > 0;
+    double reached = 0;
+    memset(path, 0, sizeof *path);
+    if (!analysis->equilibrium.full_input)
+        return refuse(analysis, " needs kinematics: nonlinear (or auto)", error);
+    if (path_points_open(path, analysis, error) < 0)
+        return -1;
+    analysis->is_nonlinear = true;
     pzs_solver_reset(&analysis->equilibrium.solver);
-    if (!path->value || arc_open(&arc_search, analysis) < 0)
-        return scene_fault(design->at, error, "out of memory");
-    if (!solve_both(&arc_search, true) ||
-        !(scalar_product(&arc_search, arc_search.by_load, arc_search.by_load) > 0)) {
-        free(arc_search.memory);
-        return scene_fault(design->at, error,
-                           "--path: the scene has no load, or its reference state is not stiff");
-    }
-    add_point(path, &arc_search);
-    take_steps(&arc_search, path);
-    continue_from_end(&arc_search);
-    path->is_complete = arc_search.start_factor >= 1;
+    const int failed = is_stepped ? stepped_path_follow(path, analysis, &reached, error)
+                                  : follow_arcs(path, analysis, &reached, error);
+    if (failed)
+        return -1;
+    path->is_complete = reached >= 1;
     if (!path->is_complete)
-        scene_fault(design->at, error, "the load path ends at %.4g of the load after %d points",
-                    arc_search.start_factor, path->points);
-    free(arc_search.memory);
+        scene_fault(design->at, error, "the load path ends at %.4g of the load after %d points%s",
+                    reached, path->points,
+                    is_stepped ? "; with contact or prescribed displacements no load path is "
+                                 "followed through limit points of the load"
+                               : "");
     return 0;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Computation of the load path of a scene by the arc-length method: the curve of equilibria from
- * zero to full load.
+ * Computation of the load path of a scene: the curve of equilibria from zero to full load, by the
+ * arc-length method, or in equal steps of the load factor for scenes with contact or prescribed
+ * displacements.
  */
 #ifndef FOLLOW_PATH_H
 #define FOLLOW_PATH_H
@@ -12,8 +13,7 @@
  * Compute the load path from the reference state to the full load, and leave the solver of the
  * analysis at the last point. A path that ends early is kept: is_complete is 0 and `error` says
  * where the path ended.
- *   analysis in/out  with an equilibrium solver in the reference state; without contact, prescribed
- *       displacements, open electrodes and bare faces
+ *   analysis in/out  with an equilibrium solver in the reference state
  * Returns 0, or -1 with error filled.
  */
 int load_path_follow(load_path *path, analysis *analysis, char *error);

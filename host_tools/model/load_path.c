@@ -7,5 +7,6 @@
 void load_path_free(load_path *path)
 {
     free(path->value);
+    free(path->row);
     memset(path, 0, sizeof *path);
 }

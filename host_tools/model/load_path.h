@@ -4,6 +4,8 @@
  * points, at which the load has to decrease. All input values of the scene are multiplied by one
  * load factor. The arc-length method with a spherical constraint (Crisfield 1981) computes the
  * curve: each step has a prescribed length of displacement, and the load factor is an unknown.
+ * Where a scene has contact or prescribed displacements, equal steps of the load factor compute the
+ * curve, up to the first limit point.
  */
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H
@@ -20,8 +22,10 @@ typedef struct load_path_point {
 } load_path_point;
 
 typedef enum load_path_event_type {
-    LOAD_PATH_LIMIT,      /* limit point: the load factor has a maximum or a minimum */
-    LOAD_PATH_BIFURCATION /* bifurcation point: another load path branches off */
+    LOAD_PATH_LIMIT,       /* limit point: the load factor has a maximum or a minimum */
+    LOAD_PATH_BIFURCATION, /* bifurcation point: another load path branches off */
+    LOAD_PATH_STABILITY    /* change of the number of negative pivots on a path of equal load steps:
+                              a bifurcation, or a change of the nodes in contact */
 } load_path_event_type;
 
 /*
@@ -43,9 +47,13 @@ typedef struct load_path {
     load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
                                                 beyond the largest number that can be stored
                                                 (LOAD_PATH_EVENTS) are left out */
-    int rows;         /* number of output rows (displacements) of the structure */
-    double *value;    /* [points][rows] values of all output rows at each point of the load path */
+    int outputs;                             /* number of outputs of the scene */
+    double *value;    /* [points][outputs] first value of each output of the scene at each point of
+                         the load path; not filled for outputs of strains and stresses */
+    double *row;      /* [output rows] work array: values of all output rows of the structure */
     bool is_complete; /* whether the load path has reached the full load */
+    bool has_equal_steps; /* true: the points of the load path follow each other in equal steps of
+                             the load factor; false: by the arc-length method */
 } load_path;
 
 /* Release the memory of a load path and make the path empty. */

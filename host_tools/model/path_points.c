@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Recording of the points of a load path (path_points.h). */
+#include "path_points.h"
+#include <stdlib.h>
+#include <string.h>
+
+int path_points_open(load_path *path, const analysis *analysis, char *error)
+{
+    const design *design = &analysis->design;
+    memset(path, 0, sizeof *path);
+    path->outputs = design->outputs;
+    path->value = calloc(LOAD_PATH_POINTS * ((size_t)path->outputs + 1), sizeof *path->value);
+    path->row = calloc((size_t)design->structure.output.count + 1, sizeof *path->row);
+    return path->value && path->row ? 0 : scene_fault(design->at, error, "out of memory");
+}
+
+void path_points_add(load_path *path, analysis *analysis, double load_factor, int iterations)
+{
+    const pzs_solver *solver = &analysis->equilibrium.solver;
+    double *value = path->value + (size_t)path->points * (size_t)path->outputs;
+    pzs_observe(&analysis->design.structure, solver->info.displacement, path->row);
+    (void)analysis_electrodes(analysis, NULL);
+    for (int k = 0; k < path->outputs; k++)
+        value[k] = analysis_output(analysis, k, 0, path->row);
+    path->point[path->points++] =
+        (load_path_point){load_factor, (int)solver->info.negative_pivots, iterations};
+}
+
+void path_points_event(load_path *path, load_path_event_type type, int point, double load_factor)
+{
+    if (path->events < LOAD_PATH_EVENTS)
+        path->event[path->events++] = (load_path_event){type, point, load_factor};
+}

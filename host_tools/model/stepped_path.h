@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Computation of the load path of a scene in equal steps of the load factor, for scenes that the
+ * arc-length method does not follow: with contact or prescribed displacements.
+ */
+#ifndef STEPPED_PATH_H
+#define STEPPED_PATH_H
+
+#include "analysis.h"
+
+/*
+ * Compute the load path from the reference state to the full load and append its points to an empty
+ * path. The path ends early where the equilibrium solver finds no equilibrium, as above a limit
+ * load. A contact body or a support that is moved by the load factor controls a displacement, and
+ * such a path passes the maxima of the forces there.
+ *   analysis in/out  with an equilibrium solver in the reference state
+ *   reached  out     load factor of the last point
+ * Returns 0, or -1 with error filled where memory runs out.
+ */
+int stepped_path_follow(load_path *path, analysis *analysis, double *reached, char *error);
+
+#endif
