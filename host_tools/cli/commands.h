@@ -108,7 +108,10 @@ extern const char *const command_notes[];
 /* Whether a command accepts an option. */
 int command_takes(command_id command, option_id option);
 
-/* Find a command or an option by its name. Returns COMMANDS or OPTIONS where there is none. */
+/*
+ * Find a command or an option by its name. Returns its index; where there is none, the number of
+ * all commands (COMMANDS) or of all options (OPTIONS).
+ */
 command_id command_find(const char *name);
 option_id option_find(const char *name);
 

@@ -57,12 +57,15 @@ typedef struct options {
  */
 int options_read(options *options, command_id command, int argc, char **argv);
 
-/* Print an error message about a command-line argument. Returns OPTIONS_WRONG. */
+/*
+ * Print an error message about a command-line argument. Returns the exit code for a wrong command
+ * line, OPTIONS_WRONG.
+ */
 int options_refuse(const char *what, const char *value);
 
 /*
- * Print an error message about an unknown command, with the most similar command. Returns
- * OPTIONS_WRONG.
+ * Print an error message about an unknown command, with the most similar command. Returns the exit
+ * code for a wrong command line, OPTIONS_WRONG.
  */
 int options_unknown_command(const char *name);
 

@@ -248,8 +248,9 @@ static void rotate(double matrix[SCATTER_AXES][SCATTER_AXES],
  */
 static double linear_value(moments *moments, const double place[SCATTER_AXES])
 {
-    static const double narrow = 1e-8; /* smallest squared spread of the points, relative to the
-                                          largest one, that determines a slope */
+    static const double narrow = 1e-8; /* smallest squared spread of the points in a direction,
+                                          relative to the largest spread, at which the fitted
+                                          function may have a slope in this direction */
     double vectors[SCATTER_AXES][SCATTER_AXES] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double widest = 0, value = moments->value;
     for (int sweep = 0; sweep < 12; sweep++)

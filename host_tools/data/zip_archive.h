@@ -44,8 +44,8 @@ void zip_begin(zip_archive *archive, FILE *file);
  * Write a member of a ZIP archive.
  *   name         in  path of the member inside the archive
  *   part [parts] in  blocks of memory that form the contents of the member, in their order
- * Returns 0, or -1 if the archive would exceed ZIP_MOST members or 4 GB, or if the name is too
- * long.
+ * Returns 0, or -1 if the archive would exceed the largest number of members (ZIP_MOST) or 4 GB, or
+ * if the name is too long.
  */
 int zip_add(zip_archive *archive, const char *name, const zip_part *part, size_t parts);
 

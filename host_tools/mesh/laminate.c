@@ -515,7 +515,10 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
     return 1 / (metric_at(element, place, z, share) * mean);
 }
 
-/* Return whether a field is a temperature, of one ply or of all plies. */
+/*
+ * Return whether a prescribed field (voltage, electric field along the surface or temperature) is a
+ * temperature, of one ply or of all plies.
+ */
 static bool is_temperature(const laminate_field *field)
 {
     return field->ply < 0 || field->axis == LAMINATE_HEATED_PLY;

@@ -129,7 +129,8 @@ typedef struct laminate_field {
                               laminate (K) */
     int axis;        /* for ply >= 0, type of the field in the ply, a value of laminate_axis */
     double along[2]; /* electric field along the surface at the inner and at the outer face of the
-                        ply (V/m), for LAMINATE_ALONG_1 and LAMINATE_ALONG_2 */
+                        ply (V/m), used if the prescribed field is an electric field along the
+                        surface */
 } laminate_field;
 
 /*

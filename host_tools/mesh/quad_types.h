@@ -27,11 +27,10 @@ typedef struct quad_report {
     int narrow;  /* number of elements with an obtuse corner: the area per unit of the natural
                     coordinates is below 0.3 of that at the centre */
     double thinness;     /* largest thinness (curvature times squared length over thickness) of the
-                            elements that are counted in the members `locking` or `coarse` of this
-                            struct */
+                            elements whose bending is or may be too stiff */
     double irregularity; /* largest irregularity (skew of the element, or distance of a node from
                             the mean of its neighbours relative to their distances) of the elements
-                            that are counted in the members `locking` or `coarse` of this struct */
+                            whose bending is or may be too stiff */
     double jacobian; /* smallest area per unit of the natural coordinates at a corner relative to
                         the centre, over all elements */
 } quad_report;

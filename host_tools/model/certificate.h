@@ -144,8 +144,8 @@ typedef struct certificate {
                     voltages that one tick of a stable control loop can make: 2 x damping ratio x
                     angular frequency of the first vibration mode x tick interval; NAN without a
                     tick rate */
-    bool has_settings; /* true where `settings` were chosen by simulations with fast jumps of the
-                          target */
+    bool has_settings; /* true where simulations with fast jumps of the target have chosen the
+                          settings of the control tick that damps vibration */
     damper_settings settings; /* settings of the control tick that damps vibration, as the
                                  simulations have chosen them */
     certificate_loop loop;    /* certificate of the loop whose control tick damps vibration */

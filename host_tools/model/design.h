@@ -198,7 +198,8 @@ bool design_is_held(const design *design, int amplifier);
  * heaters, otherwise voltages.
  */
 typedef struct design_inputs {
-    const char *name, *title; /* "voltage", "Voltage" or "temperature", "Temperature" */
+    const char *name, *title; /* word for the inputs in a sentence and in a title: "voltage" and
+                                 "Voltage", or "temperature" and "Temperature" */
     const char *unit;
 } design_inputs;
 design_inputs design_inputs_of(const design *design);

@@ -54,7 +54,7 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state);
 
 /*
  * Value of an output that describes the contact: force, number of nodes, pressure or gap.
- *   output in  its member `contact` is not CONTACT_NONE
+ *   output in  output of the scene that is a quantity of contact
  *   node   in  mesh node of a contact pressure; ignored for other outputs
  */
 double equilibrium_contact_output(const equilibrium *equilibrium, const scene_output *output,

@@ -406,7 +406,8 @@ static void assemble(const fit *fit, bool with_slopes, normal *normal)
 /*
  * Change frequencies and damping ratios by a step of their refinement, within the range that
  * vibration modes can have.
- *   inverse [PARAMETERS][PARAMETERS] in  inverse of the matrix of the normal equations
+ *   inverse [PARAMETERS][PARAMETERS] in  inverse of the matrix of the normal equations, with two
+ *       unknowns (frequency and damping ratio) for each mode
  */
 static void take_step(fit *fit, const normal *normal, const double *inverse)
 {

@@ -108,9 +108,9 @@ int measure_depolarisation(const subject *of, int k, measured *found)
 enum { STRENGTHS = 5 };
 
 /*
- * Strength of number k % STRENGTHS of a material divided by the elastic modulus of the same
- * direction, either for soft materials (rubbers, foams) or for all others. Where the units are
- * unknown, all materials count as soft.
+ * Strength of number k % STRENGTHS of a material (of which there are STRENGTHS) divided by the
+ * elastic modulus of the same direction, either for soft materials (rubbers, foams) or for all
+ * others. Where the units are unknown, all materials count as soft.
  */
 static int measure_strength_of(const subject *of, int k, bool wants_soft, measured *found)
 {

@@ -361,7 +361,7 @@ static int flexure_of(const stress_field *field, int element, double flex[6][6])
 }
 
 /*
- * Solve a small system of linear equations by elimination with row exchanges.
+ * Solve a small system of PATTERNS linear equations by elimination with row exchanges.
  *   matrix [PATTERNS][PATTERNS + 1] in/out  coefficients, with the right-hand side as the last
  *       column
  *   x      [PATTERNS]               out     solution

@@ -418,7 +418,10 @@ typedef struct newton {
     voltages best; /* voltages and shape with the smallest objective of all iterations so far */
 } newton;
 
-/* Copy a result into another one of the same design, with the values of its arrays. */
+/*
+ * Copy a result (voltages, and the shape that they cause) with the values of its arrays into the
+ * memory of another result.
+ */
 static void copy_result(const analysis *analysis, const voltages *from, voltages *to)
 {
     const size_t amplifiers = (size_t)analysis->design.amplifiers;

@@ -13,9 +13,9 @@
 typedef struct voltages {
     char name[SCENE_NAME + 32]; /* name of the method that computed the voltages, for reports */
     int amplifiers;
-    double *voltage;      /* [amplifiers] computed voltages (V) */
-    bool *at_limit;       /* [amplifiers] whether the limits let the voltage of each amplifier vary,
-                             and the voltage is at one of them */
+    double *voltage; /* [amplifiers] computed voltages (V) */
+    bool *at_limit;  /* [amplifiers] whether the voltage of each amplifier is at one of its limits;
+                        false for an amplifier that is held at one voltage */
     double *displacement; /* [free_dof] displacement vector under the voltages and the scene's loads
                            */
     double *shape; /* [targets] controlled displacements (target rows) under the voltages and the

@@ -196,19 +196,19 @@ bool shell_is_beyond(const design *design, const voltages *result, int amplifier
            result->voltage[amplifier] > design->upper[amplifier];
 }
 
-/* An amplifier as a map shows it. */
+/* Style in which a map shows an amplifier, in the patches or stacks that it drives. */
 typedef struct drawn {
     FILE *file;
     const draw_scale *scale;
     double value;        /* voltage of the amplifier, or temperature of its heater */
-    const char *colour;  /* style class of the colour of this value; "none" if the colour scale has
-                            another unit */
+    const char *colour;  /* style class of the colour of the voltage or temperature; "none" if the
+                            colour scale has another unit */
     const char *outline; /* style class of the outline: "patch" for a voltage within its limits,
                             "limit" at an active limit, "beyond" beyond the limits */
     bool is_marked;      /* whether the voltage is at an active limit or beyond the limits */
 } drawn;
 
-/* Begin the SVG group of an amplifier, with a title that states name and voltage. */
+/* Begin the SVG group of an amplifier, whose title is the name and voltage of the amplifier. */
 static drawn begin_amplifier(FILE *file, const design *design, const shell_voltage_set *set,
                              int amplifier)
 {
@@ -291,7 +291,7 @@ static void stack_at(const shell *map, const scene_actuator *actuator, int k, do
     view_project(&map->view, place, at);
 }
 
-/* Radius of the discs for the stacks of an actuator, which must not touch (pixels). */
+/* Radius at which the discs that stand for the stacks of an actuator do not touch (pixels). */
 static double stack_radius(const shell *map, const scene_actuator *actuator)
 {
     const double largest = 16, share = 0.45;

@@ -110,7 +110,7 @@ static void put_limits(FILE *file, const double limit[2], const char *unit)
         put(file, "%n to %q", limit[0], limit[1], unit);
 }
 
-/* Write one number with a directive of a format, such as %n. */
+/* Write one number with a directive of the function put, such as %n. */
 static void put_value(FILE *file, char directive, double value, va_list *more)
 {
     const bool has_most = directive == 'a' || directive == 'b';

@@ -6,7 +6,8 @@
 /* Report page of `pzs shape`. All results have one colour scale of the misfit, page.scale. */
 typedef struct shape_page {
     page page;
-    const voltages *result; /* [results] results, one for each pair of voltage limits */
+    const voltages *result; /* [results] voltages and shapes to show, one result for each pair of
+                               voltage limits */
     int results;
     draw_scale voltage;
 } shape_page;
@@ -31,7 +32,7 @@ static draw_scale take_result(shape_page *shape, const voltages *result)
                       shape->page.design->target);
 }
 
-/* Choose the colour scales, magnification and view that all results have in common. */
+/* Choose colour scales, magnification and view, which all results on the page have in common. */
 static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
@@ -57,7 +58,7 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/* Return the result that the page shows first: the first one with voltage limits, if any. */
+/* Return the result that the page shows first: the first one that has voltage limits, if any. */
 static const voltages *main_result(const shape_page *shape)
 {
     for (int k = 0; k < shape->results; k++)

@@ -19,7 +19,7 @@ typedef struct shell_depth {
     int cell;
 } shell_depth;
 
-/* Let nodes and elements of the mesh be the points and cells of a picture. */
+/* Let the nodes and elements of the mesh be the points and cells of its picture. */
 static void fill_from_elements(shell *shell)
 {
     for (int n = 0; n < shell->points; n++) {
@@ -30,7 +30,7 @@ static void fill_from_elements(shell *shell)
         shell->cell[k / 4][k % 4] = shell->mesh->element[k / 4][k % 4];
 }
 
-/* Fill in the points and cells on the plane of the parameters theta1 and theta2. */
+/* Fill in points and cells (quadrilaterals) of a map over the parameters theta1 and theta2. */
 static void fill_from_parameters(shell *shell)
 {
     const scene_line *line = shell->mesh->line;

@@ -41,7 +41,7 @@ void view_include(view *view, const double point[3]);
 void view_fit(view *view, double width, double height, double least);
 void view_project(const view *view, const double point[3], double at[2]);
 
-/* Return a round factor that draws a displacement `most` as about `share` of the mesh size. */
+/* Return a round magnification that draws a displacement `most` as the part `share` of the mesh. */
 double view_magnification(const mesh *mesh, double most, double share);
 
 /*
@@ -65,7 +65,8 @@ typedef struct shell {
     int *plan;  /* [actuators] index of the map on which the patches of each actuator are drawn, so
                    that no patches overlap on a map; -1: the actuator has no patches or stacks */
     int plans;  /* number of maps on which the patches of all actuators are drawn */
-    void *work; /* memory in which the cells (quadrilaterals) or their sides are sorted */
+    void *work; /* work memory in which the cells (quadrilaterals) of the mesh, or their sides, are
+                   sorted */
     const double *vector; /* [nodes][3] displacement along x, y and z that is drawn; NULL: the
                              undeformed mesh is drawn */
     double factor;        /* factor by which the drawn displacement is magnified */
@@ -149,12 +150,12 @@ void shell_extend(draw_scale *scale, const design *design, const double *value);
 /* Return whether the voltage of an amplifier is beyond the voltage limits of the scene. */
 bool shell_is_beyond(const design *design, const voltages *result, int amplifier);
 
-/* Distribute the actuators over as many maps of the surface as necessary: plan and plans. */
+/* Choose the map on which the patches of each actuator are drawn: members plan and plans. */
 void shell_find_plans(shell *map);
 
 /*
- * Draw the map with number `which`: voltages in the patches of its actuators. If the scene has no
- * patches, draw the voltages of all amplifiers as bars.
+ * Draw map number `which` of those over which the actuators are distributed, with voltages in their
+ * patches. If the scene has no patches, draw the voltages of all amplifiers as bars.
  */
 void shell_voltages(const shell *map, int which, const shell_voltage_set *set);
 

@@ -9,8 +9,8 @@ typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    draw_axis time, bin; /* horizontal axes: one in ticks of the control loop, one in bins (equal
-                            time intervals) */
+    draw_axis time, bin; /* time axes of the diagrams: one in ticks of the control loop, one in bins
+                            (equal time intervals) */
 } simulate_page;
 
 static void write_verdict(const simulate_page *self)
@@ -192,7 +192,7 @@ static void write_errors(const simulate_page *self)
         (record->ticks + record->bins - 1) / record->bins);
 }
 
-/* Whether the voltage of an amplifier is at a limit at the end of a time bin. */
+/* Whether the voltage of an amplifier is at a limit at the end of a bin of recorded ticks. */
 static bool is_active(const simulate_record *record, int amplifier, int bin)
 {
     const double voltage = record->voltage[bin * record->amplifiers + amplifier];

@@ -17,7 +17,7 @@ static double value_of(const solve_page *solve, int k, int i)
     return analysis_output(solve->page.analysis, k, i, solve->output);
 }
 
-/* Write the row of an output: its value, or the range if the output has several values. */
+/* Write the table row of an output: its value, or the range of its values if it has several. */
 static void write_output(const solve_page *solve, int k)
 {
     const scene_output *output = &solve->page.design->output[k];
@@ -81,7 +81,7 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
     return count;
 }
 
-/* Draw the outputs along a surface coordinate in one diagram, if there are any. */
+/* Draw all outputs along mesh lines of theta1 (along = 0) or theta2 (along = 1) in a diagram. */
 static void draw_lines(const solve_page *solve, int along)
 {
     const page *page = &solve->page;

@@ -9,7 +9,9 @@
 /* Smallest distance of the drawn points from the edges of a picture, in pixels. */
 enum { EDGE = 18 };
 
-/* Set the axes of a view along a normal, with the y axis of space up, or z if y is the normal. */
+/*
+ * Set the axes of a view along a normal; the axis y of space, or z if the normal is y, is upwards.
+ */
 static void look_along(view *view, const double normal[3])
 {
     double(*axis)[3] = view->axis;
@@ -63,7 +65,9 @@ static void look_at_parameters(view *view, const mesh *mesh)
     view->axis[1][0] = -fmin(fmax(aspect, 0.3), 3) / range[0];
 }
 
-/* Compute the mean unit normal. Returns its length: 1 for a plate, 0 for a closed surface. */
+/*
+ * Compute the mean of all unit normals. Returns its length: 1 for a plate, 0 for a closed surface.
+ */
 static double mean_normal(const mesh *mesh, double normal[3])
 {
     normal[0] = normal[1] = normal[2] = 0;

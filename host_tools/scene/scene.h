@@ -593,12 +593,12 @@ typedef struct scene_estimate {
 /* Type of a change that takes place at one tick of a simulation. */
 typedef enum scene_event_type {
     EVENT_TARGET,
-    EVENT_VALUE, /* EVENT_TARGET multiplies the target by a factor; EVENT_VALUE replaces the target
-                  */
+    EVENT_VALUE, /* simulation event: the target is multiplied by a factor (EVENT_TARGET) or
+                    replaced (EVENT_VALUE) */
     EVENT_LOAD,
-    EVENT_TEMPERATURE, /* EVENT_LOAD multiplies a load by a factor and EVENT_TEMPERATURE heats the
-                          structure; the controller is informed of load events that are marked as
-                          known */
+    EVENT_TEMPERATURE, /* simulation event: a load is multiplied by a factor (EVENT_LOAD), or the
+                          structure is heated (EVENT_TEMPERATURE); the controller is informed of
+                          load events that are marked as known */
     EVENT_DEAD,
     EVENT_STUCK,
     EVENT_ALIVE, /* simulation event: electrodes fall to 0 V (EVENT_DEAD), keep their last voltage

@@ -312,8 +312,8 @@ static int refuse_unit(reader *reader, int node, const char *suffix, const char 
 }
 
 /*
- * Return the physical dimension that a unit of measurement belongs to, or DIMENSIONS if it belongs
- * to none.
+ * Return the physical dimension that a unit of measurement belongs to, or DIMENSIONS, the number of
+ * dimensions, if it belongs to none.
  */
 static dimension name_dimension(const units_unit *unit)
 {

@@ -336,7 +336,7 @@ void simulate_close(simulation *simulation)
 /* ---- results of a phase ------------------------------------------------ */
 
 typedef struct course_log {
-    double *window; /* [WINDOW][targets] shapes of the plant in the first ticks of the phase
+    double *window; /* [WINDOW][targets] shapes of the plant in the first WINDOW ticks of the phase
                        (interval between events) */
     double *last;   /* [end_ticks][targets] ring buffer of the shapes of the plant in the last ticks
                        of the phase (interval between events) */

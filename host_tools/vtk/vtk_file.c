@@ -36,7 +36,9 @@ double *vtk_add(vtk_file *vtk, bool of_cells, int components, const char *format
     return array.value;
 }
 
-/* Begin an array of the XML text; characters that are special to XML become underscores. */
+/*
+ * Begin an array of a VTK file; characters in its name that are special to XML become underscores.
+ */
 static void begin_array(FILE *file, const char *type, int components, const char *name)
 {
     fprintf(file, "<DataArray type=\"%s\" NumberOfComponents=\"%d\" format=\"ascii\" Name=\"", type,

@@ -18,7 +18,9 @@ enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESER
 /* Size of the text of a unit in parentheses, including its NUL (characters). */
 enum { UNIT_TEXT = 2 * WORDS_UNIT };
 
-/* Store the values of an element of a layer in the arrays of the layer [LAYER_ARRAYS]. */
+/*
+ * Store stresses, strains and electric field of an element in the arrays of a layer [LAYER_ARRAYS].
+ */
 static void fill_element(const vtk_array *array, const scene_strength *strength, int element,
                          const stress_layer *result)
 {
@@ -50,7 +52,7 @@ static const char *unit_text(const scene_unit_names *units, words_quantity quant
     return text;
 }
 
-/* Begin the arrays of the VTK file that have the values of a layer in the cells. */
+/* Begin the arrays of a VTK file for the stresses and strains of a layer in the cells. */
 static void name_arrays(vtk_file *vtk, const design *design, int layer, bool has_strength)
 {
     const scene_unit_names *units = &design->units;
@@ -73,7 +75,7 @@ static void name_arrays(vtk_file *vtk, const design *design, int layer, bool has
         vtk_add(vtk, true, 1, "reserve factor%s", name);
 }
 
-/* Add the stresses and strains of a layer in the cells, and their averages at the points. */
+/* Add stresses and strains of a layer to a VTK file: in its cells, and averaged at its points. */
 static void add_layer(vtk_file *vtk, const stress_field *field, int layer)
 {
     const design *design = field->state.design;

@@ -23,9 +23,9 @@
 #define BOXLS_DEPENDENT 256
 
 /*
- * Set the pointers of the optimiser to its vectors, except the voltages, in the memory `work` of
- * BOXLS_VECTORS vectors of length `width`. The members `inputs` and `width` of the optimiser must
- * be set before.
+ * Set the pointers of the optimiser to its vectors, except the voltages, in the memory `work`,
+ * which has room for all of them (BOXLS_VECTORS vectors of length `width`). The members `inputs`
+ * and `width` of the optimiser must be set before.
  */
 void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work);
 

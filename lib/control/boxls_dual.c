@@ -539,8 +539,9 @@ static void release_all(pzs_optimiser *optimiser)
 }
 
 /*
- * Estimate the optimal voltages by SWEEPS sweeps over the inputs, from the present voltages on.
- * Each input in turn goes to the minimum of the objective over its own voltage within its bounds.
+ * Estimate the optimal voltages by a fixed number (SWEEPS) of sweeps over the inputs, from the
+ * present voltages on. Each input in turn goes to the minimum of the objective over its own voltage
+ * within its bounds.
  *   voltage  [width] out  estimated voltages (V)
  *   gradient [width] out  half the gradient of the objective at these voltages (m2/V)
  */

@@ -104,8 +104,9 @@ static inline void read_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real
 }
 
 /*
- * Subtract from row k of the tableau (the optimiser's pivoted Hessian) the rank-one updates of up
- * to TOGETHER collected pivot exchanges, the first of which has the index `first`.
+ * Subtract from row k of the tableau (the optimiser's pivoted Hessian) the rank-one updates of
+ * collected pivot exchanges, at most a fixed number (TOGETHER) of them, of which the first has the
+ * index `first`.
  *   row [width] in/out  row k of the tableau
  */
 static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t first, uint32_t k,

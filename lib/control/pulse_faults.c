@@ -993,7 +993,8 @@ static void change_reference(pzs_pulse_detector_state *state)
 /*
  * Decide what a measured test pulse proves about the suspected electrode. Only if the gain
  * (measured divided by modelled response) of the reference electrode is large does a small gain of
- * the suspected electrode mean anything. Returns the input that was found faulty, or NO_INPUT.
+ * the suspected electrode mean anything. Returns the input that was found faulty, or NO_INPUT if
+ * there is none.
  */
 static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_response *response)
 {
@@ -1025,7 +1026,7 @@ static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_respons
 
 /*
  * Evaluate a test pulse, and decide what follows: the next pulse, or the end of the test of the
- * suspected electrode. Returns the input that was found faulty, or NO_INPUT.
+ * suspected electrode. Returns the input that was found faulty, or NO_INPUT if there is none.
  */
 static uint32_t judge(pzs_pulse_detector *detector)
 {

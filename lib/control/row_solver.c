@@ -276,8 +276,7 @@ static void measure_pivots(const rows_run *run)
 
 /*
  * Begin to compute the response matrix (tableau) anew with a larger shift of the diagonal of the
- * Hessian: ten times the last one, but at least that of LEAST_CURVATURE and at most that of
- * MOST_CURVATURE.
+ * Hessian: ten times the last one, between the fixed bounds of LEAST_CURVATURE and MOST_CURVATURE.
  */
 static void raise_shift(const rows_run *run)
 {

@@ -872,7 +872,7 @@ static void report_reversed(pzs_selftest *selftest)
 
 /*
  * Make one tick of a search for the amplifier or sensor whose measured response differs most from
- * the model. The search takes SEARCH_TICKS ticks, because one tick would need too many
+ * the model. The search takes several ticks (SEARCH_TICKS), because one tick would need too many
  * instructions.
  *   is_first in  true: only a reversed amplifier or sensor is reported
  */

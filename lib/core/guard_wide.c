@@ -45,11 +45,13 @@ PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *d
     const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* factor by which the computation of
                                                                  a CRC-32 multiplies data, a
                                                                  polynomial, to move them over
-                                                                 CRC_BLOCK bytes */
+                                                                 CRC_BLOCK bytes, the length of one
+                                                                 step */
     const polynomial over_rest = {0x1751997d0, 0x0ccaa009e}; /* factor by which the computation of a
                                                                 CRC-32 multiplies data, a
                                                                 polynomial, to move them over
-                                                                CRC_REST bytes */
+                                                                CRC_REST bytes, the length to which
+                                                                a long array is reduced */
     const polynomial start = {(long long)crc, 0};
     polynomial part[4];
     for (unsigned k = 0; k < 4u; k++)

@@ -22,8 +22,9 @@
 bool pzs_guard_has_fold(void);
 
 /*
- * Reduce `bytes` bytes of data, a multiple of CRC_BLOCK and not zero, to CRC_REST bytes in `rest`.
- * The CRC-32 of `rest`, begun with 0, is that of the data, begun with `crc`.
+ * Reduce `bytes` bytes of data, a multiple of CRC_BLOCK (the bytes of one step) and not zero, to
+ * the few bytes (CRC_REST) of `rest`. The CRC-32 of `rest`, begun with 0, is that of the data,
+ * begun with `crc`.
  */
 void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes);
 

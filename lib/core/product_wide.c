@@ -43,7 +43,7 @@ AVX2 static void add_to_many(pzs_real *sums, const pzs_real *table, size_t strid
 
 /*
  * Add `rows` rows of a table, each multiplied by its factor, to `cols` sums, which must be fewer
- * than SPREAD.
+ * than SPREAD, the number of columns that fit into the registers.
  */
 AVX2 static void add_to_few(pzs_real *restrict sums, const pzs_real *restrict table, size_t stride,
                             const pzs_real *restrict vector, size_t rows, size_t cols)
@@ -75,7 +75,8 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
 }
 
 /*
- * Subtract chosen rows of a table, each multiplied by its factor, from SPREAD entries of a vector.
+ * Subtract chosen rows of a table, each multiplied by its factor, from SPREAD entries of a vector,
+ * as many as fit into the registers.
  */
 AVX2 static void subtract_from_many(pzs_real *vector, const pzs_real *table, size_t stride,
                                     const uint16_t *index, const pzs_real *factor, size_t count)

@@ -24,21 +24,23 @@ typedef struct shape {
 
 static const pzs_real e3[3] = {0, 0, 1};
 
-/* y += matrix times x */
+/* Add the product of a 3 x 3 matrix and a vector x to a vector: y += matrix times x. */
 static void add_product(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int i = 0; i < 3; i++)
         y[i] += matrix[i][0] * x[0] + matrix[i][1] * x[1] + matrix[i][2] * x[2];
 }
 
-/* y += transposed matrix times x */
+/*
+ * Add the product of a transposed 3 x 3 matrix and a vector x to a vector: y += matrix^T times x.
+ */
 static void add_transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
         y[j] += matrix[0][j] * x[0] + matrix[1][j] * x[1] + matrix[2][j] * x[2];
 }
 
-/* y += factor times x */
+/* Add a multiple of a vector x of three entries to a vector: y += factor times x. */
 static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
 {
     for (int i = 0; i < 3; i++)

@@ -98,7 +98,7 @@ static const uint8_t stress_row[4][ROWS] = {
 
 /* ---- nodal strains ---------------------------------------------------- */
 
-/* y = transposed matrix times x, for a 3 x 3 matrix */
+/* Compute the product y of a transposed 3 x 3 matrix and a vector x. */
 static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
