@@ -16,7 +16,8 @@ struct scatter {
     size_t count;
     double *point;  /* [count][SCATTER_AXES] coordinates of the points in the order of the k-d tree;
                        coordinates beyond `axes` are 0 */
-    double *value;  /* [count] values of the points in the order of the k-d tree */
+    double *value;  /* [count] given values at the scattered points, in the order of the k-d tree
+                       that holds the points */
     size_t *source; /* [count] number of the point at each position of the tree, while the tree is
                        built */
 };

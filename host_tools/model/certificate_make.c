@@ -96,15 +96,17 @@ typedef struct gains {
     const vibration *vibration;
     size_t modes, moving; /* number of vibration modes, and number of amplifiers that are not held
                              at one voltage */
-    size_t *amplifier;    /* [moving] indices of the amplifiers that are not held at one voltage */
+    size_t *amplifier;    /* [moving] indices of the amplifiers that are not held at one voltage;
+                             `moving` is their number */
     double *factor; /* [moving][moving] Cholesky factor of the regularised Hessian of the voltage
-                       problem */
+                       problem, for the amplifiers that are not held at one voltage */
     double *shape;  /* [targets] shape of one vibration mode at the target nodes, as the controller
                        measures or estimates it */
     double *gradient; /* [moving] right-hand side of the normal equations of the voltage problem for
-                         one vibration mode, then the voltages that solve them */
+                         one vibration mode, then the voltages of the amplifiers that are not held,
+                         which solve them */
     double *modal_response; /* [modes][moving] static coordinate of each vibration mode per volt of
-                               each amplifier */
+                               each amplifier that is not held at one voltage */
     double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of vibration
                      mode i under the voltages that the controller subtracts per unit of mode j */
     bool assumes_measured; /* true where stability of the control loop is assessed as if every

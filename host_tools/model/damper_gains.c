@@ -130,9 +130,9 @@ typedef struct doubling {
     size_t n;
     double *a, *g, *h; /* [n][n] iterates a, g and h, with n states, of the doubling iteration; h
                           converges to the solution of the vibration observer's Riccati equation */
-    double *w, *work, *aw, *other; /* [n][n] w: inverse of 1 + g h with the iterates g and h; aw:
-                                      iterate a times this inverse; `work` and `other`: work
-                                      matrices */
+    double *w, *work, *aw, *other; /* [n][n] w: inverse of 1 + g h, with the iterates g and h of the
+                                      doubling iteration for the Riccati equation; aw: its iterate a
+                                      times this inverse; `work` and `other`: work matrices */
     double *memory;
 } doubling;
 

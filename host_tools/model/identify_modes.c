@@ -71,7 +71,7 @@ typedef struct fit {
                                  with respect to frequencies and damping ratios; slope [2
                                  PARAMETERS][longest]: derivatives of cosine and sine of each
                                  vibration mode with respect to its frequency and damping ratio */
-    double *column; /* [longest] work vector for one signal in an interval of constant voltages */
+    double *column; /* work vector for one signal in the longest interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the
                                            vibration modes (rad/s) */

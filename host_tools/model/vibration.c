@@ -61,7 +61,7 @@ typedef struct search {
                               which there is memory */
     double shift;
     double *basis; /* [room][free_dof] vectors of the Lanczos basis, orthonormal with the mass
-                      matrix */
+                      matrix, with memory for `room` vectors */
     size_t made, done;
     double *projection; /* [room][room] projection of the Lanczos operator (K + shift M)^-1 M, with
                            stiffness matrix K and mass matrix M, onto the basis; column j begins at
@@ -71,9 +71,9 @@ typedef struct search {
                            the Lanczos basis */
     double *ritz, *turn; /* ritz [done][done]: Ritz values (approximate eigenvalues) on the
                             diagonal; turn [done][done]: eigenvectors of the operator projected onto
-                            the Lanczos basis, as columns */
-    size_t *order; /* [done] indices of the Ritz pairs (approximate eigenvalues with eigenvectors)
-                      by decreasing Ritz value */
+                            the `done` vectors of the Lanczos basis, as columns */
+    size_t *order; /* [done] indices of the Ritz pairs (approximate eigenvalues with eigenvectors,
+                      `done` in number) by decreasing Ritz value */
     uint64_t seed;
     int solves;
 } search;
@@ -442,8 +442,9 @@ static int modes_below(search *search, double bound)
 }
 
 /*
- * Find the lowest vibration modes, and continue with new random vectors as long as the pivots show
- * that more modes exist. Returns whether this has succeeded.
+ * Find the lowest vibration modes, and continue with new random vectors of the Lanczos method as
+ * long as the pivots of the shifted stiffness matrix show that more modes exist. Returns whether
+ * this has succeeded.
  */
 static int find_modes(search *search, size_t number, char *error)
 {

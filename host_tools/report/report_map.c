@@ -205,7 +205,8 @@ typedef struct drawn {
                             colour scale has another unit */
     const char *outline; /* style class of the outline: "patch" for a voltage within its limits,
                             "limit" at an active limit, "beyond" beyond the limits */
-    bool is_marked;      /* whether the voltage is at an active limit or beyond the limits */
+    bool is_marked;      /* whether the voltage of the amplifier is at an active limit or beyond the
+                            limits */
 } drawn;
 
 /* Begin the SVG group of an amplifier, whose title is the name and voltage of the amplifier. */

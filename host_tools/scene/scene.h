@@ -299,8 +299,8 @@ typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
  */
 typedef struct scene_spring {
     char name[SCENE_NAME]; /* name of the springs; empty if the scene file gives none */
-    scene_where where; /* nodes to which one spring each is attached; not given (where.at.column is
-                          0) if the springs are attached at points */
+    scene_where where; /* nodes to which one spring each is attached; where.at.column is 0 if the
+                          springs are attached at points and not at nodes */
     int points;
     double (*point)[3]; /* [points] coordinates of the points: theta1, theta2 and 0, or x, y, z on a
                            mesh from a file, where z is NAN if it is not given */
@@ -714,7 +714,8 @@ typedef struct scene_simulate {
     scene_motion motion; /* way in which the motion of a plant with inertia is computed */
     int steps; /* smallest number of time steps of a nonlinear motion in a control tick; 0: chosen
                   from the natural frequencies */
-    bool hysteresis_given; /* whether the scene file gives the width of the hysteresis loop */
+    bool hysteresis_given; /* whether the scene file gives the width of the hysteresis loop of the
+                              actuators */
     scene_imperfections imperfections;
     bool detects_faults; /* whether the controller itself has to detect the fault of some electrode
                             (ANNOUNCED_DETECTED) */
