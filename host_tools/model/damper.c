@@ -405,7 +405,7 @@ static int build(builder *builder, char *error)
 
 /*
  * Whether the tables for damping of vibration can be made for a control loop that needs them; if
- * not, the member `reason` is filled.
+ * not, the member `reason` of the damper says why.
  */
 static bool is_possible(damper *damper, const analysis *analysis, const estimator *estimator)
 {

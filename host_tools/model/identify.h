@@ -34,8 +34,8 @@ typedef struct identification {
                    range of the positions */
     double largest;  /* largest difference between measured and fitted position, relative to the
                         range of the positions */
-    double straight; /* root mean square difference between the measured positions and a straight
-                        line, relative to the range of the positions */
+    double straight; /* root mean square difference between the measured positions and the straight
+                        line that fits them best, relative to the range of the positions */
 } identification;
 
 /*

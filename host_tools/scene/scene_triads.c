@@ -52,8 +52,8 @@ static double project(double vector[3], const double unit[3])
 typedef struct edge_normal {
     double sum[3];   /* sum of the unit normals of the edges that meet at the node; each normal is
                         tangent to the surface */
-    double first[3]; /* unit normal of that edge at the node which was added first to the sum of
-                        normals */
+    double first[3]; /* unit normal of one of the edges that meet at the node, the one that was
+                        first added to `sum` */
     int edges;
     bool is_corner; /* whether two edges of the support meet at an angle at the node */
 } edge_normal;

@@ -464,6 +464,12 @@ run 0 shape $rings --report "$dir/s.html" --svg "$dir/s.svg" && law s.html xml &
     law s.svg ring ring
 check 'report: an electrode that closes on itself is drawn' $?
 law s.html value ring && law s.html text '3.372 nm' '9.434 nm' 'rings <of> tests & co' "full of < > & \" '" 'm < & s' 'l<1>' 'w<&>'; check 'report: a value at its limit is written; markup in names is text' $?
+run 0 shape heated-patches --report "$dir/s.html" --svg "$dir/s.svg" && grep -q '^  temperatures  *limits (K)' "$dir/out" &&
+    law s.html xml && law s.svg xml && law s.html text 'Temperatures by amplifier' 'Largest temperature' '7.246 K' '± 50 K' && ! law s.html text '7.246 V' && ! law s.html text '50 V' && law s.svg text 'Temperatures of the amplifiers' 'heat_3_1: 7.246 K'
+check 'report: what heaters give is a temperature in K' $?
+run 0 solve bare-bimorph --report "$dir/s.html" && grep -q 'bare outer face of layer 2 upper: -3.263484e+00 .. 3.263484e+00 V' "$dir/out" && law s.html xml &&
+    law s.html text 'Electric potential of layer 1 lower, inner face' 'Electric potential of layer 2 upper, outer face' '3.263 V'
+check 'report: maps of the potentials of faces without electrode' $?
 run 0 solve $rings --set 'loads=[{face: outer, pressure: 1000}]' --report "$dir/s<&>.html" && law 's<&>.html' xml && law 's<&>.html' text 's<&>.html' '24 values' 'o<&>'
 check 'report: outputs at several nodes as a table, markup in the command line is text' $?
 run 0 shape plate-50-patches --limit 400 --report "$dir/s.html" --set 'target.value=0.1*x*(y-0.1)+1e-4' --set 'target.free=[piston]' --set 'limits.each=[{actuator: v_1_1, hold: 200}, {actuator: v_1_2, voltage: [-10, 10]}]' &&
