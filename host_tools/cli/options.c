@@ -249,8 +249,10 @@ static int take_option(options *options, option_id option, const char *value)
     return unknown_option(options->command, entry->name);
 }
 
-/* Store an argument of the command line that is not an option. Returns 0, or an exit code after
- * printing an error message. */
+/*
+ * Store an argument of the command line that is not an option. Returns 0, or an exit code after
+ * printing an error message.
+ */
 static int take_word(options *options, const char *word)
 {
     const command_entry *entry = &command_table[options->command];

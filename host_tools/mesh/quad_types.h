@@ -43,13 +43,14 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
 
 /*
  * Build the element types of a general quadrilateral mesh.
- *   list              in/out  list to which the element types are added; its laminate must be
- * filled point [nodes]     in      positions and triads (local axes) of the nodes accept_irregular
- * in      true: elements that are too thin for an irregular mesh are reported; false: they are
- * refused element_type [elements] out  number of the type of each element report            out
- * elements whose bending may be too stiff or whose shape is distorted Returns 0, or -1 with error
- * filled: an element is degenerate, nearly a triangle or inclined to its directors, or elements are
- * too thin for the irregular mesh around them.
+ *   list              in/out  receives the element types; its laminate must be filled
+ *   point [nodes]     in      positions and triads (local axes) of the nodes
+ *   accept_irregular  in      true: elements that are too thin for an irregular mesh are reported;
+ *                             false: they are refused
+ *   element_type [elements] out  number of the type of each element
+ *   report            out     elements whose bending may be too stiff or whose shape is distorted
+ * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or inclined to
+ * its directors, or elements are too thin for the irregular mesh around them.
  */
 int quad_types_build(type_list *list, const quad_mesh *quads, const surface_point *point,
                      bool accept_irregular, uint16_t *element_type, quad_report *report,
