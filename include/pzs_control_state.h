@@ -632,9 +632,32 @@ typedef struct pzs_selftest_core {
     uint32_t verdict;   /* result of the self-test, a value of pzs_selftest_verdict */
     uint32_t disturbed; /* 1: noise or vibration hides the response of at least one amplifier to its
                            test pulse */
-    uint32_t is_complete; /* 1: the self-test has written a finding for every amplifier and sensor
-                             whose measured response differs from the model */
+    uint32_t stage;     /* stage of the evaluation of the responses; its first stage is 0 */
+    uint32_t step;      /* number of comparisons so far in the present stage of the evaluation */
+    uint32_t pair; /* amplifier or sensor whose cable the evaluation looks for at another one: index
+                      among the amplifiers and sensors, the kind with fewer first */
+    uint32_t nearest;  /* index of the amplifier (or sensor) whose modelled response is, so far,
+                          nearest to the measured response that the evaluation compares with all */
+    uint32_t searches; /* number of faults that the evaluation has found by searching for the
+                          amplifier or sensor whose response differs most from the model */
 } pzs_selftest_core;
+
+/*
+ * Sums over the entries of a measured and of a modelled column (responses of all sensors to one
+ * amplifier) or row (responses of one sensor to all amplifiers) of the matrix of responses. Each
+ * entry is multiplied by the scale of its sensor.
+ */
+typedef struct pzs_selftest_sums {
+    pzs_real product;  /* sum of the products of measured and modelled responses (1/V2) */
+    pzs_real size;     /* sum of the absolute values of the products of measured and modelled
+                          responses (1/V2) */
+    pzs_real measured; /* sum of the squared measured responses of the sensors to the amplifiers
+                          (1/V2) */
+    pzs_real modelled; /* sum of the squared responses that the model predicts, each times the
+                          scale of its sensor (1/V2) */
+    pzs_real noise;    /* expected contribution of noise and vibration to the sum of the squared
+                          measured responses (1/V2) */
+} pzs_selftest_sums;
 
 typedef struct pzs_selftest_state {
     pzs_selftest_core core[3]; /* progress of the self-test in three copies, so that two outvote a
@@ -671,6 +694,14 @@ typedef struct pzs_selftest_state {
     pzs_real difference[2]; /* largest squared difference between the measured response of an
                                amplifier [0], or of a sensor [1], and the modelled response (1/V2)
                              */
+    pzs_real least_angle;   /* smallest squared sine, so far, of the angle between the modelled
+                               response of an amplifier (or sensor) and those of all others (1) */
+    pzs_selftest_sums own, nearest; /* measured response of the amplifier (or sensor) that the
+                                       evaluation compares with all modelled ones, against its own
+                                       modelled response, and against the nearest one so far */
+    pzs_selftest_sums partner_own, partner_nearest; /* measured response of the amplifier (or
+                                       sensor) with this nearest modelled response, against its own
+                                       modelled response, and against that of the first one */
     uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs
                           most from the model; PZS_WIRING_NONE: none differs */
     pzs_real pulse; /* sum over the ticks of the present test pulse of its relative height times the

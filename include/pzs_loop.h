@@ -1069,8 +1069,8 @@ extern const pzs_block_type pzs_fault_detector_block;
  *     status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
  *     while (!PZS_IS_ERROR(status)) { ... status = pzs_loop_tick(&loop, wanted, readings); ... }
  *
- * The test takes PZS_SELFTEST_TICKS ticks. All but the last of these ticks return PZS_W_SELFTEST,
- * and no other block runs. If no fault is found, the last tick of the test is the first tick in
+ * The test takes at most PZS_SELFTEST_TICKS ticks. All but its last tick return PZS_W_SELFTEST, and
+ * no other block runs. If no fault is found, the last tick of the test is the first tick in
  * which the loop is in control. Otherwise this tick and all later ticks return PZS_E_SELFTEST and
  * keep the voltages before the test; the result of pzs_loop_find(&loop, &pzs_selftest_block) holds
  * the findings, and pzs_selftest_accept makes the loop run despite them. If noise or vibration
@@ -1173,15 +1173,36 @@ typedef struct pzs_selftest_tables {
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 
 /*
- * Number of ticks of a self-test: two pulse durations in which all amplifiers move together, two
- * pulse durations without motion, in which noise and vibration are measured, one pulse for each
- * input, and the evaluation. A tick of the evaluation compares all responses at most once with the
- * model (6 inputs * sensors multiply-adds), any other tick of the self-test takes 8 operations for
- * each sensor and input.
+ * Work that a tick of the evaluation of the self-test does before it ends: number of compared
+ * entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for each comparison of the
+ * response of one amplifier or sensor. The last comparison of a tick may exceed this work by the
+ * larger of the numbers of inputs and sensors, plus PZS_SELFTEST_STEP_WORK.
+ */
+#define PZS_SELFTEST_WORK 768u
+#define PZS_SELFTEST_STEP_WORK 16u
+
+/*
+ * Largest work of the whole evaluation of a self-test, in which each amplifier and each sensor has
+ * a fault: each stage compares all responses once, except for the stage that compares a pair.
+ */
+#define PZS_SELFTEST_LINES(inputs, sensors) ((uint64_t)(inputs) + (uint64_t)(sensors))
+#define PZS_SELFTEST_STAGE_WORK(inputs, sensors)                                                   \
+    ((uint64_t)(inputs) * (uint64_t)(sensors) +                                                    \
+     PZS_SELFTEST_STEP_WORK * (PZS_SELFTEST_LINES(inputs, sensors) + 1u))
+#define PZS_SELFTEST_EVALUATION_WORK(inputs, sensors)                                              \
+    ((6u * PZS_SELFTEST_LINES(inputs, sensors) + 7u) * PZS_SELFTEST_STAGE_WORK(inputs, sensors) +  \
+     3u * PZS_SELFTEST_LINES(inputs, sensors) *                                                    \
+         (PZS_SELFTEST_LINES(inputs, sensors) + PZS_SELFTEST_STEP_WORK))
+
+/*
+ * Largest number of ticks of a self-test: two pulse durations in which all amplifiers move
+ * together, two pulse durations without motion, in which noise and vibration are measured, one
+ * pulse for each input, and the evaluation, which takes about a third of the stated ticks where no
+ * fault is found. A tick of a pulse takes 8 operations for each sensor and input.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
-    (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) +                     \
-     6u * ((uint32_t)(inputs) + (uint32_t)(sensors)) + 9u)
+    (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) + 4u +                \
+     (uint32_t)(PZS_SELFTEST_EVALUATION_WORK(inputs, sensors) / PZS_SELFTEST_WORK))
 
 typedef enum pzs_selftest_verdict {
     PZS_SELFTEST_RUNNING = 0,
@@ -1200,15 +1221,25 @@ typedef struct pzs_selftest_info {
     pzs_selftest_verdict verdict;
     const pzs_wiring *amplifier; /* [inputs] finding of the self-test about each amplifier */
     const pzs_wiring *sensor;    /* [sensors] finding of the self-test about each sensor */
-    uint32_t remaining;          /* number of ticks until the end of the self-test */
-    uint16_t findings; /* number of amplifiers and sensors with a fault: pzs_wiring.state is
-                          PZS_WIRING_SILENT or larger */
-    pzs_real gain;     /* mean gain of the amplifiers that respond: measured response divided by the
-                          response that the influence matrix predicts (1) */
+    uint32_t remaining; /* largest number of ticks until the end of the self-test; 0: it has ended
+                         */
+    uint32_t work;      /* work of the last tick in the unit of pzs_selftest_settings.work_limit */
+    uint16_t findings;  /* number of amplifiers and sensors with a fault: pzs_wiring.state is
+                           PZS_WIRING_SILENT or larger */
+    pzs_real gain; /* mean gain of the amplifiers that respond: measured response divided by the
+                      response that the influence matrix predicts (1) */
 } pzs_selftest_info;
+
+/* Settings of the self-test that a program may change after the initialisation. */
+typedef struct pzs_selftest_settings {
+    uint32_t work_limit; /* work of a tick of the evaluation, PZS_SELFTEST_WORK by default; a fast
+                            processor may do more in a tick, so that the evaluation takes fewer
+                            ticks; the findings do not depend on it */
+} pzs_selftest_settings;
 
 typedef struct pzs_selftest {
     pzs_selftest_info info;
+    pzs_selftest_settings settings;
     pzs_selftest_state state;
 } pzs_selftest;
 

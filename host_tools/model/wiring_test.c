@@ -261,7 +261,7 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
     text[0] = '\0';
     text_append(text, SCENE_ERROR, "self-test before the loop takes control: ");
     append_heights(test, analysis->design.safety.amplitude, text);
-    text_append(text, SCENE_ERROR, ", %u ticks each, %lu ticks", test->tables.pulse_ticks,
+    text_append(text, SCENE_ERROR, ", %u ticks each, at most %lu ticks", test->tables.pulse_ticks,
                 (unsigned long)ticks);
     if (rate > 0)
         text_append(text, SCENE_ERROR, " (%.3g s)", ticks / rate);

@@ -47,7 +47,7 @@ bool wiring_test_detector_open(wiring_test *test, const analysis *analysis,
                                const estimator *estimator);
 void wiring_test_close(wiring_test *test);
 
-/* Return the duration of the whole self-test of the wiring (ticks). */
+/* Return the largest duration of the whole self-test of the wiring (ticks). */
 uint32_t wiring_test_ticks(const wiring_test *test);
 
 /* Return the number of amplifiers to which the self-test of the wiring applies test pulses. */

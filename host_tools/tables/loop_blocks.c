@@ -312,7 +312,7 @@ static void write_pulses(emitter *emitter, const pzs_selftest_tables *tables, co
 
 static void write_selftest(emitter *emitter, const loop_blocks *blocks)
 {
-    emit_comment(emitter, "number of ticks of the self-test before the loop takes control");
+    emit_comment(emitter, "largest number of ticks of the self-test before the loop takes control");
     fprintf(emitter->file, "#define %s_SELFTEST_TICKS %luu\n", emitter->upper,
             (unsigned long)wiring_test_ticks(blocks->wiring));
     write_pulses(emitter, &blocks->wiring->tables, "selftest");

@@ -2,6 +2,7 @@
 /* Upper bounds of the instructions of each block of the control tick (loop_work.h). */
 #include "loop_work.h"
 #include <math.h>
+#include "pzs_loop.h"
 
 const loop_processor loop_processor_table[LOOP_PROCESSORS] = {
     {"Cortex-M4F, float, -Os", "cortex_m4f", 1, 6, 15, 6.0, 1},
@@ -53,12 +54,15 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the self-test. In its longest tick it compares the responses
- * of all sensors to all amplifiers once with the model, and sums the squares of the model.
+ * Upper bound of the instructions of the self-test. Its longest tick either compares responses with
+ * the model, as many as its limit of the work allows, or adds the last readings of a pulse.
  */
 double loop_work_selftest(const block_counts *of, const loop_processor *on)
 {
-    return on->other * (70 * (double)of->inputs * (double)of->readings + 10000);
+    const double inputs = (double)of->inputs, readings = (double)of->readings;
+    const double most = PZS_SELFTEST_WORK + PZS_SELFTEST_STEP_WORK + fmax(inputs, readings);
+    const double measured = 130 * readings + 70 * inputs;
+    return on->other * (fmax(60 * most, measured) + 10000);
 }
 
 /*

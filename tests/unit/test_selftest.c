@@ -492,16 +492,16 @@ static pzs_status run_tick(loop_run *r, plant *p)
     return status;
 }
 
-/* Run all ticks of a test. Returns the status of the last one. */
+/* Run all ticks of a test, at most the stated number. Returns the status of the last one. */
 static pzs_status run_ticks(loop_run *r, plant *p)
 {
     pzs_status status = PZS_W_SELFTEST;
-    for (uint32_t tick = 1; tick <= r->ticks; tick++) {
-        assert_int_equal(status, PZS_W_SELFTEST);
+    for (uint32_t tick = 1; tick <= r->ticks && status == PZS_W_SELFTEST; tick++) {
         assert_int_equal(r->selftest->info.remaining, r->ticks + 1 - tick);
         status = run_tick(r, p);
     }
     assert_int_not_equal(status, PZS_W_SELFTEST);
+    assert_int_equal(r->selftest->info.remaining, 0);
     if (PZS_IS_ERROR(status))
         assert_memory_equal(r->loop.info.voltage, r->start,
                             r->structure->inputs * sizeof *r->start);
@@ -590,7 +590,7 @@ static tally try_fault(structure *s, fault fault, int runs)
 /*
  * Each single fault is named, and nothing else, in 99 % of all runs (95 % with few sensors);
  * without a fault there is no finding in any run. The voltages stay inside voltage limits and step
- * limits, and end where they began, after the stated number of ticks.
+ * limits, and end where they began, within the stated number of ticks.
  */
 static void test_faults(void **state)
 {
@@ -670,6 +670,79 @@ static void test_repetition(void **state)
         close_plant(&p);
     }
     assert_int_equal(pzs_selftest_repeat(NULL), PZS_E_ARGUMENT);
+    close_structure(&s);
+}
+
+/* Findings of a self-test and the ticks and work of its evaluation. */
+typedef struct evaluation {
+    pzs_wiring *line; /* [inputs + sensors] findings about amplifiers and sensors */
+    pzs_real gain;
+    pzs_selftest_verdict verdict;
+    uint32_t ticks, longest; /* number of ticks of the evaluation, and the largest work of a tick */
+    uint64_t work;           /* sum of the work of all ticks */
+} evaluation;
+
+/*
+ * Run a self-test of the plant with a seed and a fault, whose evaluation has a limit of the work of
+ * a tick.
+ */
+static evaluation evaluate(structure *s, unsigned seed, fault fault, uint32_t work_limit)
+{
+    evaluation result = {0};
+    const size_t lines = s->inputs + s->sensors;
+    pzs_status status = PZS_W_SELFTEST;
+    plant p;
+    loop_run r;
+    open_plant(&p, s, seed, fault);
+    open_run(&r, s, &p);
+    r.selftest->settings.work_limit = work_limit;
+    while (status == PZS_W_SELFTEST) {
+        status = run_tick(&r, &p);
+        const uint32_t work = r.selftest->info.work;
+        result.ticks += work > 0 ? 1 : 0;
+        result.longest = work > result.longest ? work : result.longest;
+        result.work += work;
+    }
+    result.line = calloc(lines, sizeof *result.line);
+    assert_non_null(result.line);
+    memcpy(result.line, r.selftest->info.amplifier, lines * sizeof *result.line);
+    result.gain = r.selftest->info.gain;
+    result.verdict = r.selftest->info.verdict;
+    close_run(&r);
+    close_plant(&p);
+    return result;
+}
+
+/*
+ * All findings and gains have the same bits whether the evaluation takes one tick, the default
+ * number of ticks or a tick for each comparison. A tick ends with the comparison that reaches the
+ * limit of the work, and the sum of the work does not depend on the limit; it is at most the stated
+ * one.
+ */
+static void test_work_limit(void **state)
+{
+    static const uint32_t limits[] = {UINT32_MAX, PZS_SELFTEST_WORK, 1};
+    structure s;
+    (void)state;
+    open_structure(&s, &kinds[1]);
+    const size_t lines = s.inputs + s.sensors;
+    const uint32_t step = (uint32_t)(s.inputs > s.sensors ? s.inputs : s.sensors) + 16u;
+    for (int fault = 0; fault < FAULTS; fault++) {
+        const evaluation whole = evaluate(&s, 31u, (enum fault)fault, limits[0]);
+        assert_int_equal(whole.ticks, 1);
+        assert_true(whole.work <= PZS_SELFTEST_EVALUATION_WORK(s.inputs, s.sensors));
+        for (size_t k = 1; k < sizeof limits / sizeof *limits; k++) {
+            const evaluation parts = evaluate(&s, 31u, (enum fault)fault, limits[k]);
+            assert_memory_equal(parts.line, whole.line, lines * sizeof *whole.line);
+            assert_memory_equal(&parts.gain, &whole.gain, sizeof whole.gain);
+            assert_int_equal(parts.verdict, whole.verdict);
+            assert_true(parts.work == whole.work && parts.longest < limits[k] + step);
+            assert_true(parts.ticks <= (whole.work - 1) / limits[k] + 1);
+            assert_true(parts.ticks * (uint64_t)parts.longest >= whole.work);
+            free(parts.line);
+        }
+        free(whole.line);
+    }
     close_structure(&s);
 }
 
@@ -874,11 +947,11 @@ static strip_result test_strip(const strip *s, unsigned seed)
     const uint32_t ticks = PZS_SELFTEST_TICKS(s->inputs, STRIP_SENSORS, STRIP_TICKS, 0);
     assert_int_equal(pzs_loop_init(&loop, blocks, 2, NULL, work, sizeof work), PZS_OK);
     const pzs_selftest *selftest = pzs_loop_find(&loop, &pzs_selftest_block);
-    for (uint32_t tick = 0; tick < ticks; tick++) {
-        assert_int_equal(result.status, PZS_W_SELFTEST);
+    for (uint32_t tick = 0; tick < ticks && result.status == PZS_W_SELFTEST; tick++) {
         read_strip(s, loop.info.voltage, &seed, readings);
         result.status = pzs_loop_tick(&loop, readings, readings);
     }
+    assert_int_not_equal(result.status, PZS_W_SELFTEST);
     result.info = selftest->info;
     memcpy(result.amplifier, selftest->info.amplifier, s->inputs * sizeof *result.amplifier);
     memcpy(result.sensor, selftest->info.sensor, sizeof result.sensor);
@@ -1106,7 +1179,7 @@ int main(void)
         cmocka_unit_test(test_early_acceptance), cmocka_unit_test(test_bad_tables),
         cmocka_unit_test(test_blind_by_noise),   cmocka_unit_test(test_blind_amplifier),
         cmocka_unit_test(test_one_dead),         cmocka_unit_test(test_all_gains_off),
-        cmocka_unit_test(test_similar),
+        cmocka_unit_test(test_similar),          cmocka_unit_test(test_work_limit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

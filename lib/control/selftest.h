@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Evaluation of the self-test of amplifiers, cables and sensors, for the block that makes the test
+ * pulses (selftest.c).
+ */
+#ifndef PZS_LIB_SELFTEST_H
+#define PZS_LIB_SELFTEST_H
+
+#include "pzs_loop.h"
+
+/*
+ * Make one tick of the evaluation of the self-test, which begins in the tick after the measurement
+ * and ends when core[0].verdict is no longer PZS_SELFTEST_RUNNING. The tick compares about
+ * settings.work_limit entries of the measured responses with the model.
+ */
+void pzs_selftest_evaluate(pzs_selftest *selftest);
+
+/*
+ * Whether the self-test moves input j: the tables give the input a pulse of positive height, and
+ * the program does not hold the input at a fixed voltage.
+ */
+bool pzs_selftest_moves(const pzs_selftest *selftest, uint32_t j);
+
+#endif
