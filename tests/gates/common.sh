@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # TAP for the gates: sourced by each, run from the top of the project.
 #   CC, CLANG, ARM_CC, ARM_NM, NM   compilers and their nm
+#   B                               build folder, in which compile keeps objects
 #   CI                              if set, a missing tool fails instead of being skipped
 set -u
 : "${CC:=gcc}" "${CLANG:=clang}" "${NM:=nm}" "${ARM_CC:=arm-none-eabi-gcc}" "${ARM_NM:=arm-none-eabi-nm}"
@@ -20,6 +21,41 @@ sources() {
         lib/nonlinear/*) [ "$1" = 1 ] && echo "$file" ;;
         *) echo "$file" ;;
         esac
+    done
+}
+
+# Every warning that the library is compiled with, and flags with which all gates share its objects.
+strict='-std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wstrict-prototypes -Wmissing-prototypes
+    -Wcast-align -Wcast-qual -Wpointer-arith -Wundef -Wvla -Wunused -Werror -pedantic -ffp-contract=off -fno-math-errno -ffunction-sections'
+# Without position independence a table of functions stays in read-only data.
+on_host='-fno-pie'
+# gcc writes the stack of each function and the call graph beside an object (NAME.ci).
+on_m4="$m4 -fstack-usage -fcallgraph-info=su"
+on_m7="$m7 -fstack-usage -fcallgraph-info=su"
+
+# compile COMPILER TARGET_FLAGS NONLINEAR DEFINITIONS...: the objects of the library, listed in $scratch/objects. They are
+# kept in $B/gates under a checksum of the compiler, its flags and the text that the preprocessor makes of the source, so
+# that no gate compiles again what another one has compiled, or what a definition does not change.
+compile() {
+    compiler=$1 target=$2 nonlinear=$3
+    shift 3
+    store=${B:-build}/gates
+    mkdir -p "$store"
+    version=$("$compiler" -dumpfullversion 2>/dev/null || "$compiler" --version)
+    : >"$scratch/objects"
+    for file in $(sources "$nonlinear"); do
+        # shellcheck disable=SC2086
+        text=$({ echo "$compiler $version $target $strict"; "$compiler" $target $strict $include -DPZS_NONLINEAR="$nonlinear" "$@" -E "$file"; } | md5sum)
+        object=$store/$(basename "$file" .c)-${text%% *}
+        if [ ! -f "$object.o" ]; then
+            # A compiler cache does not give the call graph back.
+            # shellcheck disable=SC2086
+            CCACHE_DISABLE=1 "$compiler" $target $strict $include -DPZS_NONLINEAR="$nonlinear" "$@" -c "$file" -o "$object.$$.o" || return 1
+            [ ! -f "$object.$$.ci" ] || mv "$object.$$.ci" "$object.ci"
+            rm -f "$object.$$.su"
+            mv "$object.$$.o" "$object.o"
+        fi
+        echo "$object.o" >>"$scratch/objects"
     done
 }
 

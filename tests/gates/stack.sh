@@ -5,25 +5,16 @@
 # 2 KB where every number is double; at large rotation an element's tangent stands on the stack, 406 numbers and what
 # makes them.
 . tests/gates/common.sh
-export CCACHE_DISABLE=1 # a compiler cache does not give the call graph back
 
-# check NAME BUDGET_BYTES NONLINEAR FLAGS...
+# check NAME BUDGET_BYTES NONLINEAR TARGET_FLAGS BITS
 check() {
     name=$1
     budget=$2
-    nonlinear=$3
-    shift 3
     tap_needs "$ARM_CC" "$name" || return 0
-    rm -f "$scratch"/*
-    for file in $(sources "$nonlinear"); do
-        # shellcheck disable=SC2086
-        if ! "$ARM_CC" -std=c99 -O2 -ffunction-sections -fno-math-errno -ffp-contract=off $include -DPZS_NONLINEAR="$nonlinear" "$@" \
-            -fstack-usage -fcallgraph-info=su -c "$file" -o "$scratch/$(basename "$file" .c).o" \
-            2>"$scratch/found"; then
-            tap 1 "$name"
-            return 0
-        fi
-    done
+    if ! compile "$ARM_CC" "$4" "$3" -DPZS_REAL_BITS="$5" 2>"$scratch/found"; then
+        tap 1 "$name"
+        return 0
+    fi
     cat include/*.h | grep -o 'pzs_[a-z_0-9]*(' | tr -d '(' | sort -u >"$scratch/api"
     awk -v budget="$budget" -v public_names="$scratch/api" '
         BEGIN {
@@ -100,7 +91,7 @@ check() {
             if (!public) fault("no public function found")
             print worst " bytes of " budget ": " chain > "/dev/stderr"
             exit faults > 0
-        }' "$scratch"/*.ci >"$scratch/found" 2>"$scratch/worst"
+        }' $(sed 's/o$/ci/' "$scratch/objects") >"$scratch/found" 2>"$scratch/worst"
     tap $? "$name: $(cat "$scratch/worst")"
 }
 
@@ -110,12 +101,9 @@ budget() {
     echo $((${reals:?include/pzs_base.h promises no stack} * $2))
 }
 
-# shellcheck disable=SC2086
-{
-    check 'Cortex-M4F, float' "$(budget LINEAR 4)" 0 $m4 -DPZS_REAL_BITS=32
-    check 'Cortex-M7, float' "$(budget LINEAR 4)" 0 $m7 -DPZS_REAL_BITS=32
-    check 'Cortex-M7, double' "$(budget LINEAR 8)" 0 $m7 -DPZS_REAL_BITS=64
-    check 'Cortex-M4F, float, nonlinear' "$(budget NONLINEAR 4)" 1 $m4 -DPZS_REAL_BITS=32
-    check 'Cortex-M7, double, nonlinear' "$(budget NONLINEAR 8)" 1 $m7 -DPZS_REAL_BITS=64
-}
+check 'Cortex-M4F, float' "$(budget LINEAR 4)" 0 "$on_m4" 32
+check 'Cortex-M7, float' "$(budget LINEAR 4)" 0 "$on_m7" 32
+check 'Cortex-M7, double' "$(budget LINEAR 8)" 0 "$on_m7" 64
+check 'Cortex-M4F, float, nonlinear' "$(budget NONLINEAR 4)" 1 "$on_m4" 32
+check 'Cortex-M7, double, nonlinear' "$(budget NONLINEAR 8)" 1 "$on_m7" 64
 tap_end

@@ -7,7 +7,7 @@
 leaf='memcpy memmove memset sqrt sqrtf fabs fabsf'
 integer='__aeabi_uldivmod __aeabi_ldivmod __aeabi_lmul __aeabi_uidiv __aeabi_idiv __aeabi_uidivmod __aeabi_idivmod'
 
-# check NAME COMPILER NM ALLOWED FLAGS...: the linear library and the nonlinear one
+# check NAME COMPILER NM ALLOWED TARGET_FLAGS BITS: the linear library and the nonlinear one
 check() {
     check_one 0 "$@"
     what=$1
@@ -18,22 +18,16 @@ check() {
 check_one() {
     nonlinear=$1
     shift
-    name=$1 compiler=$2 nm=$3 allowed=$4
-    shift 4
-    tap_needs "$compiler" "$name" || return 0
-    rm -f "$scratch"/*.o
-    for file in $(sources "$nonlinear"); do
-        # shellcheck disable=SC2086
-        if ! "$compiler" -std=c99 -O2 -fno-math-errno -ffp-contract=off $include -DPZS_NONLINEAR="$nonlinear" "$@" -c "$file" \
-            -o "$scratch/$(basename "$file" .c).o" 2>"$scratch/found"; then
-            tap 1 "$name"
-            return 0
-        fi
-    done
-    "$nm" "$scratch"/*.o | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }' | sort -u >"$scratch/own"
-    for file in "$scratch"/*.o; do
-        "$nm" -u "$file" | awk -v file="$(basename "$file")" '{ print $2, file }'
-    done | awk -v own="$scratch/own" -v allowed="$allowed" '
+    name=$1 nm=$3 allowed=$4
+    tap_needs "$2" "$name" || return 0
+    if ! compile "$2" "$5" "$nonlinear" -DPZS_REAL_BITS="$6" 2>"$scratch/found"; then
+        tap 1 "$name"
+        return 0
+    fi
+    xargs "$nm" <"$scratch/objects" | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }' | sort -u >"$scratch/own"
+    while read -r file; do
+        "$nm" -u "$file" | awk -v file="$(basename "${file%-*}")" '{ print $2, file }'
+    done <"$scratch/objects" | awk -v own="$scratch/own" -v allowed="$allowed" '
         BEGIN {
             while ((getline line < own) > 0) known[line] = 1
             n = split(allowed, word, " ")
@@ -46,16 +40,16 @@ check_one() {
 
 # Writable data in the library would be a hidden global.
 globals() {
-    "$NM" "$scratch"/*.o 2>/dev/null | awk '$2 ~ /^[bBdDC]$/ { print $3 " is writable data" }' >"$scratch/found"
+    xargs "$NM" <"$scratch/objects" 2>/dev/null | awk '$2 ~ /^[bBdDC]$/ { print $3 " is writable data" }' >"$scratch/found"
     [ ! -s "$scratch/found" ]
     tap $? 'no writable data'
 }
 
-# Names that objects $2... define, under $scratch/$1.
+# Names that the objects $2... of the last check define, under $scratch/$1.
 defined() {
     list=$1
     shift
-    for object in "$@"; do "$ARM_NM" "$scratch/$object.o"; done | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }' | sort >"$scratch/$list"
+    for object in "$@"; do grep "/$object-" "$scratch/objects"; done | xargs "$ARM_NM" | awk 'NF == 3 && $2 ~ /[A-Z]/ { print $3 }' | sort >"$scratch/$list"
 }
 
 # holds IMAGE LIST: how many names of a list are in an image of the demonstration
@@ -68,8 +62,10 @@ images() {
     linear='mps2-an386-control mps2-an386-linear5 mps2-an500-linear'
     nonlinear='mps2-an386-hemisphere4 mps2-an500-hemisphere4 mps2-an500-reshape'
     tap_needs "$ARM_CC" 'images' || return 0
-    for image in $linear $nonlinear; do echo "${B:-build}/firmware/$image.elf"; done |
-        xargs "${MAKE:-make}" --no-print-directory -s "B=${B:-build}" >"$scratch/found" 2>&1 || { tap 1 'images build'; return 0; }
+    {
+        echo "${B:-build}/firmware/m4-32/libpzs.a"
+        for image in $linear $nonlinear; do echo "${B:-build}/firmware/$image.elf"; done
+    } | xargs "${MAKE:-make}" --no-print-directory -s "B=${B:-build}" >"$scratch/found" 2>&1 || { tap 1 'images build'; return 0; }
     defined path nonlinear influence_at shell_at
     defined options face follower contact contact_check electric
     for image in $linear; do
@@ -103,9 +99,9 @@ int main(void)
     return (int)pzs_loop_tick(&loop, (const pzs_real *)work, 0);
 }
 EOT
-    # shellcheck disable=SC2086,SC2046
+    # shellcheck disable=SC2086
     "$ARM_CC" -std=c99 -Os -ffunction-sections -fdata-sections $m4 $include -DPZS_REAL_BITS=32 -nostartfiles -Wl,--gc-sections \
-        -Wl,--entry=main -Wl,--defsym=problem=0 -Wl,--defsym=tables=0 "$scratch/image.c" $(sources 0) -lm \
+        -Wl,--entry=main -Wl,--defsym=problem=0 -Wl,--defsym=tables=0 "$scratch/image.c" "${B:-build}/firmware/m4-32/libpzs.a" -lm \
         -o "$scratch/image.elf" 2>"$scratch/found" || { tap 1 "$name"; return 0; }
     "$ARM_NM" "$scratch/image.elf" | awk '{ print $NF }' |
         grep -x 'pzs_optimise_rows\|pzs_estimate_tick\|pzs_feed_forward\|pzs_quantise\|pzs_fault_detector_tick' | sort >"$scratch/found"
@@ -113,18 +109,14 @@ EOT
     tap $? "$name: ${*:-nothing}"
 }
 
-# Without position independence a table of functions stays in read-only data.
-check 'host, float' "$CC" "$NM" "$leaf" -fno-pie -DPZS_REAL_BITS=32
-check 'host, double' "$CC" "$NM" "$leaf" -fno-pie -DPZS_REAL_BITS=64
+check 'host, float' "$CC" "$NM" "$leaf" "$on_host" 32
+check 'host, double' "$CC" "$NM" "$leaf" "$on_host" 64
 globals
-# shellcheck disable=SC2086
-check 'Cortex-M4F, float: no double arithmetic' "$ARM_CC" "$ARM_NM" "$leaf $integer" $m4 -DPZS_REAL_BITS=32
+check 'Cortex-M4F, float: no double arithmetic' "$ARM_CC" "$ARM_NM" "$leaf $integer" "$on_m4" 32
 soft='__aeabi_dadd __aeabi_dsub __aeabi_drsub __aeabi_dmul __aeabi_ddiv __aeabi_dcmpeq __aeabi_dcmplt __aeabi_dcmple
     __aeabi_dcmpge __aeabi_dcmpgt __aeabi_dcmpun __aeabi_i2d __aeabi_ui2d __aeabi_d2iz __aeabi_d2uiz __aeabi_ul2d __aeabi_l2d'
-# shellcheck disable=SC2086
-check 'Cortex-M4F, double by software' "$ARM_CC" "$ARM_NM" "$leaf $integer $soft" $m4 -DPZS_REAL_BITS=64
-# shellcheck disable=SC2086
-check 'Cortex-M7, double' "$ARM_CC" "$ARM_NM" "$leaf $integer" $m7 -DPZS_REAL_BITS=64
+check 'Cortex-M4F, double by software' "$ARM_CC" "$ARM_NM" "$leaf $integer $soft" "$on_m4" 64
+check 'Cortex-M7, double' "$ARM_CC" "$ARM_NM" "$leaf $integer" "$on_m7" 64
 images
 step='{&pzs_step_block, &problem}'
 blocks "the step alone holds of the options" "$step"

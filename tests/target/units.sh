@@ -10,10 +10,11 @@ memory='-Wl,--defsym=__flash=0,--defsym=__flash_size=0x200000,--defsym=__ram=0x2
 # build TEST PROCESSOR FLAGS BITS: random problems are fewer here than on the host
 build() {
     # shellcheck disable=SC2046,SC2086
-    "$ARM_CC" --specs=picolibc.specs --oslib=semihost --crt0=hosted $memory,--defsym=__stack_size=0x10000 \
-        $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=60 -DLONG_TICKS=2000 -DMOST=200u $include \
-        -I"$B/cmocka-arm/source/include" "tests/unit/test_$1.c" tests/rigs/testdata.c $(sources 0) "$B/cmocka-arm/$2/cmocka.o" \
-        -lm -o "$scratch/$1.elf"
+    compile "$ARM_CC" "$3 -fstack-usage -fcallgraph-info=su" 0 -DPZS_REAL_BITS="$4" &&
+        "$ARM_CC" --specs=picolibc.specs --oslib=semihost --crt0=hosted $memory,--defsym=__stack_size=0x10000 \
+            $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=60 -DLONG_TICKS=2000 -DMOST=200u $include \
+            -I"$B/cmocka-arm/source/include" "tests/unit/test_$1.c" tests/rigs/testdata.c $(cat "$scratch/objects") "$B/cmocka-arm/$2/cmocka.o" \
+            -lm -o "$scratch/$1.elf"
 }
 
 # run TEST NAME MACHINE: the test's own lines as TAP, and one for how it ended
