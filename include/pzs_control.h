@@ -39,8 +39,6 @@ extern "C" {
 
 /* ---- tables ----------------------------------------------------------- */
 
-struct pzs_limit_row_calls;
-
 /*
  * Limits of weighted sums of voltages, in addition to the limits of each voltage: for example the
  * largest difference of two neighbouring voltages. A limit row is one such limit; row k demands
@@ -63,17 +61,15 @@ typedef struct pzs_limit_rows {
 } pzs_limit_rows;
 
 /*
- * Functions that implement limit rows, which are limits of weighted sums of voltages. The member
- * `call` of pzs_limit_rows points to them.
+ * Functions that implement limit rows, which are limits of weighted sums of voltages, to which the
+ * member `call` of pzs_limit_rows points, and the optimiser for many inputs (PZS_DUAL_METHOD).
  */
 extern const struct pzs_limit_row_calls pzs_limit_rows_calls;
+extern const struct pzs_dual_calls pzs_dual_method;
 
 #define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limit rows, limits of sums of voltages */
 
-/*
- * The voltage problem: influence matrix, weights and limits. All arrays are const and may stay in
- * flash.
- */
+/* The voltage problem: influence matrix, weights and limits. All arrays may stay in flash. */
 typedef struct pzs_problem {
     uint32_t format; /* format number of the tables of the voltage problem, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
@@ -96,6 +92,9 @@ typedef struct pzs_problem {
                                 (multiply-adds); 0: PZS_WORK_LIMIT */
     const pzs_limit_rows *limit_rows; /* limits of weighted sums of voltages, for inputs with finite
                                          voltage limits; NULL: no sum is limited */
+    const struct pzs_dual_calls *dual_method; /* PZS_DUAL_METHOD(inputs): from PZS_DUAL_INPUTS on
+                                                 an optimiser for many inputs, else NULL; without
+                                                 it such a problem takes more time */
 } pzs_problem;
 
 /*

@@ -15,6 +15,14 @@ struct pzs_estimator;
 struct pzs_known_loads;
 struct pzs_amplifier;
 struct pzs_block;
+struct pzs_limit_row_calls;
+struct pzs_dual_calls;
+
+/*
+ * Value of the member dual_method of a voltage problem: the dual active-set method for at least
+ * PZS_DUAL_INPUTS inputs, NULL for fewer.
+ */
+#define PZS_DUAL_METHOD(inputs) ((size_t)(inputs) >= PZS_DUAL_INPUTS ? &pzs_dual_method : NULL)
 
 /*
  * Number of pivot exchanges (moves of an input between the free and the active set) that the
@@ -77,6 +85,8 @@ typedef struct pzs_exchange {
  * loops need no remainder.
  */
 typedef struct pzs_optimiser {
+    const struct pzs_dual_calls *dual; /* functions of the dual active-set method; NULL: the primal
+                                          method finds the active set */
     uint32_t inputs, width;
     uint32_t iterations;
     uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this

@@ -302,6 +302,7 @@ int design_control(design *design, const double *influence, char *error)
     problem->upper = design->upper;
     problem->step_limit = design->step_limit;
     problem->reference_voltage = design->reference_voltage;
+    problem->dual_method = PZS_DUAL_METHOD(amplifiers);
     if (design_rows_build(design, error) < 0 || build_park(design, error) < 0)
         return -1;
     problem->crc = pzs_problem_crc(problem);

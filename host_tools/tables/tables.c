@@ -358,17 +358,17 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
     name_or_null(emitter, problem->limit_rows != NULL, "limit_rows", rows_name);
     name_or_null(emitter, problem->influence != NULL, "influence", influence_name);
     name_or_null(emitter, problem->hessian != NULL, "hessian", hessian_name);
-    emit_comment(emitter, "voltage problem; the number before its last member limits the work of "
-                          "the optimiser in a tick (multiply-adds; 0: default)");
+    emit_comment(emitter, "voltage problem; the number before its last two members limits the "
+                          "work of the optimiser in a tick (multiply-adds; 0: default)");
     emit_begin(emitter, "problem", "problem", problem->scene, pzs_problem_crc(problem));
     fprintf(emitter->file,
             " %u, %u,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n"
-            "    %lluu, %s%s,\n};\n\n",
+            "    %lluu, %s%s, PZS_DUAL_METHOD(%u),\n};\n\n",
             problem->inputs, problem->outputs, influence_name, hessian_name, emitter->prefix,
             emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
             problem->regularisation, (unsigned long long)problem->work_limit,
-            problem->limit_rows ? "&" : "", rows_name);
+            problem->limit_rows ? "&" : "", rows_name, problem->inputs);
 }
 
 /*

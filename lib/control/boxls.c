@@ -252,7 +252,7 @@ uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
     multiply_symmetric(optimiser, optimiser->direction, optimiser->tableau,
                        optimiser->next_voltage);
     if (optimiser_is_dual(optimiser) && optimiser->active_count > 0)
-        return pzs_dual_predict_step(optimiser, rounding);
+        return optimiser->dual->predict_step(optimiser, rounding);
     return predict_step(optimiser->direction, optimiser->next_voltage, optimiser->scratch,
                         optimiser->free_set, optimiser->gradient, optimiser->voltage,
                         optimiser->lower, optimiser->upper, optimiser->base, rounding,
@@ -634,7 +634,7 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
  */
 static bool is_stationary(const pzs_optimiser *optimiser)
 {
-    if (optimiser_is_dual(optimiser) && !pzs_dual_is_at_bounds(optimiser))
+    if (optimiser_is_dual(optimiser) && !optimiser->dual->is_at_bounds(optimiser))
         return false;
     uint32_t i = 0;
     while (i < optimiser->inputs &&
@@ -826,8 +826,7 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     optimiser->start_rounding = optimiser->model_rounding;
     bool complete = true;
     if (blocked && optimiser_is_dual(optimiser)) {
-        pzs_dual_choose_anew(optimiser, optimiser->rounding_bound / 2);
-        complete = pzs_dual_iterate(optimiser, optimiser->rounding_bound / 2);
+        complete = optimiser->dual->run_round(optimiser, optimiser->rounding_bound / 2);
     } else if (blocked) {
         iterate(optimiser, optimiser->rounding_bound / 2);
     } else {
@@ -991,7 +990,7 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
         ROUNDING_FACTOR * (optimiser->target_rounding + optimiser->model_rounding);
     optimiser->is_optimal = false;
     if (optimiser_is_dual(optimiser))
-        pzs_dual_check(optimiser);
+        optimiser->dual->check_active(optimiser);
     pzs_boxls_gradient(optimiser);
     for (uint32_t round = 0; round < ROUNDS && again; round++) {
         again = may_make_round(optimiser) && make_round(optimiser);

@@ -48,6 +48,16 @@
 #define WRONG_PART 3u
 /* Number of sweeps over all inputs by which the dual method estimates the optimal voltages. */
 #define SWEEPS 6u
+/*
+ * Before the dual method chooses its active set anew, it makes up to (number of inputs) /
+ * TRIAL_PART iterations, which often suffice if few inputs end at their bounds.
+ */
+#define TRIAL_PART 4u
+/*
+ * The dual method chooses its active set anew at once, without iterations before, if fewer than one
+ * in this number of inputs are rightly free or rightly active.
+ */
+#define FEW_RIGHT 5u
 
 /*
  * Work arrays of the dual method, with an entry for each input. They use the memory of the vectors
@@ -211,7 +221,7 @@ static bool is_order_valid(const pzs_optimiser *optimiser)
     return true;
 }
 
-void pzs_dual_check(pzs_optimiser *optimiser)
+void pzs_check_active_dual(pzs_optimiser *optimiser)
 {
     bool is_valid = is_order_valid(optimiser);
     for (uint32_t k = 0; is_valid && k < optimiser->active_count; k++)
@@ -226,7 +236,7 @@ uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser)
     return count * (count + optimiser->width) + PZS_PRODUCT_WORK(optimiser->inputs);
 }
 
-bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser)
+bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser)
 {
     for (uint32_t k = 0; k < optimiser->active_count; k++) {
         const uint32_t i = optimiser->order[k];
@@ -280,7 +290,7 @@ static bool is_wrong(const pzs_optimiser *optimiser, uint32_t i, pzs_real roundi
            optimiser->lower[i] < optimiser->upper[i];
 }
 
-uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding)
+uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding)
 {
     pzs_real *next = optimiser->next_voltage;
     uint32_t open = 0;
@@ -556,8 +566,9 @@ static void estimate_voltages(pzs_optimiser *optimiser, pzs_real *restrict volta
         const pzs_real from = voltage[i];
         voltage[i] = number_clamp(from - gradient[i] / optimiser->diagonal[i], optimiser->lower[i],
                                   optimiser->upper[i]);
-        subtract_multiple(gradient, optimiser->hessian + i * width, from - voltage[i],
-                          (uint32_t)width);
+        if (voltage[i] < from || voltage[i] > from)
+            subtract_multiple(gradient, optimiser->hessian + i * width, from - voltage[i],
+                              (uint32_t)width);
     }
     optimiser->work += SWEEPS * (PZS_PRODUCT_WORK(optimiser->inputs) + width);
 }
@@ -577,12 +588,15 @@ static void join_at_bound(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
     join_active_set(optimiser, i, work_array(optimiser, SOLUTION), pivot);
 }
 
-void pzs_dual_choose_anew(pzs_optimiser *optimiser, pzs_real rounding)
+/*
+ * Choose the active set anew, if the work limit allows it: the inputs that estimated voltages bring
+ * to a bound from which their gradient keeps them.
+ */
+static void choose_anew(pzs_optimiser *optimiser)
 {
     pzs_real *voltage = work_array(optimiser, RESPONSE), *gradient = work_array(optimiser, COSINE);
     const uint64_t products = SWEEPS + 6u + optimiser->inputs / 6u;
-    if (WRONG_PART * count_errors(optimiser, rounding) < optimiser->inputs ||
-        !affords(optimiser, products * PZS_PRODUCT_WORK(optimiser->inputs)))
+    if (!affords(optimiser, products * PZS_PRODUCT_WORK(optimiser->inputs)))
         return;
     release_all(optimiser);
     estimate_voltages(optimiser, voltage, gradient);
@@ -617,24 +631,65 @@ static bool may_iterate(pzs_optimiser *optimiser)
     return true;
 }
 
-bool pzs_dual_iterate(pzs_optimiser *optimiser, pzs_real rounding)
+/*
+ * Pull the free inputs inside their bounds one after the other, until none is outside or the
+ * optimiser has made `enough` iterations. Returns false if the work limit or the largest number
+ * `most` of iterations ends this earlier.
+ */
+static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t most)
 {
-    const uint32_t most = optimiser->iterations + 4u * optimiser->inputs + 8u;
-    pzs_real *next = optimiser->next_voltage;
-    optimiser->is_cut = false;
-    memset(optimiser->waiting, 0, optimiser->width * sizeof *optimiser->waiting);
-    drop_wrong(optimiser, rounding);
     uint32_t pulled = choose_outside(optimiser);
     bool goes_on = !optimiser->is_cut;
     while (goes_on && pulled < optimiser->inputs) {
         goes_on = optimiser->iterations < most && may_iterate(optimiser) &&
                   pull_inside(optimiser, pulled);
-        if (goes_on && (!(optimiser->free_set[pulled] > 0) || optimiser->waiting[pulled] > 0))
-            pulled = choose_outside(optimiser);
+        const bool is_done = !(optimiser->free_set[pulled] > 0) || optimiser->waiting[pulled] > 0;
+        if (goes_on && is_done)
+            pulled = optimiser->iterations < enough ? choose_outside(optimiser) : optimiser->inputs;
     }
+    return goes_on;
+}
+
+/* Prepare a round of iterations. Returns the largest number of iterations at its end. */
+static uint32_t begin_round(pzs_optimiser *optimiser)
+{
+    optimiser->is_cut = false;
+    memset(optimiser->waiting, 0, optimiser->width * sizeof *optimiser->waiting);
+    return optimiser->iterations + 4u * optimiser->inputs + 8u;
+}
+
+bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    pzs_real *next = optimiser->next_voltage;
+    const uint32_t most = begin_round(optimiser);
+    drop_wrong(optimiser, rounding);
+    const bool is_complete = pull_all_inside(optimiser, most, most);
     for (uint32_t k = 0; k < optimiser->active_count; k++)
         next[optimiser->order[k]] = bound_of(optimiser, optimiser->order[k]);
     for (uint32_t i = 0; i < optimiser->inputs; i++)
         optimiser->voltage[i] = number_clamp(next[i], optimiser->lower[i], optimiser->upper[i]);
-    return goes_on;
+    return is_complete;
 }
+
+bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    const uint32_t inputs = optimiser->inputs, trial = inputs / TRIAL_PART;
+    const uint32_t most = begin_round(optimiser);
+    uint32_t errors = count_errors(optimiser, rounding);
+    if (WRONG_PART * errors >= inputs && inputs < FEW_RIGHT * (inputs - errors) &&
+        optimiser->active_count <= trial) {
+        drop_wrong(optimiser, rounding);
+        (void)pull_all_inside(optimiser, optimiser->iterations + trial, most);
+        errors = count_errors(optimiser, rounding);
+    }
+    if (WRONG_PART * errors >= inputs)
+        choose_anew(optimiser);
+    return pzs_iterate_dual(optimiser, rounding);
+}
+
+const struct pzs_dual_calls pzs_dual_method = {
+    .predict_step = pzs_predict_step_dual,
+    .is_at_bounds = pzs_is_at_bounds_dual,
+    .run_round = pzs_run_round_dual,
+    .check_active = pzs_check_active_dual,
+};

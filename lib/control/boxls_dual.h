@@ -11,6 +11,17 @@
 #include "optimiser.h"
 
 /*
+ * Functions of the dual method that the optimiser calls through the pointer in the voltage problem,
+ * so that a program whose problems have few inputs does not link them.
+ */
+struct pzs_dual_calls {
+    uint32_t (*predict_step)(pzs_optimiser *optimiser, pzs_real rounding);
+    bool (*is_at_bounds)(const pzs_optimiser *optimiser);
+    bool (*run_round)(pzs_optimiser *optimiser, pzs_real rounding);
+    void (*check_active)(pzs_optimiser *optimiser);
+};
+
+/*
  * Set the pointers of the dual method to its arrays in the memory `work` of PZS_DUAL_REALS(inputs)
  * reals. The member `inputs` of the optimiser must be set before.
  */
@@ -20,7 +31,7 @@ void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
  * At the start of a voltage step, make all inputs free if the list of active inputs in memory is
  * damaged, or if the bound of an active input is not finite.
  */
-void pzs_dual_check(pzs_optimiser *optimiser);
+void pzs_check_active_dual(pzs_optimiser *optimiser);
 
 /*
  * Return the number of multiply-adds by which a round of iterations of the dual method exceeds
@@ -31,7 +42,7 @@ uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 /*
  * Return whether the voltage of each active input is equal to the bound at which it is to be kept.
  */
-bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser);
+bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
 
 /*
  * Predict the whole step to the minimum over the free inputs, with the active inputs at their
@@ -42,7 +53,7 @@ bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser);
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
  * Returns the number of inputs that would be outside their bounds or have such a multiplier.
  */
-uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding);
+uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
 /* Make all inputs free, so that no voltage is kept at a bound. */
 void pzs_dual_free_all(pzs_optimiser *optimiser);
@@ -55,19 +66,18 @@ void pzs_dual_free_all(pzs_optimiser *optimiser);
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 
 /*
- * If a large part of the active set is wrong, as after a jump of the target, choose the active set
- * anew, if the work limit allows it: the inputs that estimated voltages bring to a bound from which
- * their gradient keeps them. This takes less work than as many iterations. It needs the Hessian,
- * and serves problems in which no sums of voltages are limited. rounding in  multipliers of the
- * wrong sign up to this size do not count (m2/V)
- */
-void pzs_dual_choose_anew(pzs_optimiser *optimiser, pzs_real rounding);
-
-/*
  * Iterate from the voltages after the predicted step until no voltage is outside its bounds and no
  * multiplier has the wrong sign, or until the work limit stops the iterations. The voltages of the
  * optimiser become those reached, clamped to the bounds. Returns whether all iterations were made.
  */
-bool pzs_dual_iterate(pzs_optimiser *optimiser, pzs_real rounding);
+bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
+
+/*
+ * Make a round of iterations as pzs_iterate_dual does, for a problem in which no sums of voltages
+ * are limited. If a large part of the active set is wrong, as after a jump of the target, and a few
+ * iterations do not change that, the active set is first estimated as a whole from the Hessian,
+ * which takes less work than as many iterations.
+ */
+bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
 #endif

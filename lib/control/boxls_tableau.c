@@ -410,8 +410,8 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser)
     if (is_complete)
         pzs_tableau_complete(optimiser);
     pzs_tableau_collect(optimiser, pending);
-    optimiser->is_dual = !optimiser->is_rebuilding && optimiser->active_count == 0 &&
-                         optimiser->inputs >= PZS_DUAL_INPUTS;
+    optimiser->is_dual =
+        !optimiser->is_rebuilding && optimiser->active_count == 0 && optimiser->dual != NULL;
     return !optimiser->is_rebuilding;
 }
 

@@ -528,6 +528,7 @@ void pzs_control_place(pzs_control *control, void *work)
         control->state.held[copy] = at, at += width;
     if (inputs >= PZS_DUAL_INPUTS)
         pzs_dual_place(optimiser, at);
+    optimiser->dual = inputs >= PZS_DUAL_INPUTS ? control->state.problem->dual_method : NULL;
     at += PZS_DUAL_REALS(inputs);
     control->state.predicted = at, at += outputs;
     control->state.disturbance = at, at += outputs;

@@ -22,8 +22,7 @@ static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 /*
  * Return whether the dual method of the voltage optimiser, which problems of many inputs use, finds
  * the active set, the voltages at their limits. Where PZS_DUAL_INPUTS, the number of inputs from
- * which it is used, is above PZS_INPUT_LIMIT, the largest number of inputs, this is a constant, so
- * that the method is not linked.
+ * which it is used, is above PZS_INPUT_LIMIT, the largest number of inputs, this is a constant.
  */
 static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 {

@@ -103,6 +103,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem)
     if (problem == NULL || problem->inputs == 0 || problem->outputs == 0)
         return PZS_E_ARGUMENT;
     problem->format = PZS_TABLE_FORMAT;
+    problem->dual_method = PZS_DUAL_METHOD(problem->inputs);
     problem->crc = pzs_problem_crc(problem);
     return PZS_OK;
 }

@@ -224,7 +224,7 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     guard_repair_bool(&optimiser->is_predicted);
     guard_repair_bool(&optimiser->is_fresh);
     guard_repair_bool(&optimiser->is_dual);
-    optimiser->is_dual = optimiser->is_dual && optimiser->inputs >= PZS_DUAL_INPUTS;
+    optimiser->is_dual = optimiser->is_dual && optimiser->dual != NULL;
     optimiser->pending_count = 0;
     if (optimiser->checked_next >= optimiser->inputs)
         optimiser->checked_next = 0;

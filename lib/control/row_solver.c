@@ -712,7 +712,7 @@ static void run_round(const rows_run *run)
      * the round takes.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
-    const bool is_complete = pzs_dual_iterate(tableau, optimiser->rounding_bound / 2);
+    const bool is_complete = pzs_iterate_dual(tableau, optimiser->rounding_bound / 2);
     optimiser->is_cut = tableau->is_cut;
     take_voltages(run, is_complete);
     if (!is_complete)
@@ -795,7 +795,7 @@ static void check_active_set(const rows_run *run)
         active += is_free(run, k) ? 0u : 1u;
     if (active != run->tableau->active_count)
         pzs_dual_free_all(run->tableau);
-    pzs_dual_check(run->tableau);
+    pzs_check_active_dual(run->tableau);
 }
 
 void pzs_optimise_rows(pzs_control *control)

@@ -66,6 +66,7 @@ static inline pzs_status start(bench *trial)
     trial->problem.upper = trial->upper;
     trial->problem.step_limit = trial->step_limit;
     trial->problem.reference_voltage = trial->reference_voltage;
+    trial->problem.dual_method = PZS_DUAL_METHOD(trial->problem.inputs);
     trial->problem.crc = pzs_problem_crc(&trial->problem);
     return pzs_control_init(&trial->control, &trial->problem,
                             influence != NULL ? NULL : trial->influence, trial->work,
