@@ -400,11 +400,13 @@ static void test_heater_bends_a_bimetal(void **state)
     voltages result;
     shape_scene(&r, &result, "heated-bimetal", "");
     assert_true(fabs(result.voltage[0] * curvature / 0.5 - 1) < 1e-6);
-    assert_true(result.error < 1e-6);
+    assert_true(result.error < 1e-6 && !result.at_limit[0]);
     voltages_free(&result);
     scene_run_close(&r);
     shape_scene(&r, &result, "heated-bimetal", "limits.voltage=[0, 20]");
-    assert_true(result.voltage[0] == 20);
+    assert_true(result.voltage[0] == 20 && result.at_limit[0]);
+    assert_true(strcmp(design_inputs_of(&r.analysis.design).name, "temperature") == 0 &&
+                strcmp(design_unit(&r.analysis.design, 0), "K") == 0);
     assert_true(fabs(result.error - (1 - 20 * curvature / 0.5)) < 1e-6);
     voltages_free(&result);
     scene_run_close(&r);
