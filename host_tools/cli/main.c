@@ -740,17 +740,6 @@ static double target_amplitude(const design *design)
 }
 
 /*
- * Root mean square, over the target nodes, of the wanted displacements (length unit of the scene).
- */
-static double target_rms(const design *design)
-{
-    double squares = 0;
-    for (int i = 0; i < design->targets; i++)
-        squares += design->target[i] * design->target[i] / design->targets;
-    return sqrt(squares);
-}
-
-/*
  * Add a warning where voltages within their limits can reproduce only a small part of the target
  * shape. Returns 0, or -1 with error filled.
  */
@@ -762,10 +751,10 @@ static int warn_of_target(analysis *analysis, char *error)
     if (analysis->design.problem.inputs == 0)
         return 0;
     const int failed = voltages_optimum(analysis, own, &best, error) < 0;
-    const plausible_optimum optimum = {.target =
-                                           target_rms(&analysis->design) > 0 ? 1 : (double)NAN,
-                                       .error = best.error,
-                                       .share = (double)NAN};
+    const plausible_optimum optimum = {
+        .target = design_target_rms(&analysis->design) > 0 ? 1 : (double)NAN,
+        .error = best.error,
+        .share = (double)NAN};
     if (!failed)
         plausible_target(&analysis->warnings, analysis->design.scene, &optimum);
     voltages_free(&best);
@@ -781,7 +770,7 @@ static void warn_of_loop(analysis *analysis)
 {
     const certificate_loop *loop = &analysis->certificate.loop;
     const design *design = &analysis->design;
-    const double wanted = target_rms(design);
+    const double wanted = design_target_rms(design);
     if (loop->is_made && loop->is_stable)
         plausible_loop(&analysis->warnings, design->scene, certificate_older(loop),
                        target_amplitude(design), wanted > 0 ? design->simulate.noise / wanted : 0);

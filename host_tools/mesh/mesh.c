@@ -447,13 +447,6 @@ static int build_all_types(mesh *mesh, char *error)
 
 /* ---- supports of skewed corners --------------------------------------- */
 
-/* Return whether a support constrains directions 1 and 2 of its nodes differently. */
-static int is_directed(const scene_support *support)
-{
-    const unsigned first_of_pairs = 1u << 0 | 1u << 3;
-    return ((support->fix ^ support->fix >> 1) & first_of_pairs) != 0;
-}
-
 /*
  * Refuse a support on an edge along theta1 that constrains displacements along or across this edge
  * only, if the edge meets the next one at an angle other than 90 degrees: the triad (local axes) of
@@ -467,7 +460,7 @@ static int check_corners(const scene *scene, char *error)
         const int is_edge = where->type == WHERE_EDGE &&
                             (where->edge == EDGE_THETA2_MINUS || where->edge == EDGE_THETA2_PLUS);
         const int line = where->edge == EDGE_THETA2_PLUS ? scene->line[1].elements : 0;
-        for (int end = 0; end < 2 && is_edge && is_directed(&scene->support[k]); end++) {
+        for (int end = 0; end < 2 && is_edge && mesh_depends_on_axes(&scene->support[k]); end++) {
             const double theta1 = scene->line[0].point[end ? scene->line[0].elements : 0];
             const double theta2 = scene->line[1].point[line];
             const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);

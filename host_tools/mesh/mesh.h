@@ -117,6 +117,12 @@ void mesh_begin(mesh *mesh, const scene *scene);
 int mesh_turn_axes(mesh *mesh, char *error);
 
 /*
+ * Return whether a support constrains e1 and e2 differently, so that it depends on the directions
+ * of these axes.
+ */
+bool mesh_depends_on_axes(const scene_support *support);
+
+/*
  * Constrain the mean displacements that oblique supports hold, in directions that are no axes of
  * the triads (local axes) of their nodes, and give these nodes rotated axes. To be called before
  * the dof are numbered, when all other supports have marked the dof that they constrain in

@@ -11,11 +11,7 @@
 /* Sine of the largest angle between two directions of supports that still count as equal. */
 static const double nearly = 1e-6;
 
-/*
- * Return whether a support constrains e1 and e2 differently, so that it depends on the directions
- * of these axes.
- */
-static bool depends_on_axes(const scene_support *support)
+bool mesh_depends_on_axes(const scene_support *support)
 {
     const unsigned along_1 = 1u << 0 | 1u << 3;
     return ((support->fix ^ support->fix >> 1) & along_1) != 0;
@@ -58,7 +54,7 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
     const double length = vector_length(across);
     const bool is_equal =
         has_direction && fabs(vector_dot(across, point->triad[0])) < nearly * length;
-    if (!turned[node] || !depends_on_axes(support) || is_equal)
+    if (!turned[node] || !mesh_depends_on_axes(support) || is_equal)
         return 0;
     return scene_fault(support->at, error,
                        "at %s another support has turned u1 and u2, along which this one acts; "

@@ -139,6 +139,14 @@ int design_row(const design *design, int target)
     return influence->given ? influence->row[target] : target;
 }
 
+double design_target_rms(const design *design)
+{
+    double squares = 0;
+    for (int i = 0; i < design->targets; i++)
+        squares += design->target[i] * design->target[i] / design->targets;
+    return sqrt(squares);
+}
+
 double design_target_gap(const design *design)
 {
     double most = 0;

@@ -266,6 +266,11 @@ int design_row(const design *design, int target);
 double design_target_gap(const design *design);
 
 /*
+ * Root mean square of the target displacements over the target nodes (length unit of the scene).
+ */
+double design_target_rms(const design *design);
+
+/*
  * Evaluate the target displacement at the target nodes, and remove its part along the free
  * functions (shapes that may be added to the target at no cost).
  *   value [targets] out  value at each target

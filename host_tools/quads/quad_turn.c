@@ -40,12 +40,6 @@ static uint32_t first_corner(const quad_mesh *mesh, const uint32_t node[4])
     return best;
 }
 
-static int ascending(const void *left, const void *right)
-{
-    const uint32_t *first = left, *second = right;
-    return (*first > *second) - (*first < *second);
-}
-
 /*
  * Adapt the edge numbers (4 element + side) of a set after the corner lists of elements were
  * rotated; first [elements] is the former number of each element's new first corner.
@@ -56,7 +50,7 @@ static void turn_set(quad_set *set, const uint32_t *first)
         const uint32_t element = set->index[i] / 4, side = set->index[i] % 4;
         set->index[i] = 4 * element + (side + 4 - first[element]) % 4;
     }
-    qsort(set->index, set->count, sizeof *set->index, ascending);
+    quad_set_sort(set);
 }
 
 int quad_turn(quad_mesh *mesh)

@@ -271,6 +271,20 @@ int read_int_pair(reader *reader, int node, void *to, const void *rule)
     return read_int(reader, reader->t->node[first].next, &pair[1], rule);
 }
 
+int read_node(reader *reader, int node, void *to, const void *rule)
+{
+    (void)reader;
+    (void)rule;
+    *(int *)to = node;
+    return 0;
+}
+
+int read_scalar_node(reader *reader, int node, void *to, const void *rule)
+{
+    read_node(reader, node, to, rule);
+    return require_kind(reader, node, TREE_SCALAR);
+}
+
 int read_pair(reader *reader, int node, void *to, const void *rule)
 {
     double *pair = to;

@@ -166,6 +166,12 @@ field_read read_either; /* reader of one of two words into a bool; its rule is a
 field_read read_expr;   /* reader of a formula into an allocated expr *; its rule is the permitted
                            range of a constant formula, or NULL */
 
+/*
+ * Readers that keep the index of a value's YAML node in an int, so that the value can be read
+ * later. read_scalar_node refuses lists and mappings.
+ */
+field_read read_node, read_scalar_node;
+
 /* Descriptions (forms) of values that keys of several sections accept. */
 extern const form number_form, above_zero_form, not_negative_form, formula_form, name_form,
     label_form, labels_form, triple_form, flag_form;

@@ -62,13 +62,6 @@ static int check_finite(reader *reader, int node, const number_table *table, siz
                       node_text(reader, node), place, value);
 }
 
-static int read_file(reader *reader, int node, void *to, const void *rule)
-{
-    (void)rule;
-    *(int *)to = node;
-    return require_kind(reader, node, TREE_SCALAR);
-}
-
 static int read_list_node(reader *reader, int node, void *to, const void *rule)
 {
     (void)rule;
@@ -234,12 +227,12 @@ static int make_function(reader *reader, const function_text *text, const number
 
 #define FILE_ROW                                                                                   \
     {                                                                                              \
-        "file", read_file, offsetof(function_text, file), NULL, 1, OF_NOTHING, &label_form,        \
+        "file", read_scalar_node, offsetof(function_text, file), NULL, 1, OF_NOTHING, &label_form, \
             "File of the numbers, beside the scene file."                                          \
     }
 #define COLUMN_ROWS                                                                                \
     {"column",                                                                                     \
-     read_file,                                                                                    \
+     read_scalar_node,                                                                             \
      offsetof(function_text, value),                                                               \
      NULL,                                                                                         \
      0,                                                                                            \

@@ -36,14 +36,6 @@ typedef struct influence_text {
 
 static const char *const axis_name[AXES] = {"x", "y", "z"};
 
-static int read_node(reader *reader, int node, void *to, const void *rule)
-{
-    (void)reader;
-    (void)rule;
-    *(int *)to = node;
-    return 0;
-}
-
 /* ---- shape of the matrix ---------------------------------------------- */
 
 /*

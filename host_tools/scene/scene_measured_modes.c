@@ -26,14 +26,6 @@ static const range ratio = {
     "must lie between 0 and 1, ends left out; it is a part of critical damping: "
     "write 0.01 for 1 %"};
 
-static int read_node(reader *reader, int node, void *to, const void *rule)
-{
-    (void)reader;
-    (void)rule;
-    *(int *)to = node;
-    return 0;
-}
-
 static const field mode_fields[] = {
     {"frequency", read_real, offsetof(mode_text, frequency), &above_zero, 1, .of = OF_RATE,
      .help = "Natural frequency of the mode."},

@@ -288,15 +288,8 @@ typedef struct bitmap_text {
     int file; /* YAML node with the name of the bitmap's file */
 } bitmap_text;
 
-static int read_bitmap_file(reader *reader, int node, void *to, const void *rule)
-{
-    (void)rule;
-    *(int *)to = node;
-    return require_kind(reader, node, TREE_SCALAR);
-}
-
 static const field bitmap_fields[] = {
-    {"file", read_bitmap_file, offsetof(bitmap_text, file), .required = 1, .form = &label_form,
+    {"file", read_scalar_node, offsetof(bitmap_text, file), .required = 1, .form = &label_form,
      .help =
          "Picture (PGM) or table of whole numbers beside the scene; its first line is the one "
          "with the largest second coordinate. A pixel of value k belongs to electrode k, one of "

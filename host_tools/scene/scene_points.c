@@ -6,14 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int read_node(reader *reader, int node, void *to, const void *rule)
-{
-    (void)reader;
-    (void)rule;
-    *(int *)to = node;
-    return 0;
-}
-
 /*
  * YAML nodes of the keys of a mapping that names a file of points in space; 0 for a key that is
  * absent.

@@ -190,15 +190,6 @@ static const void *detection_tables(loop_blocks *blocks)
     return &blocks->detection;
 }
 
-/* Root mean square of the target over the target nodes (m). */
-static double target_rms(const design *design)
-{
-    double sum = 0;
-    for (int i = 0; i < design->targets; i++)
-        sum += design->target[i] * design->target[i] / design->targets;
-    return sqrt(sum);
-}
-
 /*
  * Root mean square, over the target nodes, of the displacements under the loads of the scene (m).
  */
@@ -244,7 +235,7 @@ static double reachable_rms(const design *design)
 static const void *supervision_tables(loop_blocks *blocks)
 {
     const design *design = blocks->design;
-    const double target = target_rms(design);
+    const double target = design_target_rms(design);
     const double wanted = target > 0 ? target : reachable_rms(design);
     pzs_supervision *tables = &blocks->supervision;
     *tables = (pzs_supervision){.scene = design->problem.scene,
