@@ -235,8 +235,25 @@ static double constrained_change(const arc_search *arc_search, double arc)
 }
 
 /*
- * Correct the displacement increment until it leads to an equilibrium at the distance `arc` from
- * the last converged point of the load path. Returns whether the iteration has converged.
+ * Add the changes by the residuals and by a change of the load factor to the increment. Returns the
+ * squared norm of the sum of these changes.
+ */
+static double add_changes(arc_search *arc_search, double change)
+{
+    for (size_t i = 0; i < arc_search->entries; i++) {
+        arc_search->by_residual[i] += change * arc_search->by_load[i];
+        arc_search->increment[i] += arc_search->by_residual[i];
+    }
+    arc_search->load_factor += change;
+    set_inputs(arc_search);
+    pzs_nonlinear_extrapolate(arc_search->solver, arc_search->by_residual);
+    return scalar_product(arc_search, arc_search->by_residual, arc_search->by_residual);
+}
+
+/*
+ * Correct the increment until it leads to an equilibrium at the distance `arc` from the last
+ * converged point of the load path; with arc = 0, to an equilibrium at the present load factor.
+ * Returns whether the iteration has converged.
  */
 static bool correct_increment(arc_search *arc_search, double arc)
 {
@@ -245,20 +262,13 @@ static bool correct_increment(arc_search *arc_search, double arc)
     for (int i = 0; i < CORRECTIONS; i++) {
         if (!solve_both(arc_search, false))
             return false;
-        const double change = constrained_change(arc_search, arc);
+        const double change = arc > 0 ? constrained_change(arc_search, arc) : 0;
         if (!isfinite(change))
             return false;
-        double moved2 = 0;
-        for (size_t k = 0; k < arc_search->entries; k++) {
-            double *by = &arc_search->by_residual[k];
-            *by += change * arc_search->by_load[k];
-            arc_search->increment[k] += *by;
-            moved2 += arc_search->metric[k] * *by * *by;
-        }
-        arc_search->load_factor += change;
-        set_inputs(arc_search);
-        pzs_nonlinear_extrapolate(arc_search->solver, arc_search->by_residual);
-        if (moved2 <= tolerance * tolerance * arc * arc)
+        const double moved2 = add_changes(arc_search, change);
+        const double size2 =
+            scalar_product(arc_search, arc_search->increment, arc_search->increment);
+        if (moved2 <= tolerance * tolerance * size2)
             return true;
     }
     return false;
@@ -285,21 +295,46 @@ static bool restore_start(arc_search *arc_search)
 }
 
 /*
- * Make one step of length `arc` on the load path from the last converged point, whose tangent
- * stiffness has been factored. Returns whether the step has converged; then the tangent stiffness
- * and its pivots belong to the new point, and `start` is still the displacement of the old one.
+ * Make a step from the last converged point of the load path, whose tangent stiffness has been
+ * factored: first along the tangent of the path by a change of the load factor, then by
+ * corrections. Returns whether the step has converged without turning back by more than a right
+ * angle; then the tangent stiffness and its pivots belong to the new point, and `start` is still
+ * the displacement of the old one.
+ *   arc in  length of the step; 0: keep the load factor that the first change leads to
  */
-static bool try_step(arc_search *arc_search, double arc)
+static bool make_step(arc_search *arc_search, double change, double arc)
 {
-    const double change =
-        forward_sign(arc_search) * arc /
-        sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load));
     for (size_t i = 0; i < arc_search->entries; i++)
         arc_search->increment[i] = change * arc_search->by_load[i];
     arc_search->load_factor = arc_search->start_factor + change;
     set_inputs(arc_search);
     pzs_nonlinear_extrapolate(arc_search->solver, arc_search->increment);
-    return correct_increment(arc_search, arc) && solve_both(arc_search, true);
+    return correct_increment(arc_search, arc) && solve_both(arc_search, true) &&
+           scalar_product(arc_search, arc_search->direction, arc_search->increment) > 0;
+}
+
+/*
+ * Make a step of length `arc` from the last converged point of the load path, whose tangent
+ * stiffness has been factored (make_step).
+ */
+static bool try_step(arc_search *arc_search, double arc)
+{
+    const double length =
+        sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load));
+    return make_step(arc_search, forward_sign(arc_search) * arc / length, arc);
+}
+
+/*
+ * Replace a step that has passed the full load by one that ends at the full load. *arc becomes the
+ * length of that step. Returns whether the step has converged (make_step).
+ */
+static bool land_at_full_load(arc_search *arc_search, double *arc)
+{
+    if (!restore_start(arc_search) || !make_step(arc_search, 1 - arc_search->start_factor, 0))
+        return false;
+    arc_search->load_factor = 1;
+    *arc = sqrt(scalar_product(arc_search, arc_search->increment, arc_search->increment));
+    return true;
 }
 
 /*
@@ -402,40 +437,80 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
 /* ---- path ------------------------------------------------------------- */
 
 /*
- * Return the length of the next step on the load path: longer after few iterations, shorter after
- * many, and never above `longest`.
+ * Control of the length of the steps on a load path by the number of iterations of the last steps.
  */
-static double next_arc(double arc, int iterations, double longest)
+typedef struct step_control {
+    double arc;      /* length of the next step */
+    double longest;  /* largest length of a step */
+    int usual;       /* number of iterations after which the length of the next step stays */
+    int before;      /* number of iterations of the step before the last one */
+    bool is_shorter; /* whether the last change of the length was a reduction */
+} step_control;
+
+/*
+ * Choose the length of the next step: longer after few iterations, shorter after many. Where a
+ * shorter step has needed no fewer iterations than the one before, as with follower loads, whose
+ * tangent is not exact, so many iterations are usual from then on.
+ */
+static void adapt_length(step_control *control, double arc, int iterations)
 {
-    const double usual = 5;
-    return fmin(longest, arc * fmin(2, fmax(0.5, sqrt(usual / iterations))));
+    if (control->is_shorter && iterations >= control->before)
+        control->usual = iterations > control->usual ? iterations : control->usual;
+    const double ratio = fmin(2, fmax(0.5, sqrt((double)control->usual / iterations)));
+    control->is_shorter = ratio < 1;
+    control->before = iterations;
+    control->arc = fmin(control->longest, arc * ratio);
+}
+
+/*
+ * Compute the next point of the load path at the distance *arc, or at the full load if that comes
+ * first, with the critical points before it; *arc becomes the length of the step. *iterations is
+ * the number of linear solves without those of the search for critical points. Returns false if
+ * the step fails.
+ */
+static bool find_point(arc_search *arc_search, load_path *path, double *arc, int *iterations)
+{
+    const signature before = signature_at(arc_search, arc_search->direction);
+    double length = *arc;
+    if (!try_step(arc_search, length))
+        return false;
+    if (arc_search->load_factor >= 1 && !land_at_full_load(arc_search, &length))
+        return false;
+    *iterations = arc_search->iterations;
+    *arc = length;
+    return find_events(arc_search, path, length, before);
 }
 
 /*
  * Make all steps of the load path. The first step is as long as the linear displacement under a
- * twentieth of the load, and no step is longer than four times that.
+ * twentieth of the load, and no step is longer than four times that. A step that fails is halved.
  */
 static void take_steps(arc_search *arc_search, analysis *analysis, load_path *path)
 {
     const double first =
         sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load)) / 20;
-    double arc = first;
+    step_control control = {first, 4 * first, 5, 0, false};
     memcpy(arc_search->direction, arc_search->by_load,
            arc_search->entries * sizeof *arc_search->direction);
-    while (path->points < LOAD_PATH_POINTS && arc_search->start_factor < 1 && arc > first / 1024) {
-        const signature before = signature_at(arc_search, arc_search->direction);
+    while (path->points < LOAD_PATH_POINTS && arc_search->start_factor < 1 &&
+           control.arc > first / 1024) {
+        int iterations;
+        const int events = path->events;
+        double arc = control.arc;
         arc_search->iterations = 0;
-        if (!try_step(arc_search, arc) || !find_events(arc_search, path, arc, before)) {
-            path->linear_solves += arc_search->iterations;
-            arc /= 2;
+        const bool is_found = find_point(arc_search, path, &arc, &iterations);
+        path->linear_solves += arc_search->iterations;
+        if (!is_found) {
+            path->events = events;
+            control.arc /= 2;
+            control.is_shorter = false;
             if (!restore_start(arc_search))
                 return;
             continue;
         }
-        path->linear_solves += arc_search->iterations;
         accept_point(arc_search);
         path_points_add(path, analysis, arc_search->start_factor, arc_search->iterations);
-        arc = next_arc(arc, arc_search->iterations, 4 * first);
+        adapt_length(&control, arc, iterations);
     }
 }
 
@@ -486,6 +561,28 @@ static int follow_arcs(load_path *path, analysis *analysis, double *reached, cha
     return 0;
 }
 
+/*
+ * Fill `error` with the place where a load path ends before the full load, and with the element
+ * within which the shell bends most before the first critical point.
+ */
+static void explain_end(const load_path *path, const analysis *analysis, double reached,
+                        char *error)
+{
+    const int index = path->events > 0 ? path->event[0].point : path->points - 1;
+    const load_path_point *point = &path->point[index];
+    scene_fault(
+        analysis->design.at, error,
+        "the load path ends at %.4g of the load after %d points%s; at point %d the shell "
+        "bends by up to %.3g degrees within an element (%s): refine the mesh where it folds "
+        "sharply",
+        reached, path->points,
+        path->has_equal_steps ? ", because with contact or prescribed displacements it "
+                                "passes no limit point of the load"
+                              : "",
+        index + 1, point->turn,
+        mesh_element_text(&analysis->design.mesh, point->turn_element).text);
+}
+
 int load_path_follow(load_path *path, analysis *analysis, char *error)
 {
     const design *design = &analysis->design;
@@ -504,10 +601,6 @@ int load_path_follow(load_path *path, analysis *analysis, char *error)
         return -1;
     path->is_complete = reached >= 1;
     if (!path->is_complete)
-        scene_fault(design->at, error, "the load path ends at %.4g of the load after %d points%s",
-                    reached, path->points,
-                    is_stepped ? "; with contact or prescribed displacements no load path is "
-                                 "followed through limit points of the load"
-                               : "");
+        explain_end(path, analysis, reached, error);
     return 0;
 }

@@ -18,7 +18,9 @@ typedef struct load_path_point {
                           */
     int negative_pivots; /* number of negative pivots of the tangent stiffness; 0: the equilibrium
                             is stable */
-    int iterations; /* number of linear solves of the arc-length step that ended at this point */
+    int iterations;   /* number of linear solves of the arc-length step that ended at this point */
+    double turn;      /* largest angle by which the shell has bent within an element (degrees) */
+    int turn_element; /* index of the element with the largest angle `turn` */
 } load_path_point;
 
 typedef enum load_path_event_type {

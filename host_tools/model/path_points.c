@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Recording of the points of a load path (path_points.h). */
 #include "path_points.h"
+#include "largest_turn.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,8 +23,12 @@ void path_points_add(load_path *path, analysis *analysis, double load_factor, in
     (void)analysis_electrodes(analysis, NULL);
     for (int k = 0; k < path->outputs; k++)
         value[k] = analysis_output(analysis, k, 0, path->row);
-    path->point[path->points++] =
-        (load_path_point){load_factor, (int)solver->info.negative_pivots, iterations};
+    load_path_point *point = &path->point[path->points++];
+    point->load_factor = load_factor;
+    point->negative_pivots = (int)solver->info.negative_pivots;
+    point->iterations = iterations;
+    point->turn =
+        largest_turn(&analysis->design.mesh, solver->info.displacement, &point->turn_element);
 }
 
 void path_points_event(load_path *path, load_path_event_type type, int point, double load_factor)

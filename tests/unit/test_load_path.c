@@ -272,6 +272,28 @@ static void test_half_cylinder(void **state)
 }
 
 /*
+ * The half cylinder of plies [90/0/90] is followed to its full load, without limit point and
+ * bifurcation, where 80 elements along the axis resolve the fold that moves along it.
+ */
+static void test_half_cylinder_crossply(void **state)
+{
+    (void)state;
+    if (!SLOW_ROWS)
+        skip();
+    scene_run run;
+    load_path path;
+    follow(&run, &path, "semi-cylinder",
+           "mesh.theta1.elements=80;mesh.theta2.elements=24;layers=[{material: ply, thickness: 1, "
+           "angle: 90}, {material: ply, thickness: 1}, {material: ply, thickness: 1, angle: 90}]");
+    assert_int_equal(path.events, 0);
+    for (int i = 0; i < path.points; i++)
+        assert_int_equal(path.point[i].negative_pivots, 0);
+    print_message("[90/0/90]: crown %.3f mm at full load\n", output_at(&path, path.points - 1));
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
+/*
  * The pulled cylinder with six dof a node: on every mesh one load step, two, and the load path end
  * at the same stable equilibrium, near the published one.
  */
@@ -313,6 +335,37 @@ static void test_column_of_euler(void **state)
     assert_true(fabs(path.event[0].load_factor / 0.5 - 1) < 0.005);
     load_path_free(&path);
     scene_run_close(&run);
+}
+
+/* Scenes whose path has no critical point, so that one load step ends at its end. */
+static const struct {
+    const char *scene, *changes;
+} smooth_paths[] = {
+    {"hemisphere", "mesh.theta1.elements=8;mesh.theta2.elements=8"},
+    {"torus-isotropic", ""},
+    {"hyperboloid-patches", "mesh.theta1.elements=8;mesh.theta2.elements=8"},
+};
+
+/*
+ * The path ends exactly at the full load, at the equilibrium that one load step finds, without
+ * leaving its branch: also with long steps, with follower loads, and with applied voltages.
+ */
+static void test_path_ends_at_full_load(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof smooth_paths / sizeof *smooth_paths; i++) {
+        scene_run run;
+        load_path path;
+        follow(&run, &path, smooth_paths[i].scene, smooth_paths[i].changes);
+        const int last = path.points - 1;
+        const double other = by_load_steps(smooth_paths[i].scene, smooth_paths[i].changes, 1);
+        assert_int_equal(path.events, 0);
+        assert_true(path.point[last].load_factor == 1);
+        assert_int_equal(path.point[last].negative_pivots, 0);
+        assert_true(fabs(output_at(&path, last) / other - 1) < 1e-6);
+        load_path_free(&path);
+        scene_run_close(&run);
+    }
 }
 
 /*
@@ -449,7 +502,9 @@ int main(void)
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_published_roofs),
         cmocka_unit_test(test_half_cylinder),
+        cmocka_unit_test(test_half_cylinder_crossply),
         cmocka_unit_test(test_pulled_cylinder),
+        cmocka_unit_test(test_path_ends_at_full_load),
         cmocka_unit_test(test_open_electrodes_stiffen),
         cmocka_unit_test(test_open_electrodes_in_equilibrium),
         cmocka_unit_test(test_contact_in_equal_steps),
