@@ -642,14 +642,17 @@ typedef struct pzs_selftest_core {
     uint32_t verdict;   /* result of the self-test, a value of pzs_selftest_verdict */
     uint32_t disturbed; /* 1: noise or vibration hides the response of at least one amplifier to its
                            test pulse */
-    uint32_t stage;     /* stage of the evaluation of the responses; its first stage is 0 */
-    uint32_t step;      /* number of comparisons so far in the present stage of the evaluation */
-    uint32_t pair; /* amplifier or sensor whose cable the evaluation looks for at another one: index
-                      among the amplifiers and sensors, the kind with fewer first */
+    uint32_t stage;     /* stage of the self-test's evaluation of the measured responses; its first
+                           stage is 0 */
+    uint32_t step;      /* number of comparisons of responses so far in the present stage of the
+                           self-test's evaluation */
+    uint32_t pair; /* amplifier or sensor of which the self-test's evaluation asks whether its cable
+                      is exchanged with another one: index among the amplifiers and sensors, the
+                      kind with fewer first */
     uint32_t nearest;  /* index of the amplifier (or sensor) whose modelled response is, so far,
                           nearest to the measured response that the evaluation compares with all */
-    uint32_t searches; /* number of faults that the evaluation has found by searching for the
-                          amplifier or sensor whose response differs most from the model */
+    uint32_t searches; /* number of faults that the self-test's evaluation has found by searching
+                          for the amplifier or sensor whose response differs most from the model */
 } pzs_selftest_core;
 
 /*

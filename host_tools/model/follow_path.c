@@ -26,7 +26,8 @@
  */
 typedef struct arc_search {
     pzs_solver *solver;
-    pzs_circuit *circuit; /* open electrodes; NULL: the scene has none */
+    pzs_circuit *circuit; /* open electrodes, whose voltages are unknown; NULL: the scene has none
+                           */
     const double *full;   /* [inputs] input values of the scene at full load */
     size_t free_dof, entries;
     double *memory;
@@ -34,14 +35,16 @@ typedef struct arc_search {
                        both faces' displacements, thickness^2 for the other dof, 0 for voltages */
     double *start;  /* [entries] displacement and voltages at the last converged point of the load
                        path */
-    double *direction;   /* [entries] increment in the last converged step on the load path */
-    double *increment;   /* [entries] increment since the last converged point of the load path */
-    double *by_residual; /* [entries] change by the residual forces and charges: inverse tangent
-                            matrix times (load minus internal force) */
-    double *by_load;     /* [entries] change per unit of the load factor: inverse tangent matrix
-                            times force and charge per unit of the load factor */
-    double *unit;        /* [entries] nodal forces, or changes, per unit of one input of the
-                            structure */
+    double *direction; /* [entries] increment of displacement and voltages in the last converged
+                          step on the load path */
+    double *increment; /* [entries] increment of displacement and voltages since the last converged
+                          point of the load path */
+    double *by_residual; /* [entries] change of displacement and voltages by the residual forces and
+                            charges: inverse tangent matrix times (load minus internal force) */
+    double *by_load; /* [entries] change of displacement and voltages per unit of the load factor:
+                        inverse tangent matrix times force and charge per unit of the load factor */
+    double *unit; /* [entries] work vector: nodal forces, or changes of displacement and voltages,
+                     per unit of one input of the structure */
     double load_factor;  /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
@@ -164,8 +167,9 @@ static bool condense_voltages(arc_search *arc_search, uint32_t input, double *ch
 }
 
 /*
- * Add to by_load the changes by the charges that the inputs at full load bring onto the open
- * electrodes while the shell cannot deform. Returns false if the voltages cannot be solved for.
+ * Add to `by_load`, the change of displacement and voltages per unit of the load factor, the part
+ * of the charges that the inputs at full load bring onto the open electrodes while the shell cannot
+ * deform. Returns false if the voltages of these electrodes cannot be solved for.
  */
 static bool add_charges_of_load(arc_search *arc_search)
 {

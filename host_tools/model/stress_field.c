@@ -322,8 +322,9 @@ static void fill_element(const stress_field *field, int element)
 /* ---- plies -------------------------------------------------------------------- */
 
 /*
- * Compute the voltage across a layer, as the field at height z follows from it (V), and the
- * temperature there above that of the stress-free shape (K).
+ * Compute what actuates a layer at height z: the voltage across the layer, multiplied by the ratio
+ * of the electric field at this height to the mean field of the layer (V), and the temperature
+ * above that of the stress-free shape (K).
  */
 static void causes_at(const stress_field *field, int element, int layer, double z, double *voltage,
                       double *kelvin)

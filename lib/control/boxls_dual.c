@@ -589,8 +589,8 @@ static void join_at_bound(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 }
 
 /*
- * Choose the active set anew, if the work limit allows it: the inputs that estimated voltages bring
- * to a bound from which their gradient keeps them.
+ * Choose the active set anew, if the work limit allows it: the inputs whose estimated voltage is at
+ * a bound, where the objective would fall only outside the bound.
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {
@@ -650,7 +650,10 @@ static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t 
     return goes_on;
 }
 
-/* Prepare a round of iterations. Returns the largest number of iterations at its end. */
+/*
+ * Prepare a round of iterations of the dual method. Returns the total number of iterations at which
+ * the round must end.
+ */
 static uint32_t begin_round(pzs_optimiser *optimiser)
 {
     optimiser->is_cut = false;

@@ -665,15 +665,15 @@ static void give_verdict(pzs_selftest *selftest)
 
 /* ---- stages --------------------------------------------------------------- */
 
-/* What the steps of a stage of the evaluation compare. */
+/* Comparisons of measured with modelled responses in a stage of the self-test's evaluation. */
 typedef struct stage_plan {
     selftest_axis axis;
     uint32_t subject; /* index of the amplifier (or sensor) whose measured response is compared with
                          the modelled ones, in a stage about one amplifier or sensor */
-    uint32_t steps;   /* number of comparisons of the stage, before the step that ends it */
+    uint32_t steps;   /* number of comparisons of responses in the stage */
 } stage_plan;
 
-/* Return the number of amplifiers and sensors together. */
+/* Return the number of amplifiers and sensors of the self-test together. */
 static uint32_t count_lines(const pzs_selftest *selftest)
 {
     const pzs_selftest_tables *tables = selftest->state.tables;
@@ -742,7 +742,7 @@ static stage_plan plan_of(const pzs_selftest *selftest)
     }
 }
 
-/* Make the comparison with number `step` of the present stage. */
+/* Make comparison number `step` of a measured with a modelled response in the present stage. */
 static void compare(pzs_selftest *selftest, const stage_plan *plan, uint32_t step)
 {
     switch (selftest->state.core[0].stage) {
@@ -774,7 +774,10 @@ static uint32_t end_search(pzs_selftest *selftest, const stage_plan *plan)
     return selftest->state.core[0].searches < count_lines(selftest) ? STAGE_GAINS : STAGE_VERDICT;
 }
 
-/* Decide what the comparisons of the present stage mean. Returns the next stage. */
+/*
+ * Decide what the comparisons of responses in the present stage of the evaluation mean. Returns the
+ * next stage.
+ */
 static uint32_t end_stage(pzs_selftest *selftest, const stage_plan *plan)
 {
     pzs_selftest_core *core = &selftest->state.core[0];
@@ -797,7 +800,10 @@ static uint32_t end_stage(pzs_selftest *selftest, const stage_plan *plan)
     return core->stage + 1u;
 }
 
-/* Begin a stage of the evaluation; a search for the largest difference forgets the last one. */
+/*
+ * Begin a stage of the evaluation. A stage that searches for the amplifier or sensor with the
+ * largest difference from the model forgets the one that was found last.
+ */
 static void begin_stage(pzs_selftest *selftest, uint32_t stage)
 {
     pzs_selftest_state *state = &selftest->state;
@@ -811,7 +817,9 @@ static void begin_stage(pzs_selftest *selftest, uint32_t stage)
 }
 
 /*
- * Make one step of the present stage. Returns its work, in compared entries of the responses.
+ * Make one step of the present stage of the evaluation: a comparison of a measured with a modelled
+ * response, or the end of the stage. Returns the work of the step, in compared entries of the
+ * responses.
  */
 static uint32_t make_step(pzs_selftest *selftest)
 {
@@ -825,9 +833,9 @@ static uint32_t make_step(pzs_selftest *selftest)
 }
 
 /*
- * The first tick makes the responses ready, and the last one, in which a loop without a fault
- * already controls the voltages, gives the verdict; neither makes a step. A stage that does not
- * exist shows damaged memory, with which no amplifier may pass.
+ * The first tick of the self-test's evaluation makes the responses ready, and the last one, in
+ * which a loop without a fault already controls the voltages, gives the verdict; neither makes a
+ * step. A stage that does not exist shows damaged memory, with which no amplifier may pass.
  */
 void pzs_selftest_evaluate(pzs_selftest *selftest)
 {
