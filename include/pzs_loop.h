@@ -112,7 +112,7 @@ typedef struct pzs_loop_signals {
  * library.
  */
 typedef struct pzs_block_type {
-    const char *name; /* name of the block in messages to users */
+    const char *name; /* name of this type of block of the control loop in messages to users */
     pzs_block_phase phase;
     /*
      * Return the size of the memory that a block of the loop needs (bytes), which may depend only

@@ -179,8 +179,8 @@ typedef struct moments {
     double centre[SCATTER_AXES], value; /* weighted means of the nearest points' coordinates and
                                            values */
     double spread[SCATTER_AXES][SCATTER_AXES];
-    double cross[SCATTER_AXES]; /* weighted moments of the nearest points' coordinates with their
-                                   values */
+    double cross[SCATTER_AXES]; /* weighted mixed moments of the nearest points' values with each of
+                                   their coordinates */
 } moments;
 
 static moments moments_of(const scatter *scatter, const neighbours *found)

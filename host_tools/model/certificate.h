@@ -146,8 +146,8 @@ typedef struct certificate {
                     tick rate */
     bool has_settings; /* true where simulations with fast jumps of the target have chosen the
                           settings of the control tick that damps vibration */
-    damper_settings settings; /* settings of the control tick that damps vibration, as the
-                                 simulations have chosen them */
+    damper_settings settings; /* settings of the control tick that damps vibration, chosen by
+                                 simulations with fast jumps of the target */
     certificate_loop loop;    /* certificate of the loop whose control tick damps vibration */
     double stable_rate; /* highest tick rate (1/s) up to which the control loop is stable at every
                            rate; 0 where no stable rate was found, infinite where every rate is

@@ -26,8 +26,7 @@
  */
 typedef struct arc_search {
     pzs_solver *solver;
-    pzs_circuit *circuit; /* open electrodes, whose voltages are unknown; NULL: the scene has none
-                           */
+    pzs_circuit *circuit; /* open electrodes, whose voltages are unknown; NULL: none */
     const double *full;   /* [inputs] input values of the scene at full load */
     size_t free_dof, entries;
     double *memory;

@@ -21,7 +21,8 @@ typedef struct mesh_values {
 
 /* Estimated discretisation error of one result of an analysis. */
 typedef struct mesh_estimate {
-    double value;        /* value of the result of the analysis on the mesh of the scene */
+    double value; /* value of a result of the analysis, such as a displacement, on the mesh of the
+                     scene */
     double extrapolated; /* value that the result would have with infinitely many elements, by
                             extrapolation */
     double uncertainty;  /* half width of the interval around the extrapolated value in which the

@@ -127,8 +127,9 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate, and the squared wave number of a half
- * wave with the length of the shorter side of the structure. Returns whether the plausibility rule
- * on transverse shear measures a k-th number; there is one, with k = 0.
+ * wave with the length of the shorter side of the structure. Plausibility rules on transverse shear
+ * measure a single number, with the index k = 0: returns false for any other k, and where nothing
+ * can be computed.
  */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,
                       double *wave)

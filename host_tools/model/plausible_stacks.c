@@ -101,8 +101,8 @@ static bool acts_alike(const mesh_springs *springs, int one, int other)
 }
 
 /*
- * Return the number of the first stack before `row` that the same displacements elongate as the
- * stack `row`, or -1 if there is none.
+ * Return the number of the first stack, from `first` to before `row`, that is elongated by the same
+ * displacements as the stack `row`, or -1 if there is none.
  */
 static int stack_like(const mesh_springs *springs, int first, int row)
 {

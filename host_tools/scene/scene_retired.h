@@ -10,7 +10,8 @@
 
 /* Way in which the migration of a scene file replaces a retired name. */
 typedef enum retired_type {
-    RETIRED_KEY,  /* a retired key of a scene (a key that is no longer read) gets its new name */
+    RETIRED_KEY,  /* a retired key of a scene (a key that is no longer read) is replaced by its new
+                     name */
     RETIRED_WORD, /* a retired word, which is the value of a key, is replaced by another word */
     RETIRED_SLEW, /* a step limit (V a tick) becomes a rate limit (V/s) if the scene file gives the
                      tick rate */

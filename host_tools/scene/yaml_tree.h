@@ -80,7 +80,8 @@ int tree_fault_at(const tree *tree, scene_at at, const char *format, ...);
 
 /*
  * Write an error message of the form "file:line:column: message" on one line. Line -(k + 1) stands
- * for the change set[k], and line 0 for the file as a whole. Returns -1.
+ * for set[k], a change of the scene by the option --set of the command line, and line 0 for the
+ * file as a whole. Returns -1.
  */
 int tree_message(char *error, const char *path, const char *const *set, scene_at at,
                  const char *format, va_list list);

@@ -295,9 +295,10 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 
 /*
  * Change a voltage step so that it also damps vibration: the gradient of the objective at the base
- * voltages is multiplied by state.share, a factor from 0 to 1, and the damping gradient is added to
- * the target gradient. Returns `missed`, the weighted squared norm of the target error (m2),
- * enlarged so that the rounding-error bound covers the damping gradient too.
+ * voltages, around which gradients are computed, is multiplied by state.share, a factor from 0 to
+ * 1, and the damping gradient is added to the target gradient. Returns `missed`, the weighted
+ * squared norm of the target error (m2), enlarged so that the rounding-error bound covers the
+ * damping gradient too.
  *   damping [inputs] in  damping gradient (m2/V)
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,

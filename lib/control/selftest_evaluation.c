@@ -670,7 +670,7 @@ typedef struct stage_plan {
     selftest_axis axis;
     uint32_t subject; /* index of the amplifier (or sensor) whose measured response is compared with
                          the modelled ones, in a stage about one amplifier or sensor */
-    uint32_t steps;   /* number of comparisons of responses in the stage */
+    uint32_t steps;   /* number of comparisons of responses in a stage of the self-test */
 } stage_plan;
 
 /* Return the number of amplifiers and sensors of the self-test together. */
