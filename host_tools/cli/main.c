@@ -707,7 +707,7 @@ static int judge_loop(analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
     const design *design = &analysis->design;
-    char reason[SCENE_ERROR];
+    char reason[SCENE_ERROR], growth[120];
     if (analysis->design.problem.inputs == 0)
         return 0;
     certificate_make(&analysis->certificate, analysis);
@@ -715,13 +715,18 @@ static int judge_loop(analysis *analysis, char *error)
         return 0;
     if (is_damped(analysis, reason))
         return 0;
+    if (certificate->radius < 1)
+        snprintf(growth, sizeof growth,
+                 "vibration grows on structures with 0.8 to 1.33 of the response or 0.9 to 1.1 of "
+                 "the frequencies of the model");
+    else
+        snprintf(growth, sizeof growth, "vibration grows %.4g times a tick", certificate->radius);
     return scene_fault(
         design->simulate.at, error,
         "unstable at %g ticks a second: the control step has no vibration model (%s), first "
-        "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; "
-        "--quasi-static writes "
-        "the tables all the same",
-        certificate->rate, reason, certificate_first(certificate), certificate->radius,
+        "mode %.4g Hz, %s; stable up to %.3g a second; --quasi-static writes the tables all the "
+        "same",
+        certificate->rate, reason, certificate_first(certificate), growth,
         certificate->stable_rate);
 }
 

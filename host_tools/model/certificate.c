@@ -24,36 +24,46 @@ static const double decayed = 20;
  * Fill the matrix that advances the vibration of the structure under the control loop by one tick.
  * Its states are, for each vibration mode just before the tick, the deviation e of the modal
  * coordinate from its static equilibrium and the modal velocity p divided by the angular frequency,
- * then the deviations e of past ticks. L is the loop matrix (see `loop`), and r[0] to r[3] are the
- * entries 11, 12, 21 and 22 of the matrix that advances e and p of one mode by the free vibration
- * of one tick. The tick at time t changes the equilibrium from eq = -L e(t - delay - 1) to eq' = -L
- * e(t - delay), so that delay + 1 past deviations are needed:
- *   e' = r[0] (e + eq - eq') + r[1] p
- *   p' = r[2] (e + eq - eq') + r[3] p
+ * then the measured static coordinates h of past ticks. L is the loop matrix (see `loop`), k the
+ * response of the structure to voltages relative to the controller's model, and r[0] to r[3] are
+ * the entries 11, 12, 21 and 22 of the matrix that advances e and p of one mode by the free
+ * vibration of one tick. The voltages of the tick at time t have the static coordinates -h(t -
+ * delay) in the model. The controller measures h(t) = L e(t) + (1 - k) h(t - delay - 1): the
+ * vibration, and what the voltages do more or less than the model says. With the change of the
+ * equilibrium g = k (h(t - delay) - h(t - delay - 1)), so that delay + 1 past measurements are
+ * needed:
+ *   e' = r[0] (e + g) + r[1] p
+ *   p' = r[2] (e + g) + r[3] p
  *   loop [modes][stride] in  loop matrix L; the first `modes` columns are used. Entry (i, j) is the
  *       static coordinate of mode i under the voltages that the controller subtracts per unit of
  *       mode j
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
-                      const double *damping, int delay, double interval, double *matrix)
+                      const double *damping, double gain, int delay, double interval,
+                      double *matrix)
 {
     const size_t m = (size_t)modes, order = m * (size_t)(delay + 3);
-    const size_t late = delay == 0 ? 0 : m * (size_t)(delay + 1), later = m * (size_t)(delay + 2);
+    const size_t late = m * (size_t)(delay + 1), later = m * (size_t)(delay + 2);
     memset(matrix, 0, order * order * sizeof *matrix);
     for (size_t i = 0; i < m; i++) {
         double r[4];
+        const double *measured = loop + i * (size_t)stride;
         modal_propagator(sqrt(square[i]), damping[i], interval, r);
         for (size_t half = 0; half < 2; half++) {
             double *row = matrix + (half * m + i) * order;
+            const double moved = r[2 * half] * gain;
             row[i] += r[2 * half];
             row[m + i] += r[2 * half + 1];
-            for (size_t j = 0; j < m; j++) {
-                row[late + j] += r[2 * half] * loop[i * (size_t)stride + j];
-                row[later + j] -= r[2 * half] * loop[i * (size_t)stride + j];
-            }
+            for (size_t j = 0; j < m && delay == 0; j++)
+                row[j] += moved * measured[j];
+            row[later + i] -= delay == 0 ? moved * gain : moved;
+            if (delay > 0)
+                row[late + i] += moved;
         }
-        for (size_t k = 2; k < (size_t)delay + 3; k++)
-            matrix[(k * m + i) * order + (k == 2 ? 0 : (k - 1) * m) + i] = 1;
+        memcpy(matrix + (2 * m + i) * order, measured, m * sizeof *measured);
+        matrix[(2 * m + i) * order + later + i] += 1 - gain;
+        for (size_t k = 3; k < (size_t)delay + 3; k++)
+            matrix[(k * m + i) * order + (k - 1) * m + i] = 1;
     }
 }
 
@@ -70,13 +80,14 @@ static int lasting_modes(const double *square, int modes, const double *damping,
 }
 
 double certificate_radius(const double *loop, const double *square, int modes,
-                          const double *damping, int delay, double interval, int squarings)
+                          const double *damping, double gain, int delay, double interval,
+                          int squarings)
 {
     const int count = lasting_modes(square, modes, damping, interval);
     const size_t order = (size_t)count * (size_t)(delay + 3);
     double *matrix = malloc((2 * order * order + 1) * sizeof *matrix), radius = (double)NAN;
     if (matrix) {
-        fill_loop(loop, modes, square, count, damping, delay, interval, matrix);
+        fill_loop(loop, modes, square, count, damping, gain, delay, interval, matrix);
         radius = eigen_radius(matrix, matrix + order * order, order, squarings);
     }
     free(matrix);
@@ -103,7 +114,8 @@ int certificate_newer(const certificate_loop *loop)
 
 bool certificate_refuses(const certificate *certificate)
 {
-    return certificate->is_assessed && certificate->rate > 0 && !(certificate->radius < 1);
+    const bool is_stable = certificate->radius < 1 && certificate->rate <= certificate->stable_rate;
+    return certificate->is_assessed && certificate->rate > 0 && !is_stable;
 }
 
 double certificate_first(const certificate *certificate)
@@ -129,14 +141,23 @@ static void range_text(const certificate *certificate, char text[SCENE_ERROR])
                  "Run it at most at %.3g ticks a second, or wait for a vibration model.",
                  certificate->stable_rate);
     else
-        snprintf(text, SCENE_ERROR, "Every rate up to %.3g ticks a second is stable.",
+        snprintf(text, SCENE_ERROR,
+                 "Every rate up to %.3g ticks a second is stable, also where the response to "
+                 "voltages\nis 0.8 to 1.33 and frequencies are 0.9 to 1.1 of the model's.",
                  certificate->stable_rate);
 }
 
 /* Write a text on the stability of the control loop at the tick rate of the scene. */
 static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 {
-    if (certificate_refuses(certificate))
+    if (certificate_refuses(certificate) && certificate->radius < 1)
+        snprintf(
+            text, SCENE_ERROR,
+            "The control step has no vibration model. At %g ticks a second vibration decays on\n"
+            "the model, but it grows on structures whose response to voltages is 0.8 to 1.33 or\n"
+            "whose frequencies are 0.9 to 1.1 of the model's.\n",
+            certificate->rate);
+    else if (certificate_refuses(certificate))
         snprintf(
             text, SCENE_ERROR,
             "The control step has no vibration model. At %g ticks a second (T = %g s) a structure\n"

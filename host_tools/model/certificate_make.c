@@ -41,6 +41,14 @@ static const double two_pi = 6.283185307179586;
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
 /*
+ * Static responses to voltages, relative to the controller's model, of the structures on which the
+ * control loop must be stable, and their lowest natural frequencies relative to those of the model.
+ * Higher frequencies are covered, too: a structure whose frequencies are higher by some factor is
+ * as stable as the model at a tick rate that is lower by this factor.
+ */
+static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
+
+/*
  * Smallest regularisation of the voltage problem (least squares for the voltages) relative to the
  * mean diagonal entry of its Hessian. The regularisation keeps the Hessian positive definite where
  * amplifiers have equal effects.
@@ -257,14 +265,15 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
  * ratios of the vibration modes, and delay of the measurements.
  */
 typedef struct assessed_loop {
-    const double *gain, *square, *damping;
+    const double *matrix, *square, *damping;
     int modes, delay;
 } assessed_loop;
 
 /*
- * Whether the control loop is stable at a tick rate. If the interval between ticks contains many
- * periods of the first vibration mode, stability depends on the phase of the vibration as well as
- * on its decay; therefore intervals that are up to one period longer must be stable too.
+ * Whether the control loop is stable at a tick rate, on structures with each of the responses to
+ * voltages in `responses`. If the interval between ticks contains many periods of the first
+ * vibration mode, stability depends on the phase of the vibration as well as on its decay;
+ * therefore intervals that are up to one period longer must be stable too.
  */
 static bool is_stable(const assessed_loop *loop, double rate)
 {
@@ -272,9 +281,10 @@ static bool is_stable(const assessed_loop *loop, double rate)
     const int phases = interval > 4 * period ? PHASES : 1;
     for (int k = 0; k < phases; k++) {
         const double longer = interval + period * k / PHASES;
-        if (!(certificate_radius(loop->gain, loop->square, loop->modes, loop->damping, loop->delay,
-                                 longer, QUICK) < 1))
-            return false;
+        for (size_t i = 0; i < sizeof responses / sizeof *responses; i++)
+            if (!(certificate_radius(loop->matrix, loop->square, loop->modes, loop->damping,
+                                     responses[i], loop->delay, longer, QUICK) < 1))
+                return false;
     }
     return true;
 }
@@ -351,12 +361,12 @@ static void assess(certificate *certificate, const analysis *analysis)
     certificate->is_assessed = true;
     certificate->damping = damping[0];
     if (certificate->rate > 0) {
-        certificate->radius = certificate_radius(loop, square, certificate->modes, damping, delay,
-                                                 1 / certificate->rate, EXACT);
+        certificate->radius = certificate_radius(loop, square, certificate->modes, damping, 1,
+                                                 delay, 1 / certificate->rate, EXACT);
         certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
     }
     const assessed_loop assessed = {loop, square, damping, certificate->modes, delay};
-    certificate->stable_rate = scan_rates(&assessed);
+    certificate->stable_rate = lowest_frequency * scan_rates(&assessed);
     free(damping);
     free(loop);
 }
