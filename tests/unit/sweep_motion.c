@@ -96,11 +96,11 @@ static int run_storm(const structure *of, const double plant[3], const char *mot
     if (analysis_influence(&run.analysis, run.error) < 0)
         return printf("%s\n", run.error), 1;
     certificate_make(&run.analysis.certificate, &run.analysis);
-    if (simulate_open(&s, &run.analysis, run.error) < 0)
-        return printf("%s\n", run.error), 1;
     for (int k = 0; k < run.analysis.design.amplifiers; k++)
         run.analysis.design.step_limit[k] *= plant[2];
     run.analysis.design.problem.crc = pzs_problem_crc(&run.analysis.design.problem);
+    if (simulate_open(&s, &run.analysis, run.error) < 0)
+        return printf("%s\n", run.error), 1;
     int failed = simulate_run(&s, LAW_CONTROLLER, NULL, NULL, run.error) < 0;
     if (failed)
         printf("%s\n", run.error);
