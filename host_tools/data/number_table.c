@@ -138,11 +138,22 @@ void number_table_free(number_table *table)
     memset(table, 0, sizeof *table);
 }
 
+int number_table_is_named(const char *column, const char *name)
+{
+    const size_t length = strlen(name);
+    if (strncmp(column, name, length) != 0)
+        return 0;
+    const char *rest = column + length;
+    const bool is_unit = *rest == '[' || *rest == '(' || *rest == ' ';
+    rest += strspn(rest, " ");
+    return *rest == '\0' || (is_unit && (*rest == '[' || *rest == '('));
+}
+
 int number_table_column(const number_table *table, const char *name)
 {
     char *end;
     for (size_t k = 0; table->column_name && k < table->columns; k++)
-        if (strcmp(table->column_name[k], name) == 0)
+        if (number_table_is_named(table->column_name[k], name))
             return (int)k;
     const long number = strtol(name, &end, 10);
     const bool is_number = end > name && *end == '\0';

@@ -55,6 +55,12 @@ void number_table_free(number_table *table);
 int number_table_check(const number_table *table, const char *path, char *error);
 
 /*
+ * Return whether a column of a table has a name, with or without a unit in brackets behind it: the
+ * column "u3 [um]" is named u3.
+ */
+int number_table_is_named(const char *column, const char *name);
+
+/*
  * Return the index of a column that is given by its name, or by its number counted from 1 if no
  * column has this name; -1 if there is no such column.
  */

@@ -70,15 +70,39 @@ static int add_cell(text_reader *reader, const char *from, const char *to)
     return 0;
 }
 
+/*
+ * Return the end of a cell between blanks. A unit in brackets behind a name, as in "x [mm]",
+ * belongs to the cell of the name.
+ */
+static const char *end_between_blanks(const char *from, const char *to)
+{
+    const char *stop = from;
+    while (stop < to && !is_blank(*stop))
+        stop++;
+    const char *unit = stop;
+    while (unit < to && is_blank(*unit))
+        unit++;
+    if (unit == to || (*unit != '[' && *unit != '('))
+        return stop;
+    while (unit < to && *unit != ']' && *unit != ')')
+        unit++;
+    return unit < to ? unit + 1 : stop;
+}
+
+static const char *end_of_cell(const text_reader *reader, const char *from, const char *to)
+{
+    if (reader->delimiter == ' ')
+        return end_between_blanks(from, to);
+    const char *stop = memchr(from, reader->delimiter, (size_t)(to - from));
+    return stop ? stop : to;
+}
+
 /* Split the text of a line into the cells of a table. Returns 0, or -1 with error filled. */
 static int split(text_reader *reader, const char *from, const char *to)
 {
     reader->cells = 0;
     while (from < to) {
-        const char *stop = from;
-        while (stop < to &&
-               (reader->delimiter == ' ' ? !is_blank(*stop) : *stop != reader->delimiter))
-            stop++;
+        const char *stop = end_of_cell(reader, from, to);
         if (add_cell(reader, from, stop) < 0)
             return -1;
         from = stop < to ? stop + 1 : to;
@@ -198,31 +222,17 @@ static void keep_name(const cell *cell, char *name)
 }
 
 /*
- * Return the name in a cell of the text table without a unit in brackets behind it, as `x [mm]` or
- * `x (mm)`. A number in brackets belongs to the name.
+ * Take the cells of the present line of the text table as the names of the columns. Returns 0, or
+ * -1 with error filled.
  */
-static cell without_unit(cell named)
-{
-    for (size_t i = 1; i + 1 < named.length; i++)
-        if (strchr("[(", named.text[i]) && isalpha((unsigned char)named.text[i + 1]))
-            return trimmed(named.text, named.text + i);
-    return named;
-}
-
-/*
- * Take the cells of the present line of the text table as the names of the columns, with or without
- * units in brackets behind them. Returns 0, or -1 with error filled.
- */
-static int keep_column_names(text_reader *reader, bool with_units)
+static int keep_column_names(text_reader *reader)
 {
     number_table *table = reader->table;
     table->column_name = calloc(reader->cells + 1, sizeof *table->column_name);
     if (!table->column_name)
         return fault(reader, "out of memory");
-    for (size_t k = 0; k < reader->cells; k++) {
-        const cell named = with_units ? reader->cell[k] : without_unit(reader->cell[k]);
-        keep_name(&named, table->column_name[k]);
-    }
+    for (size_t k = 0; k < reader->cells; k++)
+        keep_name(&reader->cell[k], table->column_name[k]);
     return 0;
 }
 
@@ -326,6 +336,18 @@ static int add_row(text_reader *reader, bool has_row_names)
 }
 
 /*
+ * Return the name in a cell of the text table without a unit in brackets behind it, as `x [mm]` or
+ * `x (mm)`. A number in brackets belongs to the name.
+ */
+static cell without_unit(cell named)
+{
+    for (size_t i = 1; i + 1 < named.length; i++)
+        if (strchr("[(", named.text[i]) && isalpha((unsigned char)named.text[i + 1]))
+            return trimmed(named.text, named.text + i);
+    return named;
+}
+
+/*
  * Return whether all cells of the present line of the text table are single words, apart from units
  * in brackets: letters, digits, and the characters _ - . between them.
  */
@@ -378,7 +400,7 @@ static int take_comment(text_reader *reader)
         !failed && reader->cells > 2 && holds_names(reader) && holds_words(reader);
     const bool is_list = has_names && reader->delimiter != ' ';
     if (has_names && reader->cells == columns)
-        failed = keep_column_names(reader, false);
+        failed = keep_column_names(reader);
     else if (is_list && reader->cells + 2 >= columns && reader->cells <= columns + 2)
         failed = refuse_names(reader, reader->cells, columns);
     reader->delimiter = delimiter;
@@ -408,7 +430,7 @@ static int read_lines(text_reader *reader)
     const bool has_names = holds_names(reader);
     if (!has_names && take_comment(reader) < 0)
         return -1;
-    if (has_names && keep_column_names(reader, true) < 0)
+    if (has_names && keep_column_names(reader) < 0)
         return -1;
     const size_t named = reader->cells;
     if (has_names)

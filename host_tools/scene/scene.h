@@ -749,6 +749,8 @@ typedef struct scene_influence {
     bool rows_are_actuators; /* true: the rows of the file are actuators; false: they are outputs */
     int *row; /* [outputs] number of the row of the file that belongs to each used output, counted
                  from 0 */
+    bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
+                                    matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
                            file gives none */

@@ -42,6 +42,7 @@ typedef enum dimension {
     OF_TORSION,
     OF_FORCE_CONSTANT,
     OF_MOMENT,
+    OF_INFLUENCE,
     DIMENSIONS,
     OF_COORDINATE = DIMENSIONS, /* physical dimension of the surface coordinate theta1 or theta2,
                                    whichever is the nearest enclosing key of the scene file */

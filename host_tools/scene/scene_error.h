@@ -4,7 +4,7 @@
 #define SCENE_ERROR_H
 
 /* Size in bytes of an error message including the terminating NUL. */
-enum { SCENE_ERROR = 400 };
+enum { SCENE_ERROR = 600 };
 
 /* Origin of the values of a scene, which error messages name. */
 typedef struct scene_origin {

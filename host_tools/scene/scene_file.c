@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Functions and lists of numbers that a scene gives in files of their own (scene_file.h). */
 #include "scene_file.h"
+#include "scene_points.h"
+#include "scene_units.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -25,6 +27,39 @@ char *scene_file_path(const reader *reader, const char *name)
     return path;
 }
 
+static void scale_column(number_table *table, size_t column, double factor)
+{
+    for (size_t row = 0; row < table->rows; row++)
+        table->value[row * table->columns + column] *= factor;
+}
+
+/*
+ * Convert the columns of a table that hold the coordinates x, y and z in a stated unit, such as
+ * "x [mm]", to the unit of length of the scene. Returns 0, or -1 after writing the error message of
+ * the YAML tree.
+ */
+static int convert_coordinates(reader *reader, int node, number_table *table)
+{
+    double factor;
+    for (size_t k = 0; table->column_name && k < table->columns; k++) {
+        const char *name = table->column_name[k];
+        const int axis = scene_file_axis(name);
+        if (axis < 0 || axis >= SCENE_AXES || strlen(name) == 1)
+            continue;
+        const int found = scene_units_column(reader, node, OF_LENGTH, name, &factor);
+        if (found < 0)
+            return -1;
+        if (found == 0)
+            return tree_fault(
+                reader->t, node,
+                "the column '%.60s' of the file has no unit of length; write %c [mm], "
+                "or %c for the scene's own unit",
+                name, *name, *name);
+        scale_column(table, k, factor);
+    }
+    return 0;
+}
+
 int scene_table_read(reader *reader, int node, number_table *table)
 {
     char error[NUMBER_ERROR];
@@ -43,7 +78,10 @@ int scene_table_read(reader *reader, int node, number_table *table)
     if (failed)
         return tree_fault(reader->t, node, "%s", error);
     reader->s->hash = (reader->s->hash ^ table->hash) * 16777619u;
-    return 0;
+    if (convert_coordinates(reader, node, table) == 0)
+        return 0;
+    number_table_free(table);
+    return -1;
 }
 
 /*
@@ -103,7 +141,7 @@ int scene_file_axis(const char *name)
 static int listed_column(const number_table *table, const char *name, int k)
 {
     for (size_t i = 0; table->column_name && i < table->columns; i++)
-        if (strcmp(table->column_name[i], name) == 0)
+        if (number_table_is_named(table->column_name[i], name))
             return (int)i;
     return table->column_name || k >= (int)table->columns ? -1 : k;
 }
@@ -178,6 +216,31 @@ static int take_named(reader *reader, const function_text *text, const number_ta
 }
 
 /*
+ * Multiply the factor `scale` by the one that converts a column of values with a stated unit, such
+ * as "u3 [um]", to the units of the scene.
+ *   node  in      YAML node of the key that the values belong to, of the dimension reader->of
+ *   text  in/out  in: scale as the scene file states it; out: scale to the units of the scene
+ * Returns 0, or -1 after writing the error message of the YAML tree: the unit has another dimension
+ * than the key, or both the unit and `scale` convert the numbers.
+ */
+static int convert_values(reader *reader, int node, const number_table *table, int column,
+                          function_text *text)
+{
+    double factor;
+    if (!table->column_name)
+        return 0;
+    const char *name = table->column_name[column];
+    const int found = scene_units_column(reader, node, reader->of, name, &factor);
+    if (found > 0 && factor != 1 && fabs(text->scale) != 1)
+        return tree_fault(reader->t, node,
+                          "the column '%.60s' of the file has a unit, and scale: %g converts its "
+                          "numbers again; remove one of the two",
+                          name, text->scale);
+    text->scale *= factor;
+    return found < 0 ? -1 : 0;
+}
+
+/*
  * Copy the coordinates and values of a function from a table.
  *   point  [rows][axes] out  coordinates of each point
  *   value  [rows]       out  value at each point
@@ -200,13 +263,14 @@ static int copy_columns(reader *reader, const function_text *text, const number_
     return 0;
 }
 
-static int make_function(reader *reader, const function_text *text, const number_table *table,
+static int make_function(reader *reader, int node, function_text *text, const number_table *table,
                          expr **function)
 {
     function_columns columns;
     char name[SCENE_NAME + 32];
     memset(&columns, 0, sizeof columns);
-    if ((text->columns ? take_listed : take_named)(reader, text, table, &columns) != 0)
+    if ((text->columns ? take_listed : take_named)(reader, text, table, &columns) != 0 ||
+        convert_values(reader, node, table, columns.value, text) != 0)
         return -1;
     double *point = calloc(table->rows * 3 + 1, sizeof *point);
     double *value = calloc(table->rows + 1, sizeof *value);
@@ -271,7 +335,7 @@ static int read_function_file(reader *reader, int node, expr **function)
     if (read_map(reader, node, function_fields, &text) != 0 ||
         scene_table_read(reader, text.file, &table) != 0)
         return -1;
-    const int failed = make_function(reader, &text, &table, function);
+    const int failed = make_function(reader, node, &text, &table, function);
     number_table_free(&table);
     return failed;
 }
@@ -325,7 +389,7 @@ static int read_list(reader *reader, int node, scene_numbers *numbers)
  * Copy a list of numbers from a column of a table, or from its only row. Returns 0, or -1 after
  * writing the error message of the YAML tree.
  */
-static int copy_list(reader *reader, const function_text *text, const number_table *table,
+static int copy_list(reader *reader, int node, function_text *text, const number_table *table,
                      scene_numbers *numbers)
 {
     const int is_row = table->rows == 1 && table->columns > 1 && !text->value;
@@ -334,6 +398,8 @@ static int copy_list(reader *reader, const function_text *text, const number_tab
         return tree_fault(reader->t, text->value ? text->value : text->file,
                           "%.80s has %d columns; write column: its name or its number from 1",
                           node_text(reader, text->file), (int)table->columns);
+    if (!is_row && convert_values(reader, node, table, column, text) != 0)
+        return -1;
     numbers->count = is_row ? (int)table->columns : (int)table->rows;
     numbers->value = calloc((size_t)numbers->count + 1, sizeof *numbers->value);
     if (!numbers->value)
@@ -357,7 +423,7 @@ int scene_numbers_read(reader *reader, int node, scene_numbers *numbers)
         if (read_map(reader, node, list_fields, &text) != 0 ||
             scene_table_read(reader, text.file, &table) != 0)
             return -1;
-        failed = copy_list(reader, &text, &table, numbers);
+        failed = copy_list(reader, node, &text, &table, numbers);
         number_table_free(&table);
     } else {
         failed = read_list(reader, node, numbers);

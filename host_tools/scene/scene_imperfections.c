@@ -14,8 +14,13 @@ int refuse_amplifier(reader *reader, scene_at at, const char *name)
         return tree_fault_at(reader->t, at, "there is no actuator '%.60s'; add actuators first",
                              name);
     scene_amplifier_name(reader->s, 0, first);
-    return tree_fault_at(reader->t, at, "there is no actuator '%.60s'; the first one is '%s'%s",
-                         name, first, scene_transposed_hint(reader->s));
+    return tree_fault_at(reader->t, at, "there is no actuator '%.60s'; the first one is '%s'%s%s",
+                         name, first,
+                         reader->s->influence.has_numbered_actuators
+                             ? "; to name actuators whose file has no names, write the list "
+                               "influence.actuators"
+                             : "",
+                         scene_transposed_hint(reader->s));
 }
 
 /*

@@ -6,6 +6,7 @@
 #include "scene_file.h"
 #include "scene_parts.h"
 #include "scene_points.h"
+#include "scene_units.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -59,6 +60,45 @@ static int separate_columns(reader *reader, influence_text *text)
             text->coordinate_column[axis] = k;
         else
             text->column[text->columns++] = k;
+    }
+    return 0;
+}
+
+/* Remove the unit in brackets from the end of the name of a column, and the blanks before it. */
+static void remove_unit(char *name)
+{
+    char *end = strpbrk(name, "[(");
+    while (end > name && end[-1] == ' ')
+        end--;
+    *end = '\0';
+}
+
+/*
+ * Convert the columns of a measured influence matrix whose names end with a unit, such as "a1
+ * (um/V)", to the units of the scene, and remove the unit from the name. Returns 0, or -1 after
+ * writing the error message of the YAML tree: the unit is none of an influence matrix, or the key
+ * `scale` converts the numbers, too.
+ */
+static int convert_columns(reader *reader, influence_text *text)
+{
+    number_table *table = &text->table;
+    if (!table->column_name || text->rows_are_actuators)
+        return 0;
+    for (int k = 0; k < text->columns; k++) {
+        double factor;
+        char *name = table->column_name[text->column[k]];
+        const int found = scene_units_column(reader, text->file, OF_INFLUENCE, name, &factor);
+        if (found < 0)
+            return -1;
+        if (found > 0 && factor != 1 && text->scale != 1)
+            return tree_fault(reader->t, text->file,
+                              "the column '%.60s' of the file has a unit, and scale: %g converts "
+                              "its numbers again; remove one of the two",
+                              name, text->scale);
+        for (size_t row = 0; found > 0 && row < table->rows; row++)
+            table->value[row * table->columns + (size_t)text->column[k]] *= factor;
+        if (found > 0)
+            remove_unit(name);
     }
     return 0;
 }
@@ -127,13 +167,21 @@ static int check_size(reader *reader, const influence_text *text)
 /* ---- actuators -------------------------------------------------------- */
 
 /*
+ * Return the names of the rows or columns of the table that are actuators, or NULL where the file
+ * has no names.
+ */
+static number_name *actuator_names(const influence_text *text)
+{
+    return text->rows_are_actuators ? text->table.row_name : text->table.column_name;
+}
+
+/*
  * Find the name of an actuator of a measured influence matrix: the name in the list of the scene
  * file, otherwise the name in the table, otherwise v1, v2 and so on.
  */
 static int name_actuator(reader *reader, const influence_text *text, int k, int item, char *name)
 {
-    const number_table *table = &text->table;
-    number_name *names = text->rows_are_actuators ? table->row_name : table->column_name;
+    number_name *names = actuator_names(text);
     const int index = text->rows_are_actuators ? k : text->column[k];
     if (item)
         return read_name(reader, item, name, NULL);
@@ -155,6 +203,7 @@ static int make_actuators(reader *reader, const influence_text *text)
     scene->actuator = calloc((size_t)count + 1, sizeof *scene->actuator);
     if (!scene->actuator)
         return tree_fault(reader->t, text->file, "out of memory");
+    scene->influence.has_numbered_actuators = !list && !actuator_names(text);
     for (int k = 0; k < count; k++) {
         scene_actuator *actuator = &scene->actuator[k];
         actuator->at = node_at(reader, item ? item : text->file);
@@ -374,7 +423,8 @@ static int copy_matrix(reader *reader, const influence_text *text)
 static int build(reader *reader, influence_text *text)
 {
     if (scene_table_read(reader, text->file, &text->table) != 0 ||
-        separate_columns(reader, text) != 0 || check_size(reader, text) != 0)
+        separate_columns(reader, text) != 0 || convert_columns(reader, text) != 0 ||
+        check_size(reader, text) != 0)
         return -1;
     reader->s->influence.rows_are_actuators = text->rows_are_actuators;
     reader->s->influence.file_outputs = outputs_of(text);
@@ -450,6 +500,20 @@ const char *scene_transposed_hint(const scene *scene)
 }
 
 /*
+ * Return the name of an actuator that seems to be a coordinate with its unit, such as x_mm, or NULL
+ * where there is none.
+ */
+static const char *coordinate_like(const scene *scene)
+{
+    for (int k = 0; k < scene->actuators; k++) {
+        const char *name = scene->actuator[k].name;
+        if (strchr("xyzXYZ", *name) && (name[1] == '_' || name[1] == '-' || name[1] == '/'))
+            return name;
+    }
+    return NULL;
+}
+
+/*
  * Check that a function can be evaluated at the outputs of a measured influence matrix: it uses
  * only coordinates that the outputs have, and a list has one value for each output of the file.
  */
@@ -467,6 +531,13 @@ static int check_function(const scene *scene, const expr *function, scene_at at,
                            "x, y, z");
     if (rows >= 0 || expr_is_constant(function) || scene->influence.place)
         return 0;
+    const char *name = coordinate_like(scene);
+    if (name)
+        return scene_fault(at, error,
+                           "a function of the coordinates, but the outputs have none, and the "
+                           "column '%s' of the matrix counts as an actuator; name the columns of "
+                           "coordinates x [mm], y [mm]",
+                           name);
     return scene_fault(at, error,
                        "a function of the coordinates, but the outputs have none; add "
                        "influence.coordinates, or give a list of values%s",

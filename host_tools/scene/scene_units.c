@@ -5,6 +5,7 @@
  */
 #include "scene_units.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "surface.h"
@@ -53,8 +54,11 @@ static const struct {
     [OF_FOUNDATION] = {"a stiffness per area", "N/mm3", {{-3, 1, 0, 0, 0, 0}, 0, 0}},
     [OF_TORSION] = {"a torsional stiffness", "N m/rad", {{1, 1, 0, 0, 0, -1}, 0, 0}},
     [OF_FORCE_CONSTANT] = {"a force per voltage", "N/V", {{0, 1, -1, 0, 0, 0}, 0, 0}},
+    [OF_INFLUENCE] = {"a displacement per voltage", "um/V", {{1, 0, -1, 0, 0, 0}, 0, 0}},
     [OF_MOMENT] = {"a moment", "N m", {{1, 1, 0, 0, 0, 0}, 0, 0}},
 };
+
+static const double degree = 0.017453292519943295; /* one degree of an angle in radians */
 
 /* ---- dimensions that follow from other keys --------------------------- */
 
@@ -395,6 +399,44 @@ int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], cons
     snprintf(text, SCENE_UNITS_TEXT, "%s%s", number, turn(&unit, &dimensions[expected].unit));
     *plain = text;
     return 0;
+}
+
+/*
+ * Copy the text in the brackets at the end of the name of a column. Returns whether there is any.
+ *   text [SCENE_UNITS_TEXT] out  text in the brackets
+ */
+static bool text_in_brackets(const char *column, char text[SCENE_UNITS_TEXT])
+{
+    const char *open = strpbrk(column, "[(");
+    const size_t length = open ? strlen(open) : 0;
+    if (length < 3 || length > SCENE_UNITS_TEXT || !strchr("])", open[length - 1]))
+        return false;
+    memcpy(text, open + 1, length - 2);
+    text[length - 2] = '\0';
+    return true;
+}
+
+int scene_units_column(reader *reader, int node, dimension of, const char *column, double *factor)
+{
+    char text[SCENE_UNITS_TEXT];
+    const dimension expected = resolve(reader, node, of);
+    units_unit unit;
+    const char *why;
+    int ten;
+    *factor = 1;
+    if (!text_in_brackets(column, text) || units_parse(text, &unit, &why) < 0)
+        return 0;
+    if (!units_alike(&unit, &dimensions[expected].unit))
+        return tree_fault(reader->t, node,
+                          "the column '%.60s' of the file has a unit that is none of %s; correct "
+                          "the unit, or remove it",
+                          column, dimensions[expected].name);
+    if (scene_units_ten(reader->s, &unit, &ten) >= 0)
+        return 1;
+    *factor = pow(10, ten);
+    if (unit.degrees != dimensions[expected].unit.degrees)
+        *factor *= unit.degrees ? degree : 1 / degree;
+    return 1;
 }
 
 const char *scene_units_example(dimension of)

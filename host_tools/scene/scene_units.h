@@ -30,6 +30,18 @@ int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], cons
 int scene_units_ten(const scene *scene, const units_unit *unit, int *ten);
 
 /*
+ * Find the factor that converts the numbers in a column of a file to the units of the scene, from
+ * the unit in brackets behind the name of the column, as in "x [mm]" or "u3 (um)".
+ *   node    in   YAML node of the key whose numbers stand in the column
+ *   of      in   physical dimension of the key
+ *   column  in   name of the column
+ *   factor  out  factor of the numbers; 1 where the scene has no SI units
+ * Returns 1 after a conversion, 0 where the name has no brackets or they hold no unit, or -1 after
+ * writing the error message of the YAML tree: the unit has another dimension than the key.
+ */
+int scene_units_column(reader *reader, int node, dimension of, const char *column, double *factor);
+
+/*
  * Return a unit of a physical dimension as an example for help texts, or NULL where there is none.
  */
 const char *scene_units_example(dimension of);

@@ -97,10 +97,15 @@ static void test_text_comments(void **state)
         const char *text;
         bool names;
     } comments[] = {
-        {"# x,y,e1\n1,2,3\n", true},        {"# by hand\n# x y e1\n1 2 3\n", true},
-        {"#x;y;e1\n\n1;2;3\n", true},       {"# x,y\n1,2,3\n", false},
-        {"# x,y,e 1\n1,2,3\n", false},      {"# run,of,12\n1,2,3\n", false},
-        {"# x,y,e1\n# mm\n1,2,3\n", false}, {"1,2,3\n# x,y,e1\n4,5,6\n", false},
+        {"# x [mm]   y (mm) e1\n1 2 3\n", true},
+        {"# x,y,e1\n1,2,3\n", true},
+        {"# by hand\n# x y e1\n1 2 3\n", true},
+        {"#x;y;e1\n\n1;2;3\n", true},
+        {"# x,y\n1,2,3\n", false},
+        {"# x,y,e 1\n1,2,3\n", false},
+        {"# run,of,12\n1,2,3\n", false},
+        {"# x,y,e1\n# mm\n1,2,3\n", false},
+        {"1,2,3\n# x,y,e1\n4,5,6\n", false},
     };
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++) {
         number_table table;

@@ -46,8 +46,8 @@ static const char *path_of(const char *name)
 
 static int remove_folder(void **state)
 {
-    static const char *const names[] = {"scene.yaml", "matrix.csv", "points.csv",
-                                        "wanted.csv", "mask.csv",   "matrix.npy"};
+    static const char *const names[] = {"scene.yaml", "matrix.csv", "plain.csv", "target.csv",
+                                        "points.csv", "wanted.csv", "mask.csv",  "matrix.npy"};
     (void)state;
     for (size_t k = 0; k < sizeof names / sizeof *names; k++)
         unlink(path_of(names[k]));
@@ -520,6 +520,9 @@ static void test_applied(void **state)
 #define GOOD "1 0\n0 1\n1 1\n"
 #define SCENE(influence, rest) "name: m\ninfluence: {file: matrix.csv" influence "}\n" rest
 #define TARGET "target: {value: [1, 2, 3]}\n"
+#define SI "units: {length: m, force: N, voltage: V, temperature: K}\n"
+/* Influence matrix of 3 outputs in a file without units. */
+#define SCENE2 "name: m\ninfluence: {file: plain.csv}\n"
 
 /* A matrix of 3 outputs and 2 actuators, written with a row for each actuator, and its hint. */
 #define WIDE "1 0 1\n0 1 1\n"
@@ -610,6 +613,21 @@ static void test_faults(void **state)
         {"1 nan\n0 1\n1 1\n",
          SCENE(", ignore: [1]", "target: {value: {file: matrix.csv, column: 2}}\n"),
          "matrix.csv: line 1, column 2 is nan"},
+        {GOOD, SCENE("", TARGET "limits: {each: [{actuator: a5, hold: 0}]}\n"),
+         "there is no actuator 'a5'~write the list influence.actuators"},
+        {"x_mm,v\n1,0\n0,1\n1,1\n", SCENE("", "target: {value: x}\n"),
+         "the column 'x_mm' of the matrix counts as an actuator; name the columns"},
+        {"x [px],v\n1,0\n0,1\n1,1\n", SI SCENE("", TARGET),
+         "the column 'x [px]' of the file has no unit of length; write x [mm]"},
+        {"x (K),v\n1,0\n0,1\n1,1\n", SI SCENE("", TARGET), "'x (K)'~none of a length"},
+        {"a (um),b\n1,0\n0,1\n1,1\n", SI SCENE("", TARGET),
+         "'a (um)'~none of a displacement per voltage; correct the unit"},
+        {"a (um/V)\n1\n0\n1\n", SI SCENE(", scale: 1e-6", TARGET),
+         "scale: 1e-06 converts its numbers again; remove one of the two"},
+        {"a (um)\n1\n0\n1\n", SI SCENE2 "target: {value: {file: matrix.csv, scale: 1e-6}}\n",
+         "scale: 1e-06 converts its numbers again; remove one of the two"},
+        {"a (V)\n1\n0\n1\n", SI SCENE2 "target: {value: {file: matrix.csv}}\n",
+         "'a (V)'~none of a length"},
         {WIDE, SCENE("", TARGET), "3 values for 2 outputs" WRITE_ACTUATORS},
         {WIDE, SCENE("", "target: {value: x}\n"), "the outputs have none" WRITE_ACTUATORS},
         {WIDE, SCENE(", coordinates: [[0], [1], [2], [3]]", TARGET),
@@ -625,6 +643,7 @@ static void test_faults(void **state)
         char error[SCENE_ERROR] = "no fault";
         scene scene;
         write_text("matrix.csv", "%s", bad[k].matrix);
+        write_text("plain.csv", "%s", GOOD);
         write_text("scene.yaml", "%s", bad[k].scene);
         const int failed = scene_read(&scene, path_of("scene.yaml"), NULL, 0, error);
         if (!failed)
@@ -632,6 +651,42 @@ static void test_faults(void **state)
         if (!failed || !holds(error, bad[k].expected) || strchr(error, '\n'))
             fail_msg("%s: expected '%s', got '%s'", bad[k].scene, bad[k].expected, error);
     }
+}
+
+/* Law: numbers of a file in a stated unit are those of the scene's unit, to rounding. */
+static void test_units_of_columns(void **state)
+{
+    (void)state;
+    static const char *const matrix[2] = {"x,y,a b,c\n0.001,0,2e-6,0\n0.002,0.001,0,3e-6\n",
+                                          "x [mm];y (um);a b (um/V);c [nm/V]\n"
+                                          "1;0;2;0\n2;1000;0;3000\n"};
+    static const char *const target[2] = {"4e-6\n5e-6\n", "w [um]\n4\n5\n"};
+    char error[SCENE_ERROR];
+    scene plain, stated;
+    for (int k = 0; k < 2; k++) {
+        scene *const to = k == 0 ? &plain : &stated;
+        write_text("matrix.csv", "%s", matrix[k]);
+        write_text("target.csv", "%s", target[k]);
+        write_text("scene.yaml", "%s", SI SCENE("", "target: {value: {file: target.csv}}\n"));
+        assert_int_equal(scene_read(to, path_of("scene.yaml"), NULL, 0, error), 0);
+    }
+    assert_string_equal(stated.actuator[0].name, "a b");
+    assert_string_equal(stated.actuator[1].name, "c");
+    for (int i = 0; i < 2; i++) {
+        const expr_point at = {0};
+        for (int axis = 0; axis < 3; axis++)
+            assert_true(fabs(plain.influence.place[i][axis] - stated.influence.place[i][axis]) <=
+                        2 * DBL_EPSILON * fabs(plain.influence.place[i][axis]));
+        for (int k = 0; k < 2; k++)
+            assert_true(
+                fabs(plain.influence.matrix[2 * i + k] - stated.influence.matrix[2 * i + k]) <=
+                2 * DBL_EPSILON * fabs(plain.influence.matrix[2 * i + k]));
+        const double value = expr_row_value(plain.target.value, &at, i);
+        assert_true(value > 3e-6 && fabs(expr_row_value(stated.target.value, &at, i) - value) <=
+                                        2 * DBL_EPSILON * value);
+    }
+    scene_free(&plain);
+    scene_free(&stated);
 }
 
 /* Law: one warning names every actuator that moves nothing, except those that are held. */
@@ -672,6 +727,8 @@ static void test_warnings(void **state)
         {"1e-6 0 0\n0 1e-6 0\n0 0 1.01e-5\n", "influence", 1.01e-5},
         {"1e-8 0 0\n0 1e-8 0\n0 0 1.01e-6\n", "strong_actuator", 101},
         {"1e-8 0 0\n0 1e-8 0\n0 0 0.99e-6\n", NULL, 0},
+        {"1e-7 0 0\n0 1e-7 0\n0 0 0.98e-9\n", "weak_actuator", 0.0098},
+        {"1e-7 0 0\n0 1e-7 0\n0 0 1.02e-9\n", NULL, 0},
         {"1e-7 0\n0 1e-7\n1e-7 1e-7\n", NULL, 0},
     };
     for (size_t k = 0; k < sizeof unusual / sizeof *unusual; k++) {
@@ -760,7 +817,7 @@ int main(void)
         cmocka_unit_test(test_schedule),       cmocka_unit_test(test_applied),
         cmocka_unit_test(test_faults),         cmocka_unit_test(test_warnings),
         cmocka_unit_test(test_dead_actuators), cmocka_unit_test(test_without_structure),
-        cmocka_unit_test(test_dependent),
+        cmocka_unit_test(test_dependent),      cmocka_unit_test(test_units_of_columns),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
