@@ -89,27 +89,44 @@ static void name_dead(const char *name, int count, char *names)
         snprintf(names + used, WHAT - used, " and others");
 }
 
-int measure_dead_column(const subject *of, int k, measured *found)
+/*
+ * Name the actuators that are not held and whose effect, relative to a reference, lies in a range.
+ * The result *found gets the least of these effects and a text with the names.
+ *   reference  in  effect of another actuator, the norm of its column of the influence matrix
+ *   from, to   in  range of the relative effects: from <= effect < to
+ */
+static void name_weak(const scene *scene, double reference, double from, double to,
+                      const char *reference_name, measured *found)
 {
-    const scene *scene = of->scene;
     char names[WHAT] = "";
-    double most = 0, least = HUGE_VAL;
+    double least = HUGE_VAL;
     int count = 0;
-    if (k > 0 || !has_column(of, k, found))
-        return 0;
-    for (int i = 0; i < scene->amplifiers; i++)
-        most = fmax(most, matrix_column_size(scene, i));
     for (int i = 0; i < scene->amplifiers; i++) {
-        const double size = matrix_column_size(scene, i) / most;
-        if (is_held(scene, i) || !(size < MATRIX_DEAD))
+        const double size = matrix_column_size(scene, i) / reference;
+        if (is_held(scene, i) || !(size >= from && size < to))
             continue;
         name_dead(scene->actuator[i].name, count++, names);
         least = fmin(least, size);
     }
     if (count > 0)
         found->value = least;
-    snprintf(found->what, WHAT, "effect of actuator%s%.200s over that of the strongest%s",
-             count > 1 ? "s" : "", names, count > 1 ? ", the least" : "");
+    snprintf(found->what, WHAT, "effect of actuator%s%.200s over that of %s%s",
+             count > 1 ? "s" : "", names, reference_name, count > 1 ? ", the least" : "");
+}
+
+static double strongest_column(const scene *scene)
+{
+    double most = 0;
+    for (int i = 0; i < scene->amplifiers; i++)
+        most = fmax(most, matrix_column_size(scene, i));
+    return most;
+}
+
+int measure_dead_column(const subject *of, int k, measured *found)
+{
+    if (k > 0 || !has_column(of, k, found))
+        return 0;
+    name_weak(of->scene, strongest_column(of->scene), 0, MATRIX_DEAD, "the strongest", found);
     return 1;
 }
 
@@ -119,18 +136,40 @@ static int ascending(const void *x, const void *y)
     return (*a > *b) - (*a < *b);
 }
 
+/*
+ * Return the median of the effects of all actuators, the norms of their columns of the influence
+ * matrix; 0 where there are fewer than three or more than COMPARED actuators.
+ */
+static double median_column(const scene *scene)
+{
+    const int amplifiers = scene->amplifiers;
+    double size[COMPARED];
+    if (amplifiers > COMPARED || amplifiers < 3)
+        return 0;
+    for (int i = 0; i < amplifiers; i++)
+        size[i] = matrix_column_size(scene, i);
+    qsort(size, (size_t)amplifiers, sizeof *size, ascending);
+    return size[amplifiers / 2];
+}
+
+int measure_weak_column(const subject *of, int k, measured *found)
+{
+    if (k > 0 || !has_column(of, k, found))
+        return 0;
+    const double median = median_column(of->scene);
+    const double dead = MATRIX_DEAD * strongest_column(of->scene);
+    if (median > 0)
+        name_weak(of->scene, median, dead / median, MATRIX_WEAK, "the median actuator", found);
+    return 1;
+}
+
 int measure_strong_column(const subject *of, int k, measured *found)
 {
-    const int amplifiers = of->scene->amplifiers;
-    if (!has_column(of, k, found) || amplifiers > COMPARED || amplifiers < 3)
+    if (!has_column(of, k, found))
         return 0;
-    double size[COMPARED];
-    for (int i = 0; i < amplifiers; i++)
-        size[i] = matrix_column_size(of->scene, i);
-    const double own = size[k];
-    qsort(size, (size_t)amplifiers, sizeof *size, ascending);
-    if (size[amplifiers / 2] > 0)
-        found->value = own / size[amplifiers / 2];
+    const double median = median_column(of->scene);
+    if (median > 0)
+        found->value = matrix_column_size(of->scene, k) / median;
     snprintf(found->what, WHAT, "effect of actuator '%s' over the median of all",
              of->scene->actuator[k].name);
     return 1;

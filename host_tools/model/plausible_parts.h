@@ -44,6 +44,13 @@ enum { WHAT = 300 };
 #define MATRIX_DEAD 1e-4
 
 /*
+ * Effect of an actuator, the norm of its column of a measured influence matrix divided by the
+ * median of all these norms, below which the column may hold nothing but the noise of its
+ * measurement (1).
+ */
+#define MATRIX_WEAK 1e-2
+
+/*
  * A number that a plausibility rule has measured, the position in the scene file to which it
  * belongs, and its description.
  */
@@ -109,7 +116,8 @@ measure measure_sharp_edge, measure_slit;
  * Functions that find numbers of a measured influence matrix, such as its largest entry and dead
  * actuators, which plausibility rules compare with their usual ranges (plausible_matrix.c).
  */
-measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
+measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_weak_column,
+    measure_repeated_column;
 measure measure_strong_column, measure_modes_share, measure_mode_share, measure_shuffled_modes,
     measure_swapped_outputs;
 
@@ -123,10 +131,10 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
 
 /*
  * Functions that measure, for a stable control loop, by how many ticks the sensor readings may be
- * older than stated, and how many thicknesses the target displaces the structure
- * (plausible_result.c).
+ * older than stated, by how many ticks the amplifiers lag beyond that, and how many thicknesses the
+ * target displaces the structure (plausible_result.c).
  */
-measure measure_age, measure_noise, measure_amplitude, measure_amplitude_certified,
+measure measure_age, measure_lag, measure_noise, measure_amplitude, measure_amplitude_certified,
     measure_amplitude_at_target;
 
 /*

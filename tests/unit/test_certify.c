@@ -247,6 +247,18 @@ static void test_warning(void **state)
     assert_string_equal(warnings.warning[2].rule, "sensor_noise");
     warnings.count = 2;
     scene_run_close(&run);
+    /* At 1000 ticks a second a lag of first order of 159.2 Hz is one tick. */
+    assert_int_equal(scene_run_open(&run, PANEL, ""), 0);
+    run.scene.control.rate = 1000;
+    run.scene.simulate.imperfections.bandwidth = 160;
+    plausible_loop(&warnings, &run.scene, 1, 0.99, 0.29);
+    assert_int_equal(warnings.count, 2);
+    run.scene.simulate.imperfections.bandwidth = 158;
+    plausible_loop(&warnings, &run.scene, 1, 0.99, 0.29);
+    assert_int_equal(warnings.count, 3);
+    assert_string_equal(warnings.warning[2].rule, "amplifier_lag");
+    warnings.count = 2;
+    scene_run_close(&run);
     assert_int_equal(scene_run_open(&run, PANEL, "kinematics=nonlinear"), 0);
     plausible_loop(&warnings, &run.scene, 1, 1.99, 0.29);
     assert_int_equal(warnings.count, 2);
