@@ -589,6 +589,31 @@ int loop_active(const loop *loop)
 
 /* ---- one tick of the loop --------------------------------------------- */
 
+/*
+ * Return why the supervisor has ended control, and what to do about it, as the end of an error
+ * message; empty where the supervisor runs on a board or has not ended control.
+ */
+static const char *latch_cause(const loop *loop)
+{
+    static const char *const text[PZS_EVENTS] = {
+        [PZS_EVENT_STOP] = "; cause: the command for an emergency stop",
+        [PZS_EVENT_TIMEOUT] =
+            "; cause: no usable readings, or no finite target, for safety.timeout ticks; shorten "
+            "the events without readings, or write a longer timeout",
+        [PZS_EVENT_ALARM] =
+            "; cause: the readings stayed too far from the shapes that the tables predict; name "
+            "expected loads in loads, bring plant, delay and noise of simulate nearer to what the "
+            "tables hold, or write a rate that pzs check calls stable",
+        [PZS_EVENT_ERROR] =
+            "; cause: a block of the loop returned an error, as for a target that is not finite; "
+            "safety: none shows the error"};
+    const pzs_supervisor *supervisor = pzs_loop_find(&loop->controller, &pzs_supervisor_block);
+    if (loop->status != PZS_E_LATCHED || !supervisor || supervisor->info.cause >= PZS_EVENTS)
+        return "";
+    const char *cause = text[supervisor->info.cause];
+    return cause ? cause : "";
+}
+
 int loop_tick(loop *loop, int tick, char *error)
 {
     const size_t amplifiers = (size_t)loop->design->amplifiers;
@@ -624,8 +649,8 @@ int loop_tick(loop *loop, int tick, char *error)
     loop->not_finite = count_not_finite(loop);
     if (!PZS_IS_ERROR(loop->status))
         return 0;
-    return scene_fault(loop->design->simulate.at, error, "tick %d: %s", tick,
-                       pzs_status_text(loop->status));
+    return scene_fault(loop->design->simulate.at, error, "tick %d: %s%s", tick,
+                       pzs_status_text(loop->status), latch_cause(loop));
 }
 
 /* ---- self-test -------------------------------------------------------- */
