@@ -338,7 +338,10 @@ const char *const command_notes[] = {
     "The solver residual and the solver error estimate of `pzs solve` are those of the linear "
     "solve. The discretisation "
     "error is not in them: --error estimates it.",
-    "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong.", NULL};
+    "Exit code: 0 done, 1 the computation failed, 2 the scene or the command line is wrong, 3 the "
+    "control loop is refused: not stable at its tick rate, or longer than a tick (check, tables, "
+    "fmu).",
+    NULL};
 
 int command_takes(command_id command, option_id option)
 {

@@ -699,9 +699,24 @@ static int is_damped(const analysis *analysis, char *reason)
 }
 
 /*
- * Refuse to write the firmware's constants (`pzs tables`) for a control loop that vibration makes
- * unstable and whose tick cannot damp the vibration, unless the options permit this. Returns 0, or
- * -1 with error filled.
+ * Name the readings of a control loop that is refused, where they are the displacements of all
+ * target nodes because the scene file names no sensors.
+ *   text [SCENE_ERROR] out  end of the error message; empty where the scene file names sensors or
+ *       has a measured influence matrix, whose outputs are the sensors
+ */
+static void assumed_readings(const design *design, char text[SCENE_ERROR])
+{
+    *text = '\0';
+    if (!design->estimate.given && !design->measured.given)
+        snprintf(text, SCENE_ERROR,
+                 "; the readings are the displacements of all %d target nodes, because the scene "
+                 "names no sensors (section estimate)",
+                 design->targets);
+}
+
+/*
+ * Refuse a control loop that vibration makes unstable and whose tick cannot damp the vibration,
+ * unless the options permit the loop. Returns 0, or -1 with error filled.
  */
 static int judge_loop(analysis *analysis, char *error)
 {
@@ -724,8 +739,8 @@ static int judge_loop(analysis *analysis, char *error)
     return scene_fault(
         design->simulate.at, error,
         "unstable at %g ticks a second: the control step has no vibration model (%s), first "
-        "mode %.4g Hz, %s; stable up to %.3g a second; --quasi-static writes the tables all the "
-        "same",
+        "mode %.4g Hz, %s; stable up to %.3g a second; `pzs tables --quasi-static` writes the "
+        "tables all the same",
         certificate->rate, reason, certificate_first(certificate), growth,
         certificate->stable_rate);
 }
@@ -782,70 +797,101 @@ static void warn_of_loop(analysis *analysis)
 }
 
 /*
- * Refuse to write the firmware's constants (`pzs tables`) for a control loop that damps vibration
- * with a model of it, where this loop is unstable or does not settle after fast jumps of the
- * target. Returns 0, or -1 with error filled.
+ * Refuse a control loop that damps vibration with a model of it, where this loop is unstable or
+ * does not settle after fast jumps of the target. Returns 0, or -1 with error filled.
  */
-static int judge_storms(analysis *analysis, char *error)
+static int judge_storms(const analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
     const design *design = &analysis->design;
-    char text[SCENE_ERROR];
-    if (analysis->design.problem.inputs == 0 || analysis->quasi_static)
-        return 0;
-    if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
-        return -1;
-    warn_of_loop(analysis);
+    char text[SCENE_ERROR], readings[SCENE_ERROR];
     if (!certificate->loop.is_made || certificate->loop.is_stable)
         return 0;
     certify_failure(certificate, text);
+    assumed_readings(design, readings);
     return scene_fault(design->simulate.at, error,
                        "the damped tick is not safe at %g ticks a second: %s; change the rate "
-                       "(`pzs check` prints stable ones), or add sensors or amplifiers",
-                       certificate->rate, text);
+                       "(`pzs check` prints stable ones), or add sensors or amplifiers%s",
+                       certificate->rate, text, readings);
 }
 
 /*
- * Compute everything that `pzs tables` writes as constants for a firmware. The constants for the
- * nonlinear solver contain the scene's equilibrium, and the least-squares problem of the voltages
- * where the scene has a target; those for the controller alone contain the influence matrix that
- * the simulation of the scene uses.
+ * Certify the control loop of the constants that `pzs tables` writes, and refuse it where it is not
+ * stable. Returns 0, or an exit code with error filled.
  */
-static int prepare_tables(analysis *analysis, tables_image image, char *error)
+static int certify_tables(analysis *analysis, char *error)
+{
+    if (analysis->design.problem.inputs == 0 || analysis->quasi_static)
+        return 0;
+    if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
+        return failed_code(analysis);
+    warn_of_loop(analysis);
+    return judge_storms(analysis, error) < 0 ? LOOP_REFUSED : 0;
+}
+
+/*
+ * Refuse free functions of the target in the constants for a device that computes the influence
+ * matrix itself. Returns 0, or -1 with error filled.
+ */
+static int refuse_free(const design *design, tables_image image, char *error)
+{
+    if (design->goal.frees == 0)
+        return 0;
+    return scene_fault(design->goal.free[0].at, error,
+                       "target.free is taken out of the influence matrix of a control "
+                       "image; the device makes that of a %s image itself: use --image control "
+                       "or remove target.free",
+                       tables_image_name[image]);
+}
+
+/*
+ * Compute the equilibrium of a scene, and the influence matrix and the certificate of its control
+ * loop there, for the constants of a device with the nonlinear solver. Returns 0, or an exit code
+ * with error filled.
+ */
+static int prepare_nonlinear(analysis *analysis, char *error)
 {
     const design *design = &analysis->design;
-    if (image != TABLES_CONTROL && analysis_needs_structure(analysis, "this image", error) < 0)
-        return -1;
-    if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && design->goal.given)) &&
-        analysis_influence(analysis, error) < 0)
-        return -1;
-    if (image == TABLES_CONTROL && warn_of_target(analysis, error) < 0)
-        return -1;
-    if (judge_loop(analysis, error) < 0)
-        return -1;
-    if (image == TABLES_CONTROL && simulate_tables(analysis, error) < 0)
-        return -1;
-    if (image != TABLES_NONLINEAR && judge_storms(analysis, error) < 0)
-        return -1;
-    if (image != TABLES_CONTROL && design->goal.frees > 0)
-        return scene_fault(design->goal.free[0].at, error,
-                           "target.free is taken out of the influence matrix of a control "
-                           "image; the device makes that of a %s image itself: use --image control "
-                           "or remove target.free",
-                           tables_image_name[image]);
-    if (image != TABLES_NONLINEAR)
-        return 0;
-    if (design->kinematics == KINEMATICS_LINEAR)
-        return scene_fault(design->at, error,
-                           "a nonlinear image needs kinematics: nonlinear (or auto)");
+    if (design->kinematics == KINEMATICS_LINEAR) {
+        scene_fault(design->at, error, "a nonlinear image needs kinematics: nonlinear (or auto)");
+        return OPTIONS_WRONG;
+    }
     double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
     analysis->is_nonlinear = true;
     const int failed = displacement ? analysis_solve(analysis, displacement, error)
                                     : scene_fault(design->at, error, "out of memory");
     free(displacement);
     if (failed || (design->goal.given && analysis_influence(analysis, error) < 0))
-        return -1;
-    return judge_loop(analysis, error) < 0 ? -1 : judge_storms(analysis, error);
+        return failed_code(analysis);
+    return judge_loop(analysis, error) < 0 ? LOOP_REFUSED : certify_tables(analysis, error);
+}
+
+/*
+ * Compute everything that `pzs tables` writes as constants for a firmware. The constants for the
+ * nonlinear solver contain the scene's equilibrium, and the least-squares problem of the voltages
+ * where the scene has a target; those for the controller alone contain the influence matrix that
+ * the simulation of the scene uses. Returns 0, or an exit code with error filled.
+ */
+static int prepare_tables(analysis *analysis, tables_image image, char *error)
+{
+    const design *design = &analysis->design;
+    if (image != TABLES_CONTROL && analysis_needs_structure(analysis, "this image", error) < 0)
+        return failed_code(analysis);
+    if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && design->goal.given)) &&
+        analysis_influence(analysis, error) < 0)
+        return failed_code(analysis);
+    if (image == TABLES_CONTROL && warn_of_target(analysis, error) < 0)
+        return failed_code(analysis);
+    if (judge_loop(analysis, error) < 0)
+        return LOOP_REFUSED;
+    if (image == TABLES_CONTROL && simulate_tables(analysis, error) < 0)
+        return failed_code(analysis);
+    const int status = image == TABLES_NONLINEAR ? 0 : certify_tables(analysis, error);
+    if (status)
+        return status;
+    if (image != TABLES_CONTROL && refuse_free(design, image, error) < 0)
+        return OPTIONS_WRONG;
+    return image == TABLES_NONLINEAR ? prepare_nonlinear(analysis, error) : 0;
 }
 
 static void print_tables(const options *options, const analysis *analysis, const char *path)
@@ -873,13 +919,14 @@ static int command_tables(const options *options, analysis *analysis)
     analysis->quasi_static = options->quasi_static;
     analysis->is_compact = options->is_compact;
     progress_stage("tables");
-    if (prepare_tables(analysis, options->image, error) < 0)
-        return complain(error, failed_code(analysis));
+    int status = prepare_tables(analysis, options->image, error);
+    if (status)
+        return complain(error, status);
     work_report_make(&work, analysis);
     if (work_report_check(&work, &analysis->design, error) < 0)
-        return complain(error, OPTIONS_WRONG);
+        return complain(error, LOOP_REFUSED);
     table_prefix(options, analysis->design.name, prefix);
-    int status = outfile_begin(&output, output_path(options, prefix, ".h", path));
+    status = outfile_begin(&output, output_path(options, prefix, ".h", path));
     if (status == 0)
         status = outfile_end(&output,
                              tables_write(output.file, analysis, options->image, prefix, &size));
@@ -910,11 +957,13 @@ static int command_fmu(const options *options, analysis *analysis)
     const fmu_kind kind = options->wants_plant ? FMU_PLANT : FMU_CONTROLLER;
     analysis->quasi_static = options->quasi_static;
     progress_stage("tables");
-    if ((kind == FMU_PLANT ? analysis_influence(analysis, error)
-                           : prepare_tables(analysis, TABLES_CONTROL, error)) < 0)
+    if (kind == FMU_PLANT && analysis_influence(analysis, error) < 0)
         return complain(error, failed_code(analysis));
+    int status = kind == FMU_CONTROLLER ? prepare_tables(analysis, TABLES_CONTROL, error) : 0;
+    if (status)
+        return complain(error, status);
     fmu_identifier(&analysis->design, kind, name);
-    int status = outfile_begin(&output, output_path(options, name, ".fmu", path));
+    status = outfile_begin(&output, output_path(options, name, ".fmu", path));
     if (status)
         return status;
     progress_stage(options->builds ? "compiling" : "sources");
@@ -950,8 +999,9 @@ static int command_check(const options *options, analysis *analysis)
     progress_stop();
     work_report_make(&work, analysis);
     (options->as_json ? print_check_json : print_check)(analysis, &work);
-    if (work_report_check(&work, &analysis->design, error) < 0)
-        return complain(error, OPTIONS_WRONG);
+    if (judge_loop(analysis, error) < 0 || judge_storms(analysis, error) < 0 ||
+        work_report_check(&work, &analysis->design, error) < 0)
+        return complain(error, LOOP_REFUSED);
     return 0;
 }
 

@@ -9,11 +9,18 @@
 #include "../tables/tables.h"
 
 /*
- * OPTIONS_WRONG: exit code for an error in the scene file or in the command line. OPTIONS_PATH:
- * size of a path (characters). MOST_SETS and MOST_LIMITS: how often the options --set and --limit
- * may be given.
+ * OPTIONS_WRONG: exit code for an error in the scene file or in the command line. LOOP_REFUSED:
+ * exit code for a valid scene whose control loop is not stable, or whose tick takes the processor
+ * longer than the tick interval. OPTIONS_PATH: size of a path (characters). MOST_SETS and
+ * MOST_LIMITS: how often the options --set and --limit may be given.
  */
-enum { OPTIONS_WRONG = 2, OPTIONS_PATH = SHIPPED_PATH, MOST_SETS = 64, MOST_LIMITS = 16 };
+enum {
+    OPTIONS_WRONG = 2,
+    LOOP_REFUSED = 3,
+    OPTIONS_PATH = SHIPPED_PATH,
+    MOST_SETS = 64,
+    MOST_LIMITS = 16
+};
 
 typedef struct options {
     command_id command;

@@ -125,7 +125,7 @@ static void json_structure(json *json, const analysis *analysis)
         json_number(json, "surface_rms", mesh->fitted->rms);
         json_number(json, "surface_largest", mesh->fitted->largest);
     }
-    json_number(json, "kinds", mesh->types);
+    json_number(json, "element_types", mesh->types);
     json_number(json, "nodes", mesh->nodes);
     json_number(json, "dof", mesh->free_dof);
     json_number(json, "half_bandwidth", mesh_half_bandwidth(mesh));

@@ -73,10 +73,10 @@ run 2 tables hemisphere -o "$dir/t.h" --level linear && says '--level is now --i
 run 2 solve xyzzy && says 'xyzzy' && ! says 'did you mean'; check 'a scene that is near none' $?
 coarse='--set mesh.theta1.elements=2 --set mesh.theta2.elements=2 --set patches.0.grid=[2,2] --set patches.1.grid=[2,2] --set compare=[]'
 # shellcheck disable=SC2086
-run 2 check plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' --json && says 'more than the' && json 'all(abs(sum(p["blocks"].values())+p["rest"]-p["all"])<1 for p in j["tick"]["instructions"].values()) and not j["tick"]["holds"] and len(j["tick"]["instructions"])==2'
+run 3 check plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' --json && says 'more than the' && json 'all(abs(sum(p["blocks"].values())+p["rest"]-p["all"])<1 for p in j["tick"]["instructions"].values()) and not j["tick"]["holds"] and len(j["tick"]["instructions"])==2'
 check 'a rate that the processor cannot hold is refused, with the instructions of each block' $?
 # shellcheck disable=SC2086
-run 2 tables plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' -o "$dir/slow.h" && says 'more than the' && [ ! -e "$dir/slow.h" ]
+run 3 tables plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' -o "$dir/slow.h" && says 'more than the' && [ ! -e "$dir/slow.h" ]
 check 'no tables for a rate that the processor cannot hold' $?
 run 2 solve plate-50-patches --report && says 'a value is missing'; check 'an option without its value' $?
 run 2 list plate-50-patches && says 'takes no argument'; check 'a command without argument' $?
@@ -226,7 +226,7 @@ for s in $("$PZS" list | cut -d' ' -f1); do
 done
 
 run 0 solve scordelis-lo --json && json "abs(j['ratios']['edge']-.9853)<6e-5 and j['dof']==1872"; check 'solve --json' $?
-common='scene nodes elements kinds dof half_bandwidth real_bits kinematics condition'
+common='scene nodes elements element_types dof half_bandwidth real_bits kinematics condition'
 for k in 'scordelis-lo' 'hemisphere'; do
     run 0 solve $k --json && json "not [k for k in '$common load_steps linear_solves iterations residual negative_pivots outputs seconds'.split() if k not in j] and all(j['seconds'][k]>=0 for k in 'assemble factor solve total'.split()) and all(type(v) is float for v in j['outputs'].values())"
     check "keys of solve --json: $k" $?
@@ -551,6 +551,10 @@ for fault in 'amplifiers.reversed=[v_1_3]:v_1_3 is reversed' 'amplifiers.swapped
 done
 run 1 simulate plate-closed-loop $quick --set 'safety={}' --set 'simulate.amplifiers={reversed: [v]}' && grep -q 'control was taken away' "$dir/err"
 check 'safety: reversed amplifiers end parked' $?
+says 'cause: the readings stayed too far from the shapes that the tables predict' &&
+    run 1 simulate plate-closed-loop $quick --set 'safety={timeout: 5, ramp_ticks: 5}' --set simulate.ticks=30 --set 'simulate.events=[{at: 5, missing_sensors: 1, ticks: 20}]' &&
+    says 'tick 13: control was taken away' && says 'cause: no usable readings, or no finite target, for safety.timeout ticks'
+check 'safety: simulate names the cause for which control was taken away' $?
 run 2 check plate-closed-loop --set 'safety={timeout: -1}' && grep -q 'must be from 0 to 60000 ticks' "$dir/err"; check 'safety: a negative time-out is refused' $?
 run 2 check plate-closed-loop --set 'safety={park: 400}' && says 'park: 400 V is outside the limits of v_1_1, -300 to 300; write' &&
     run 2 tables plate-closed-loop $quick --set 'safety={park: 100}' --set 'limits.sum={voltage: [-500, 500]}' -o "$dir/park.h" && says 'with all amplifiers at 100 V, v_1_1 + v_1_2 + v_1_3 + ... + v_5_5 leaves its limits, -500 to 500' && [ ! -f "$dir/park.h" ]
@@ -683,6 +687,12 @@ run 0 new measured && cp "$dir/out" "$dir/even.yaml" && run 0 new measured-matri
     run 0 tables "$dir/even.yaml" --set 'target.free=[piston]' --set 'control={rate: 1000}' --set "influence.modes=[{frequency: 100, shape: [${ones}1]}, {frequency: 100, shape: [${ones}1.001]}]" -o "$dir/even.h" &&
     grep -q 'damps no mode, none moves the target enough' "$dir/out" && grep -q 'no mode moves the target enough to be observed' "$dir/even.h" && grep -q 'mode_share' "$dir/out"
 check 'slow modes that the target does not see are not called too fast' $?
+awk -F, 'NR > 1 { print 1 - ($1 * $1 + $2 * $2) / 150 "," $1 / 9 }' "$dir/measured-matrix.csv" >"$dir/mode-shapes.csv"
+late='influence.modes=[{frequency: 212, shape: {file: mode-shapes.csv, column: 1}}, {frequency: 480, shape: {file: mode-shapes.csv, column: 2}}]'
+run 3 check "$dir/even.yaml" --set 'control={rate: 2000}' --set "$late" --set simulate.sensors.delay=16 --json && says 'the damped tick is not safe at 2000 ticks a second' &&
+    json "j['certificate']['stable'] is False" && run 3 tables "$dir/even.yaml" --set 'control={rate: 2000}' --set "$late" --set simulate.sensors.delay=16 -o "$dir/late.h" &&
+    [ ! -e "$dir/late.h" ] && run 0 check "$dir/even.yaml" --set 'control={rate: 2000}' --set "$late" --set simulate.sensors.delay=1
+check 'check, tables: a loop that is not safe has an exit code of its own' $?
 run 0 check plate-closed-loop --json && cp "$dir/out" "$dir/check.json" && json "j['certificate']['stable'] is True and j['certificate']['storms']==30 and j['certificate']['storms_failed']==0 and
     0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and
     j['certificate']['margin']['frequency'][0]<0.9 and j['certificate']['margin']['frequency'][1]>1.1 and j['certificate']['rate_from']<500 and j['certificate']['rate_to']>1500"
@@ -692,7 +702,7 @@ grep -q '#define PLATE_CLOSED_LOOP_STORMS_FAILED 0' "$dir/damped.h" && grep -q '
 grep -q 'Storms (stress tests: .*' "$dir/damped.h" && ! grep -q '^ [*].* $' "$dir/damped.h"; check 'tables: the comments of the certificate have no blanks at their ends' $?
 quiet='--set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear'
 # shellcheck disable=SC2086
-run 2 tables plate-few-sensors $quiet --set 'estimate.readings=[{output: tip, noise: 1e-6}]' --set estimate.tolerance=0.99 -o "$dir/unsafe.h" &&
+run 3 tables plate-few-sensors $quiet --set 'estimate.readings=[{output: tip, noise: 1e-6}]' --set estimate.tolerance=0.99 -o "$dir/unsafe.h" &&
     says 'after a storm of targets at gain' && says '(allowed: 0.05)' && [ ! -e "$dir/unsafe.h" ]
 check 'tables: a damped loop that fails a storm is refused by name' $?
 cp "$dir/check.json" "$dir/out" && json "j['vibration']['radius']>1.5 and j['vibration']['stable'] is False and 0<j['vibration']['rate_to']<15 and abs(j['vibration']['frequency'][0]-15.04)<.1"; check 'check --json: verdict on the loop' $?
