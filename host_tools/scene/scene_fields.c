@@ -11,7 +11,7 @@
 #include "scene_retired.h"
 #include "scene_units.h"
 
-enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
+enum { LONGEST = 32, LIST_ROOM = 400, MOST_ITEMS = 5000 };
 
 /*
  * Permitted magnitudes of nonzero numbers in a scene file. Numbers outside are typing errors, and
@@ -103,12 +103,63 @@ int require_kind(reader *reader, int node, tree_kind kind)
 }
 
 /*
+ * Find a key at a given depth below a form of the scene file.
+ *   depth               in   number of keys from the form to the key; 1: a key of the form itself
+ *   path   [LIST_ROOM]  out  keys of the mappings that contain the key, joined by points
+ *   length              in   length of the path to the form
+ * Returns whether there is such a key.
+ */
+static bool find_key(const form *form, const char *key, int depth, char *path, int length)
+{
+    if (!form || depth == 0)
+        return false;
+    for (const struct form *const *any = form->type == FORM_ANY ? form->any : NULL; any && *any;
+         any++)
+        if (find_key(*any, key, depth, path, length))
+            return true;
+    if (form->type == FORM_LIST || form->type == FORM_NAMED)
+        return find_key(form->item, key, depth, path, length);
+    for (const field *field = form->type == FORM_MAP ? form->fields : NULL; field && field->key;
+         field++) {
+        if (depth == 1 && strcmp(field->key, key) == 0) {
+            path[length] = '\0';
+            return true;
+        }
+        const int more = snprintf(path + length, (size_t)(LIST_ROOM - length), "%s%s",
+                                  length ? "." : "", field->key);
+        if (length + more < LIST_ROOM && find_key(field->form, key, depth - 1, path, length + more))
+            return true;
+    }
+    return false;
+}
+
+/*
+ * Write where else in a scene file an unknown key is known, as "it is a key of simulate.sensors; ".
+ *   section            in   name of the mapping that has the unknown key
+ *   advice [LIST_ROOM] out  the advice; empty where the key is known nowhere
+ */
+static void point_to_section(const char *key, const char *section, char advice[LIST_ROOM])
+{
+    enum { DEEPEST = 4, FRAME = 30 };
+    char path[LIST_ROOM];
+    int depth = 2;
+    *advice = '\0';
+    while (depth <= DEEPEST && !find_key(&scene_form, key, depth, path, 0))
+        depth++;
+    if (depth > DEEPEST)
+        return;
+    const char *last = strrchr(path, '.');
+    if (strcmp(last ? last + 1 : path, section) != 0)
+        snprintf(advice, LIST_ROOM, "it is a key of %.*s; ", LIST_ROOM - FRAME, path);
+}
+
+/*
  * Report a key that is not in the table of its mapping, and propose the key that was meant. Returns
  * -1.
  */
 static int refuse_key(reader *reader, int node, const field *fields)
 {
-    char cure[LIST_ROOM];
+    char cure[LIST_ROOM], place[LIST_ROOM];
     const tree_node *const refused = &reader->t->node[node];
     const retired *const row = retired_key(reader->t, node);
     const char *const section = tree_name(reader->t, refused->parent);
@@ -118,8 +169,11 @@ static int refuse_key(reader *reader, int node, const field *fields)
                              "migrate rewrite the file",
                              row->old_name, section, row->new_name, row->remark);
     suggest(refused->key, &fields->key, sizeof *fields, cure);
-    return tree_fault_at(reader->t, refused->key_at, "unknown key '%.60s' in %.60s; %s",
-                         refused->key, section, cure);
+    *place = '\0';
+    if (strncmp(cure, "known:", 6) == 0)
+        point_to_section(refused->key, section, place);
+    return tree_fault_at(reader->t, refused->key_at, "unknown key '%.60s' in %.60s; %s%s",
+                         refused->key, section, place, cure);
 }
 
 static int check_keys(reader *reader, int node, const field *fields)

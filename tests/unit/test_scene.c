@@ -127,6 +127,8 @@ typedef struct bad_line {
 
 static const bad_line bad_lines[] = {
     /* words */
+    {1, "name: t\ncontrol: {rate: 9, delay: 2}",
+     ":2:20: unknown key 'delay' in control; it is a key of simulate.sensors; known: rate,"},
     {1, "nam: t", ":1:1: unknown key 'nam' in scene; did you mean 'name'?"},
     {1, "about: t", ":1:1: 'name' is missing in scene"},
     {1, "name: t*/", ":1:7: the name 't*/' holds a quote, backslash, comment"},
@@ -144,7 +146,7 @@ static const bad_line bad_lines[] = {
     {1, "name: t\nequilibrium: 5",
      ":2:14: 'equilibrium' must be a mapping {key: value}, not a single value"},
     {1, "name: t\nequilibrium: {step: 5}",
-     ":2:15: unknown key 'step' in equilibrium; known: load_steps, tolerance"},
+     ":2:15: unknown key 'step' in equilibrium; it is a key of simulate.amplifiers; known: "},
     {1, "name: t\nequilibrium: {load_steps: 0}", ":2:27: 'load_steps: 0' must be from 1 to 10000"},
     {1, "name: t\nequilibrium: {load_steps: 10001}",
      ":2:27: 'load_steps: 10001' must be from 1 to 10000"},
