@@ -150,8 +150,8 @@ static const struct rule {
     {"dead_actuator", SUBJECT_SCENE, measure_dead_column, MATRIX_DEAD, HUGE_VAL, "",
      "hold it, as each: [{actuator: NAME, hold: 0}] in limits, or measure it again"},
     {"weak_actuator", SUBJECT_SCENE, measure_weak_column, MATRIX_WEAK, HUGE_VAL, "",
-     "a column of noise alone is that of a dead actuator: hold it, as each: [{actuator: NAME, hold: "
-     "0}] in limits, or measure it again"},
+     "a column of noise alone is that of a dead actuator: hold it, as each: [{actuator: NAME, "
+     "hold: 0}] in limits, or measure it again"},
     {"surface_points", SUBJECT_SCENE, measure_surface_misfit, 0, 1, "times the thickness",
      "remove the point if it is wrong, keep one of two points at one place, or write more cells"},
     {"damping", SUBJECT_SCENE, measure_damping, 1e-6, 0.1, "",
@@ -161,8 +161,9 @@ static const struct rule {
      "filters included, and write the largest; without safety: none the loop parks the voltages "
      "when it swings"},
     {"amplifier_lag", SUBJECT_LOOP, measure_lag, -HUGE_VAL, 0, "ticks",
-     "tables and certificate know no lag of the amplifiers, with which the loop may swing; simulate "
-     "it, take faster amplifiers, or make the tables with the lag added to simulate.sensors.delay"},
+     "tables and certificate know no lag of the amplifiers, with which the loop may swing; "
+     "simulate it, take faster amplifiers, or make the tables with the lag added to "
+     "simulate.sensors.delay"},
     {"sensor_noise", SUBJECT_LOOP, measure_noise, 0, 0.3, "times the target",
      "readings then tell little of the shape, and the supervisor takes as much for healthy; "
      "compare the number with units.length"},
