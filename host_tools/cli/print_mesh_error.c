@@ -47,6 +47,25 @@ static void print_meshes(const mesh_error *mesh_error)
         printf("  two meshes only: %s\n", mesh_error->why_two);
 }
 
+/*
+ * Print the estimates of the discretisation error of one result; the relative uncertainty of a
+ * result that is 0 has no value.
+ */
+static void print_estimate(const mesh_estimate *estimate, const char *name)
+{
+    const double relative = 100 * estimate->uncertainty / fabs(estimate->extrapolated);
+    printf("  %-20s %16.6e %16.6e %14.1e", name, estimate->value, estimate->extrapolated,
+           estimate->uncertainty);
+    if (isfinite(relative))
+        printf(" %9.2f%%", relative);
+    else
+        printf(" %10s", "-");
+    if (isnan(estimate->order))
+        printf(" %7s\n", "-");
+    else
+        printf(" %7.2f\n", estimate->order);
+}
+
 void print_mesh_error(const mesh_error *mesh_error)
 {
     if (mesh_error->meshes == 0)
@@ -54,16 +73,8 @@ void print_mesh_error(const mesh_error *mesh_error)
     print_meshes(mesh_error);
     printf("  %-20s %16s %16s %14s %10s %7s\n", "", "on this mesh", "extrapolated",
            "uncertainty +-", "relative", "order");
-    for (int k = 0; k < mesh_error->values.count; k++) {
-        const mesh_estimate *estimate = &mesh_error->estimate[k];
-        printf("  %-20s %16.6e %16.6e %14.1e %9.2f%%", mesh_error->values.item[k].name,
-               estimate->value, estimate->extrapolated, estimate->uncertainty,
-               100 * estimate->uncertainty / fabs(estimate->extrapolated));
-        if (isnan(estimate->order))
-            printf(" %7s\n", "-");
-        else
-            printf(" %7.2f\n", estimate->order);
-    }
+    for (int k = 0; k < mesh_error->values.count; k++)
+        print_estimate(&mesh_error->estimate[k], mesh_error->values.item[k].name);
     print_next_mesh(mesh_error);
 }
 

@@ -95,11 +95,13 @@ static void suggest(const char *text, const char *const *first, size_t stride, c
 int require_kind(reader *reader, int node, tree_kind kind)
 {
     const tree_node *found = &reader->t->node[node];
+    const bool is_item = !found->key && found->parent;
     if (found->kind == kind)
         return 0;
-    return tree_fault(
-        reader->t, node, "'%.60s' must be %s, not %s", tree_name(reader->t, node), kind_names[kind],
-        found->kind == TREE_SCALAR && !*found->text ? "empty" : kind_names[found->kind]);
+    return tree_fault(reader->t, node, "%s'%.60s' must be %s, not %s", is_item ? "an item of " : "",
+                      tree_name(reader->t, node), kind_names[kind],
+                      found->kind == TREE_SCALAR && !*found->text ? "empty"
+                                                                  : kind_names[found->kind]);
 }
 
 /*

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Functions and lists of numbers that a scene gives in files of their own (scene_file.h). */
 #include "scene_file.h"
-#include "scene_points.h"
 #include "scene_units.h"
 
 #include <ctype.h>

@@ -9,6 +9,9 @@
 #include "../data/number_table.h"
 #include "scene_fields.h"
 
+/* Number of coordinates x, y, z of a point in space. */
+enum { SCENE_AXES = 3 };
+
 /*
  * Return the path of a file that a scene names: relative names are taken from the folder of the
  * scene file. The caller releases it with free. Returns NULL when memory runs out.

@@ -9,9 +9,6 @@
 #include "bicubic.h"
 #include "scene_file.h"
 
-/* Number of coordinates x, y, z of a point in space. */
-enum { SCENE_AXES = 3 };
-
 extern const form scene_points_form;
 
 /*

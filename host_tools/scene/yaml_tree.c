@@ -136,7 +136,7 @@ int tree_find(const tree *tree, int map, const char *key)
 {
     int i;
     for (i = tree->node[map].first; i; i = tree->node[i].next)
-        if (strcmp(tree->node[i].key, key) == 0)
+        if (tree->node[i].key && strcmp(tree->node[i].key, key) == 0)
             return i;
     return 0;
 }

@@ -65,7 +65,10 @@ int tree_read_text(tree *tree, const char *path, const char *text, size_t bytes,
 int tree_load(const char *path, char **text, size_t *bytes, char *error);
 void tree_free(tree *tree);
 
-/* Return the index of the child of a YAML mapping that has a given key, or 0 if there is none. */
+/*
+ * Return the index of the child of a YAML mapping that has a given key, or 0 if there is none; the
+ * children of a YAML list have no keys.
+ */
 int tree_find(const tree *tree, int map, const char *key);
 
 /* Return the key of a YAML node, or of its nearest ancestor that has a key. */
