@@ -170,20 +170,6 @@ static void fill_elements(const disc_plan *plan, quad_mesh *mesh)
 /* ---- sets ---------------------------------------------------------------- */
 
 /*
- * Give a set of nodes, elements or edges its name, and memory for `most` members. Returns 0, or -1
- * when memory runs out.
- */
-static int open_set(quad_set *set, const char *name, size_t most)
-{
-    set->name = malloc(strlen(name) + 1);
-    set->index = calloc(most, sizeof *set->index);
-    if (!set->name || !set->index)
-        return -1;
-    memcpy(set->name, name, strlen(name) + 1);
-    return 0;
-}
-
-/*
  * Add the elements of one angular sector of a disc to a set, in the layers from `first` to last -
  * 1; a layer is a ring of elements one element wide.
  */
@@ -205,7 +191,7 @@ static int fill_element_sets(const disc_plan *plan, quad_mesh *mesh)
     char name[40];
     int first = plan->across[0];
     quad_set *set = mesh->element_set;
-    if (open_set(set, "ring1", mesh->elements) < 0)
+    if (!quad_set_begin(set, "ring1", mesh->elements))
         return -1;
     for (int element = 0; element < elements * elements; element++)
         set->index[set->count++] = (uint32_t)element;
@@ -215,7 +201,7 @@ static int fill_element_sets(const disc_plan *plan, quad_mesh *mesh)
             snprintf(name, sizeof name, "ring%d-%d", k + 1, sector + 1);
             if (sectors == 1)
                 snprintf(name, sizeof name, "ring%d", k + 1);
-            if (open_set(set, name, mesh->elements) < 0)
+            if (!quad_set_begin(set, name, mesh->elements))
                 return -1;
             add_sector(plan, first, first + plan->across[k], sector, sectors, set);
         }
@@ -227,8 +213,8 @@ static int fill_element_sets(const disc_plan *plan, quad_mesh *mesh)
 static int fill_sets(const disc_plan *plan, quad_mesh *mesh)
 {
     const int elements = plan->disc->elements;
-    if (fill_element_sets(plan, mesh) < 0 || open_set(mesh->node_set, "centre", 1) < 0 ||
-        open_set(mesh->edge_set, "rim", (size_t)plan->around) < 0)
+    if (fill_element_sets(plan, mesh) < 0 || !quad_set_begin(mesh->node_set, "centre", 1) ||
+        !quad_set_begin(mesh->edge_set, "rim", (size_t)plan->around))
         return -1;
     mesh->node_set[0].index[mesh->node_set[0].count++] = (uint32_t)(elements / 2 * (elements + 2));
     for (int j = 0; j < plan->around; j++) { /* Side 1 of an element in the outermost ring lies on

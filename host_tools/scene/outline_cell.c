@@ -96,6 +96,12 @@ static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[
     cell->ratio[2] = (square[0] * right[1] - square[1] * right[0]) / determinant;
 }
 
+double outline_cell_area(const outline_cell *cell, const polygon_sums *sums)
+{
+    return cell->ratio[0] * sums->area + cell->ratio[1] * sums->moment[0] +
+           cell->ratio[2] * sums->moment[1];
+}
+
 /*
  * Compute all members of a cell that follow from its corners. A cell is the quadrilateral of an
  * element, or of a part of one, in the plane of the electrode outlines.
@@ -129,8 +135,7 @@ static void finish(outline_cell *cell, outline_plane plane)
     fit_ratio(cell, axis, ratio);
     const polygon_sums sums = polygon_sums_of((const double(*)[2])cell->quad, 4, cell->centre);
     cell->plane_area = sums.area;
-    cell->area = cell->ratio[0] * sums.area + cell->ratio[1] * sums.moment[0] +
-                 cell->ratio[2] * sums.moment[1];
+    cell->area = outline_cell_area(cell, &sums);
 }
 
 void outline_cell_of(const scene *scene, outline_plane plane, int element, outline_cell *cell)

@@ -47,6 +47,13 @@ int outline_elements(const scene *scene);
 void outline_cell_of(const scene *scene, outline_plane plane, int element, outline_cell *cell);
 
 /*
+ * Return the area on the surface of a polygon inside a cell (element or part of one).
+ *   sums in  area and first moments of the polygon in the plane of the electrode outlines, the
+ *            moments about the centre of the cell
+ */
+double outline_cell_area(const outline_cell *cell, const polygon_sums *sums);
+
+/*
  * Compute the part of a cell (the quadrilateral of an element in the plane of the electrode
  * outlines) between two values of each natural coordinate.
  *   low, high [2] in  from -1 to 1

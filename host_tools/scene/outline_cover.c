@@ -43,8 +43,7 @@ static void add_polygon(const outline_cell *cell, const polygon *polygon, clip_r
                                       (const double(*)[2])cell->quad, room->work, room->out);
     const polygon_sums sums = polygon_sums_of((const double(*)[2])room->out, count, cell->centre);
     sum->plane_area += sums.area;
-    sum->area += cell->ratio[0] * sums.area + cell->ratio[1] * sums.moment[0] +
-                 cell->ratio[2] * sums.moment[1];
+    sum->area += outline_cell_area(cell, &sums);
 }
 
 outline_area outline_cover(const scene *scene, outline_plane plane, const outline_cell *cell,
