@@ -511,7 +511,7 @@ check 'shape: under loads, errors over the wanted change of shape' $?
 law loop.html xml && law loop.svg xml && law loop.html text 'Voltages of the amplifiers' v_1_1 v_5_5 'pzs simulate plate-closed-loop' 'Regularised, then clipped' 'Quasi-static plant: no inertia (the scene says inertia: false). First natural frequency'
 check 'simulate: report' $?
 # shellcheck disable=SC2086
-run 0 simulate plate-closed-loop $quick --set simulate.ticks=300 --set simulate.plant.inertia=true --set 'control.rate=0.4' --json --report "$dir/loop.html" &&
+run 0 simulate plate-closed-loop $quick --set simulate.ticks=300 --set simulate.plant.inertia=true --set 'control.rate=0.25' --json --report "$dir/loop.html" &&
     json "j['dynamics'] == 'inertia' and j['plant_modes']['count'] == 100 and 15 < j['plant_modes']['first'] < 16.5 and
           len(j['history']['vibration']) == 300 and 0 < j['phases'][0]['controller']['vibration_worst'] < 2" &&
     law loop.html text 'Plant with inertia, 100 modes'
