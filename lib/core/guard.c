@@ -75,7 +75,8 @@ uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
 /* The difference of a number with itself is 0 for a finite number and NaN for NaN and infinity. */
 int32_t pzs_guard_nonfinite(const pzs_real *value, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; i++) {
+    const uint32_t blocks = count / FINITE_BLOCK * FINITE_BLOCK;
+    for (uint32_t i = PZS_WIDE && pzs_wide_is_finite(value, blocks) ? blocks : 0; i < count; i++) {
         const pzs_real none = value[i] - value[i];
         if (!(none <= 0))
             return (int32_t)i;

@@ -6,9 +6,11 @@
  */
 #include "guard_wide.h"
 #include <string.h>
+#include "unrolled.h"
 
 #if PZS_WIDE
 
+#define AHEAD 2048u /* number of bytes by which an array is fetched into the cache in advance */
 #define PCLMUL __attribute__((target("pclmul,sse2")))
 
 /*
@@ -16,6 +18,9 @@
  * in the lowest bit.
  */
 typedef long long polynomial __attribute__((vector_size(16)));
+
+/* Two neighbouring numbers of an array, in one register of the processor. */
+typedef pzs_real real_pair __attribute__((vector_size(16), aligned(sizeof(pzs_real)), may_alias));
 
 bool pzs_guard_has_fold(void)
 {
@@ -57,12 +62,32 @@ PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *d
     for (unsigned k = 0; k < 4u; k++)
         part[k] = load(data + k * CRC_REST);
     part[0] ^= start;
-    for (size_t i = CRC_BLOCK; i < bytes; i += CRC_BLOCK)
+    for (size_t i = CRC_BLOCK; i < bytes; i += CRC_BLOCK) {
+        __builtin_prefetch(data + i + AHEAD);
+        UNROLLED
         for (unsigned k = 0; k < 4u; k++)
             part[k] = move(part[k], over_block) ^ load(data + i + k * CRC_REST);
+    }
     for (unsigned k = 1; k < 4u; k++)
         part[k] ^= move(part[k - 1u], over_rest);
     memcpy(rest, &part[3], CRC_REST);
+}
+
+/*
+ * A number minus itself is 0 if it is finite and NaN otherwise, and NaN stays in a sum.
+ */
+bool pzs_wide_is_finite(const pzs_real *value, size_t count)
+{
+    real_pair sum[4] = {{0}, {0}, {0}, {0}};
+    for (size_t i = 0; i < count; i += FINITE_BLOCK) {
+        UNROLLED
+        for (unsigned k = 0; k < 4u; k++) {
+            const real_pair pair = *(const real_pair *)(value + i + 2u * k);
+            sum[k] += pair - pair;
+        }
+    }
+    const real_pair all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return all[0] + all[1] <= 0;
 }
 
 #endif

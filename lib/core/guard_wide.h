@@ -13,6 +13,8 @@
 #define CRC_REST                                                                                   \
     16u /* number of bytes to which the CRC-32 with polynomial products reduces a long array */
 
+#define FINITE_BLOCK 8u /* number of reals of which pzs_wide_is_finite reads a multiple */
+
 #if PZS_WIDE
 
 /*
@@ -28,6 +30,9 @@ bool pzs_guard_has_fold(void);
  */
 void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes);
 
+/* Return whether all `count` numbers, a multiple of FINITE_BLOCK, are finite. */
+bool pzs_wide_is_finite(const pzs_real *value, size_t count);
+
 #else
 
 static inline bool pzs_guard_has_fold(void)
@@ -35,6 +40,7 @@ static inline bool pzs_guard_has_fold(void)
     return false;
 }
 #define pzs_wide_fold(rest, crc, data, bytes) ((void)(rest))
+#define pzs_wide_is_finite(value, count) false
 
 #endif
 #endif

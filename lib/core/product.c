@@ -205,12 +205,25 @@ static void sum_rows(pzs_real *restrict product, const pzs_real *restrict table,
  */
 #define LONG_ROW 128u
 
+/* Whether all entries of a vector are zero, as voltages are at the start of many controllers. */
+static bool is_zero(const pzs_real *vector, size_t count)
+{
+    size_t i = 0;
+    while (i < count && vector[i] <= 0 && vector[i] >= 0)
+        i++;
+    return i == count;
+}
+
 void pzs_product_matrix(pzs_real *restrict product, const pzs_real *restrict table,
                         const pzs_real *restrict vector, size_t rows, size_t cols)
 {
     static const pzs_real zero = 0;
     if (cols < LONG_ROW)
         multiply(product, &zero, 0, table, vector, rows, cols);
+    if (cols >= LONG_ROW && is_zero(vector, cols)) {
+        memset(product, 0, rows * sizeof *product);
+        return;
+    }
     for (size_t i = 0; cols >= LONG_ROW && i < rows; i++)
         product[i] = pzs_product_dot(table + i * cols, vector, cols);
 }

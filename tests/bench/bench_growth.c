@@ -5,8 +5,7 @@
  * in microseconds and as a multiple of the peer's time:
  *   start   pzs_control_init with the Hessian in the tables, as `pzs tables` writes it, against the
  *           Cholesky factor of the Hessian: checksum and check of 32 MB of tables (1024 inputs),
- *           copies, the predicted shape, and the inverse, which takes three times the multiply-adds
- *           of the factor
+ *           copies, and the inverse, which takes three times the multiply-adds of the factor
  *   formed  pzs_control_init without it, as after the influence matrix was computed on the device,
  *           against the symmetric product B'B and the factor
  *   warm    pzs_tick on a slowly moving target       against one product with the influence matrix

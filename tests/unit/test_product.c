@@ -98,6 +98,49 @@ static void checksums(void **state)
     assert_int_equal(~pzs_guard_crc(GUARD_CRC_START, "123456789", 9), 0xCBF43926u);
 }
 
+static void numbers_that_are_not_finite(void **state)
+{
+    (void)state; /* law: the first NaN or infinity of an array is found at every place, and none in
+                    an array of finite numbers, however large these are */
+    const pzs_real bad[] = {(pzs_real)NAN, (pzs_real)HUGE_VAL, (pzs_real)-HUGE_VAL};
+    fill_all(10);
+    left[0] = PZS_BY_BITS(3e38f, 1e308);
+    left[1] = -left[0];
+    for (unsigned count = 1; count <= 40; count++) {
+        assert_int_equal(pzs_guard_nonfinite(left, count), -1);
+        for (unsigned at = 0; at < count; at++) {
+            const pzs_real kept = left[at];
+            left[at] = bad[at % 3u];
+            assert_int_equal(pzs_guard_nonfinite(left, count), (int32_t)at);
+            left[at] = kept;
+        }
+    }
+}
+
+static void products_of_rows(void **state)
+{
+    (void)state; /* law: a product of a table with a vector is that of its rows with it; a zero
+                    vector gives zeros, a NaN in the vector a NaN in each entry */
+    for (unsigned cols = 120; cols <= COLUMNS; cols++) {
+        fill_all(cols);
+        memset(left, 0, sizeof left);
+        memset(product, 1, sizeof product);
+        pzs_product_matrix(product, table, left, ROWS, cols);
+        for (unsigned i = 0; i < ROWS; i++)
+            assert_true(product[i] <= 0 && product[i] >= 0);
+        left[cols - 1] = 2;
+        pzs_product_matrix(product, table, left, ROWS, cols);
+        for (unsigned i = 0; i < ROWS; i++) {
+            const pzs_real expected = 2 * table[i * cols + cols - 1];
+            assert_true(product[i] <= expected && product[i] >= expected);
+        }
+        left[cols / 2] = (pzs_real)NAN;
+        pzs_product_matrix(product, table, left, ROWS, cols);
+        for (unsigned i = 0; i < ROWS; i++)
+            assert_false(product[i] <= 0 || product[i] >= 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -105,6 +148,8 @@ int main(void)
         cmocka_unit_test(subtracted_rows),
         cmocka_unit_test(scalar_products),
         cmocka_unit_test(checksums),
+        cmocka_unit_test(numbers_that_are_not_finite),
+        cmocka_unit_test(products_of_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
