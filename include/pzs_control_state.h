@@ -410,6 +410,10 @@ typedef struct pzs_pulse_detector_state {
     pzs_real *late_voltage;  /* [inputs] sum over the present test pulse of the voltages minus those
                                 of its first tick, each times a weight that is antisymmetric in time
                                 about the middle of the pulse (V) */
+    pzs_real *effect;        /* [inputs] effects of the voltages of the last tick by the identified
+                                model of hysteresis (V) */
+    pzs_real *cleared_loss;  /* [inputs] voltage that each electrode seemed to have lost before the
+                                last test that it has passed (V) */
     pzs_real *base_voltage;  /* [inputs] mean voltages of an earlier standstill of the target (V) */
     pzs_real *move; /* [inputs] mean voltages of the last window (in which readings were averaged)
                        minus those of an earlier standstill of the target; during the evaluation of
@@ -469,6 +473,7 @@ typedef struct pzs_pulse_detector_state {
                        has not responded */
     bool is_grown;  /* whether test pulses are large, because neither electrode under test responded
                        to small ones */
+    bool is_compensated; /* whether the loop compensates hysteresis */
     bool is_moving; /* whether the target has moved in the present window, in which readings are
                        averaged */
     bool has_base, has_taken; /* has_base: there was a standstill of the target with which later

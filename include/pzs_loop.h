@@ -874,6 +874,17 @@ typedef struct pzs_hysteresis {
                               electrode, at least 0 (1) */
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
+    /*
+     * Model of the electrodes as it was identified, for the fault detector, where the members above
+     * describe a ceramic with less hysteresis, with which the inverse of the model is more robust;
+     * all four are NULL if the members above are the identified model.
+     */
+    const pzs_real *identified_offset; /* [sets] identified value of the member `offset` (V) */
+    const pzs_real *identified_slope;  /* [sets][4] identified value of the member `slope` (1) */
+    const pzs_real *identified_above;  /* [sets][plays] identified value of the member `above` (1)
+                                        */
+    const pzs_real *identified_below;  /* [sets][plays] identified value of the member `below` (1)
+                                        */
 } pzs_hysteresis;
 
 /*
@@ -1297,10 +1308,12 @@ extern const pzs_block_type pzs_selftest_block;
  * suspected until it lacks more.
  *
  * The gain of a suspect is compared with that of another electrode, so that what hides both
- * responses makes no healthy electrode a faulty one. Where both respond weakly, as with strong
- * hysteresis, the pulses are repeated with up to four times their height, at most half the voltage
- * range; with more than about 20 % hysteresis, or 10 % without compensation, many faults are still
- * not found. A load that jumps during a pulse is noticed, and the pulse is repeated.
+ * responses makes no healthy electrode a faulty one. Where the loop compensates hysteresis, the
+ * readings are predicted by the model of hysteresis as it was identified. Where both electrodes
+ * respond weakly, as with strong hysteresis, the pulses are repeated with up to four times their
+ * height, at most half the voltage range; with 30 % hysteresis some faults are still not found, and
+ * without compensation most of them. A load that jumps during a pulse is noticed, and the pulse is
+ * repeated.
  */
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
@@ -1341,7 +1354,7 @@ extern const pzs_block_type pzs_pulse_detector_block;
 #define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_pulse_detector)) +                                          \
                 sizeof(pzs_real) *                                                                 \
-                    (PZS_DENSE(inputs) + 5u * (size_t)(inputs) + 2u * PZS_FOURS(inputs) +          \
+                    (PZS_DENSE(inputs) + 7u * (size_t)(inputs) + 2u * PZS_FOURS(inputs) +          \
                      6u * (size_t)(sensors) + (size_t)(outputs)) +                                 \
                 sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) +                            \
                 (sizeof(uint16_t) + 3u) * (size_t)(inputs) + (size_t)(sensors))

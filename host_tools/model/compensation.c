@@ -110,3 +110,24 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
     compensation->offset = offset_of(tables) + hysteresis->offset;
     (void)pzs_hysteresis_seal(tables);
 }
+
+void compensation_identify(compensation *compensation, const scene_hysteresis *identified)
+{
+    if (!compensation->is_used)
+        return;
+    copy(compensation->identified_slope, &identified->slope);
+    copy(compensation->identified_above, &identified->above);
+    copy(compensation->identified_below, &identified->below);
+    pzs_hysteresis *tables = &compensation->tables, alone = *tables;
+    const double none = 0;
+    alone.offset = &none;
+    alone.slope = compensation->identified_slope;
+    alone.above = compensation->identified_above;
+    alone.below = compensation->identified_below;
+    compensation->identified_offset = offset_of(&alone) + identified->offset;
+    tables->identified_offset = &compensation->identified_offset;
+    tables->identified_slope = compensation->identified_slope;
+    tables->identified_above = compensation->identified_above;
+    tables->identified_below = compensation->identified_below;
+    (void)pzs_hysteresis_seal(tables);
+}

@@ -22,6 +22,8 @@ typedef struct compensation {
     double slope[PZS_HYSTERESIS_SEGMENTS];
     double slack[SCENE_PLAYS], above[SCENE_PLAYS], below[SCENE_PLAYS];
     double creep[SCENE_CREEPS], creep_rate[SCENE_CREEPS];
+    double identified_offset, identified_slope[PZS_HYSTERESIS_SEGMENTS];
+    double identified_above[SCENE_PLAYS], identified_below[SCENE_PLAYS];
 } compensation;
 
 /*
@@ -31,6 +33,12 @@ typedef struct compensation {
  */
 void compensation_fill(compensation *compensation, const scene_hysteresis *hysteresis,
                        const pzs_problem *problem, double rate);
+
+/*
+ * Add to the tables of a compensation, which were made from a weakened description of hysteresis,
+ * the description as it was identified, with which the fault detector predicts the readings.
+ */
+void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 
 /*
  * Weaken a description of hysteresis for a control loop with sensor readings. The inverse of the

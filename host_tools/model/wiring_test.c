@@ -18,7 +18,7 @@ static const double periods = 6, fewest_ticks = 64, most_ticks = 60000;
  * Test pulses of the fault detector in a control loop that damps vibration: height relative to the
  * voltage range of the amplifier, and duration in periods of the first vibration mode.
  */
-static const double detector_height = 0.1, detector_periods = 4;
+static const double detector_height = 0.1, detector_periods = 3.2;
 
 /*
  * Fraction of the voltage range and of the step limit of an amplifier that a test pulse uses at

@@ -35,7 +35,7 @@ bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimat
 /*
  * Make the tables of the test pulses with which the fault detector of a control loop that damps
  * vibration finds faulty electrodes. The heights are a part of the voltage ranges, and a pulse
- * lasts four periods of the first vibration mode. The member is_used is true if the scene file lets
+ * lasts 3.2 periods of the first vibration mode. The member is_used is true if the scene file lets
  * the controller itself detect electrode faults.
  *   analysis  in  analysis with computed influence matrix and vibration modes; must outlive the
  *                 tables

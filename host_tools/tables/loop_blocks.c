@@ -389,11 +389,29 @@ static void write_compensation(emitter *emitter, const loop_blocks *blocks)
     emit_reals(emitter, "creep", tables->creep, creeps, "final creep over the voltage");
     emit_reals(emitter, "creep_rate", tables->creep_rate, creeps,
                "part of the way that each creep goes in a tick");
+    emit_reals(emitter, "identified_offset", tables->identified_offset, 1,
+               "effect at the middle, as identified (V)");
+    emit_reals(emitter, "identified_slope", tables->identified_slope, PZS_HYSTERESIS_SEGMENTS,
+               "slopes of the part without memory, as identified");
+    emit_reals(emitter, "identified_above", tables->identified_above, plays,
+               "weights of the plays above the middle, as identified");
+    emit_reals(emitter, "identified_below", tables->identified_below, plays,
+               "weights of the plays below the middle, as identified");
     emit_begin(emitter, "hysteresis", "hysteresis", tables->scene, tables->crc);
     fprintf(emitter->file, " %u, %u, %u, %u,\n   ", counts[0], counts[1], counts[2], counts[3]);
-    static const char *const arrays[] = {"middle",       "half_range", "effect_offset",
-                                         "effect_slope", "slack",      "above",
-                                         "below",        "creep",      "creep_rate"};
+    static const char *const arrays[] = {"middle",
+                                         "half_range",
+                                         "effect_offset",
+                                         "effect_slope",
+                                         "slack",
+                                         "above",
+                                         "below",
+                                         "creep",
+                                         "creep_rate",
+                                         "identified_offset",
+                                         "identified_slope",
+                                         "identified_above",
+                                         "identified_below"};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         fprintf(emitter->file, " %s_%s,", emitter->prefix, arrays[i]);
     fputs("\n};\n", emitter->file);
@@ -599,6 +617,7 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
     scene_hysteresis weaker = design->hysteresis;
     compensation_weaken(&weaker);
     compensation_fill(&blocks->compensation, &weaker, &design->problem, design->control.rate);
+    compensation_identify(&blocks->compensation, &design->hysteresis);
     list_blocks(blocks);
 }
 

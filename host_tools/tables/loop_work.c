@@ -183,9 +183,11 @@ double loop_work_detector(const block_counts *of, const loop_processor *on)
 double loop_work_pulse_detector(const block_counts *of, const loop_processor *on)
 {
     const double inputs = (double)of->inputs, readings = (double)of->readings;
+    const double effects =
+        of->plays > 0 ? inputs * (200 + 32 * (double)of->plays + 10 * (double)of->creeps) : 0;
     return 3 * product(on, of->readings, of->inputs) + 2 * product(on, of->inputs, of->inputs) +
            on->other * (20 * inputs * readings + 120 * readings + 220 * inputs +
-                        20 * (double)of->outputs + 3000);
+                        20 * (double)of->outputs + effects + 3000);
 }
 
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)

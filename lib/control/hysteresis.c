@@ -52,13 +52,29 @@ static uint32_t list_parts(const pzs_hysteresis *tables, pzs_table_part part[PZS
     part[7] = scrub_reals(tables->below, sets * tables->plays);
     part[8] = scrub_reals(tables->creep, sets * tables->creeps);
     part[9] = scrub_reals(tables->creep_rate, tables->creeps);
-    return 10;
+    part[10] = scrub_reals(tables->identified_offset, sets);
+    part[11] = scrub_reals(tables->identified_slope, sets * SEGMENTS);
+    part[12] = scrub_reals(tables->identified_above, sets * tables->plays);
+    part[13] = scrub_reals(tables->identified_below, sets * tables->plays);
+    return 14;
 }
 
 uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables)
 {
     pzs_table_part part[PZS_TABLE_PARTS];
     return pzs_scrub_crc(part, list_parts(tables, part));
+}
+
+/*
+ * Whether hysteresis tables have either all arrays or no array of the model of the electrodes as it
+ * was identified.
+ */
+static bool is_identified_complete(const pzs_hysteresis *tables)
+{
+    const bool has_offset = tables->identified_offset != NULL;
+    return (tables->identified_slope != NULL) == has_offset &&
+           (tables->identified_above != NULL) == has_offset &&
+           (tables->identified_below != NULL) == has_offset;
 }
 
 static bool are_complete(const pzs_hysteresis *tables)
@@ -68,7 +84,7 @@ static bool are_complete(const pzs_hysteresis *tables)
            tables->creeps <= PZS_CREEP_LIMIT && tables->middle != NULL &&
            tables->half_range != NULL && tables->offset != NULL && tables->slope != NULL &&
            tables->slack != NULL && tables->above != NULL && tables->below != NULL &&
-           tables->creep != NULL && tables->creep_rate != NULL;
+           tables->creep != NULL && tables->creep_rate != NULL && is_identified_complete(tables);
 }
 
 pzs_status pzs_hysteresis_seal(pzs_hysteresis *tables)
@@ -120,6 +136,21 @@ static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 }
 
 /*
+ * Whether the numbers of the model of an electrode as it was identified are finite, with index k of
+ * the hysteresis parameters; true where the tables have no such model.
+ */
+static bool is_identified_valid(const pzs_hysteresis *tables, uint32_t k)
+{
+    const size_t plays = tables->plays;
+    const pzs_real most = PZS_BY_BITS(1e30f, 1e30);
+    return tables->identified_offset == NULL ||
+           (are_between(tables->identified_offset + k, 1, -most, most) &&
+            are_between(tables->identified_slope + k * SEGMENTS, SEGMENTS, 0, most) &&
+            are_between(tables->identified_above + k * plays, plays, 0, most) &&
+            are_between(tables->identified_below + k * plays, plays, 0, most));
+}
+
+/*
  * Return the index of the hysteresis parameters that belong to an input; several inputs may share
  * the same parameters.
  */
@@ -140,7 +171,8 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
         *where = (int32_t)k;
         const bool has_limits =
             number_is_finite(problem->lower[k]) && number_is_finite(problem->upper[k]);
-        if (!has_limits || !is_valid_set(tables, (uint32_t)set_of(tables, k)))
+        const uint32_t set = (uint32_t)set_of(tables, k);
+        if (!has_limits || !is_valid_set(tables, set) || !is_identified_valid(tables, set))
             return PZS_E_LIMITS;
     }
     *where = -1;
@@ -555,6 +587,37 @@ pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
     const electrode_tables electrode = electrode_of(tables, input);
     const pzs_real way = effect - pzs_hysteresis_effect(tables, input, memory, from);
     return voltage_after(&electrode, memory.play, from, way);
+}
+
+/* ---- identified model ------------------------------------------------- */
+
+/*
+ * Return the parameters of the model of the electrode of an input as it was identified, in which
+ * the hysteresis is not reduced for the sake of a robust inverse.
+ */
+static electrode_tables identified_electrode(const pzs_hysteresis *tables, uint32_t input)
+{
+    const size_t set = set_of(tables, input), first = set * tables->plays;
+    electrode_tables electrode = electrode_of(tables, input);
+    if (tables->identified_offset == NULL)
+        return electrode;
+    electrode.offset = tables->identified_offset[set];
+    electrode.slope = tables->identified_slope + set * SEGMENTS;
+    electrode.above = tables->identified_above + first;
+    electrode.below = tables->identified_below + first;
+    return electrode;
+}
+
+pzs_real pzs_hysteresis_identified(const pzs_compensator *compensator, uint32_t input,
+                                   pzs_real voltage)
+{
+    const pzs_hysteresis *tables = compensator->state.tables;
+    const electrode_tables electrode = identified_electrode(tables, input);
+    const pzs_real *creep = compensator->state.creep + (size_t)input * tables->creeps;
+    pzs_real play[PZS_PLAY_LIMIT];
+    memcpy(play, compensator->state.play + (size_t)input * tables->plays,
+           tables->plays * sizeof *play);
+    return move_plays(&electrode, play, voltage) + sum_of(creep, tables->creeps);
 }
 
 /* ---- blocks ----------------------------------------------------------- */

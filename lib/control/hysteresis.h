@@ -51,6 +51,15 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
                                hysteresis_memory memory, pzs_real voltage);
 
 /*
+ * Return the effect of electrode `input`, the voltage that would move the structure as far without
+ * hysteresis, at a voltage that the loop gives in this tick, by the model of the electrode as it
+ * was identified (V). The inverse, with which the loop computes voltages, may use a model with less
+ * hysteresis.
+ */
+pzs_real pzs_hysteresis_identified(const pzs_compensator *compensator, uint32_t input,
+                                   pzs_real voltage);
+
+/*
  * Return the voltage at which electrode `input` has a wanted effect (voltage without hysteresis),
  * starting from its present voltage `from` (V). The result is exact up to rounding; the search
  * visits at most 2 plays + 4 straight pieces of the characteristic.

@@ -31,12 +31,18 @@
  *
  * A motion of the target interrupts a proof, which begins anew after a pause of the target.
  *
- * The work of a tick is outputs + 8 (inputs + sensors) operations. At the end of a window 3
+ * Where the loop compensates hysteresis, `voltages` means their effects by the identified model of
+ * hysteresis. The inverse that computes the voltages assumes less hysteresis for the sake of
+ * robustness, and would make healthy electrodes seem to lose a part of their voltages.
+ *
+ * The work of a tick is outputs + 8 (inputs + sensors) operations, and with compensation about
+ * 3 operations for each play and each electrode. At the end of a window 3
  * inputs sensors + inputs^2 multiply-adds are added, and at the end of a pulse 3 inputs sensors.
  */
 #include <string.h>
 #include "pzs_loop.h"
 #include "control.h"
+#include "hysteresis.h"
 #include "test_pulse.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
@@ -86,15 +92,19 @@
  * Smallest gain (response to a test pulse, divided by the modelled response) of the reference
  * electrode, a healthy one with which a suspected electrode is compared.
  */
-#define LEAST_REFERENCE PZS_R(0.4)
+#define LEAST_REFERENCE PZS_R(0.5)
 /*
  * A suspected electrode is faulty if its gain in each of SILENT_PULSES test pulses is smaller than
- * SILENT times the gain of the reference electrode, a healthy one. It is reversed if the last of
- * these gains is below the negative of REVERSED times the gain of the reference electrode. A gain
- * is a response divided by the modelled response.
+ * SILENT times the gain of the reference electrode, a healthy one. WEAK_PULSES pulses are needed if
+ * the loop does not compensate hysteresis and the last gain of the reference electrode is below
+ * WEAK. The suspected electrode is reversed if the last of its gains is below the negative of
+ * REVERSED times the gain of the reference electrode. A gain is a response divided by the modelled
+ * response.
  */
-#define SILENT PZS_R(0.5)
+#define SILENT PZS_R(0.35)
 #define SILENT_PULSES 2u
+#define WEAK_PULSES 3u
+#define WEAK PZS_R(0.75)
 #define REVERSED PZS_R(0.3)
 /*
  * Largest jump of the readings during a test pulse at which the pulse still proves a fault of an
@@ -137,6 +147,11 @@
  * passed its test is not suspected.
  */
 #define CLEARED_WINDOWS 32u
+/*
+ * An electrode that has passed its test is suspected again if the voltage that it seems to have
+ * lost has become larger than this multiple of the one before its test.
+ */
+#define WORSE 2
 /*
  * Input number that means: no electrode is suspected, or there is no healthy electrode with which a
  * suspected one could be compared.
@@ -202,6 +217,8 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
     state->voltage = take_reals(&next, inputs);
     state->base_voltage = take_reals(&next, inputs);
     state->late_voltage = take_reals(&next, inputs);
+    state->effect = take_reals(&next, inputs);
+    state->cleared_loss = take_reals(&next, inputs);
     state->move = take_reals(&next, PZS_FOURS(inputs));
     state->loss = take_reals(&next, PZS_FOURS(inputs));
     state->last_reading = take_reals(&next, sensors);
@@ -238,7 +255,7 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
     guard_repair_bool(&state->has_taken);
     guard_repair_bool(&state->is_grown);
     guard_repair_bool(&state->is_moving);
-    state->silent = state->silent < SILENT_PULSES ? state->silent : 0;
+    state->silent = state->silent < WEAK_PULSES ? state->silent : 0;
     const bool has_pair = state->suspect < tables->inputs && state->reference < tables->inputs;
     if (!has_pair) {
         state->suspect = NO_INPUT;
@@ -271,13 +288,18 @@ static uint32_t tested_input(const pzs_pulse_detector_state *state, uint32_t num
 /* ---- readings and voltages ------------------------------------------------ */
 
 /*
- * Return the voltages [inputs] that act on the structure according to the model (V): the effects of
- * the voltages where the loop compensates hysteresis, or the voltages.
+ * Return the voltages [inputs] that act on the structure according to the model (V): the voltages,
+ * or, where the loop compensates hysteresis, their effects by the identified model.
  */
-static const pzs_real *acting_voltages(const pzs_loop_signals *signals)
+static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
+                                       const pzs_loop_signals *signals)
 {
-    return signals->compensator != NULL ? signals->compensator->state.effect
-                                        : signals->control->state.voltage;
+    const pzs_real *voltage = state->control->state.voltage;
+    if (signals->compensator == NULL)
+        return voltage;
+    for (uint32_t j = 0; j < state->tables->inputs; j++)
+        state->effect[j] = pzs_hysteresis_identified(signals->compensator, j, voltage[j]);
+    return state->effect;
 }
 
 /* Keep the last usable reading of each sensor, and mark the sensors without a usable reading. */
@@ -639,6 +661,19 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
 }
 
 /*
+ * Whether electrode j may be suspected: it is neither held nor under test, and it has not passed a
+ * test, or has lost more than WORSE times the voltage since that made it suspected before that
+ * test.
+ */
+static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
+{
+    const bool is_worse = number_absolute(state->loss[j]) > WORSE * state->cleared_loss[j];
+    const bool is_cleared = state->electrode[j] == PZS_ELECTRODE_CLEARED;
+    const bool is_observed = state->electrode[j] == PZS_ELECTRODE_OBSERVED;
+    return (is_observed || (is_cleared && is_worse)) && !is_held(state->control, j);
+}
+
+/*
  * Return the electrode whose lost voltage (which it seems not to have received) explains the
  * largest part of the change of the readings since an earlier standstill of the target, or NO_INPUT
  * if no electrode is suspected.
@@ -652,9 +687,7 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
     pzs_real largest = least;
     uint32_t suspect = NO_INPUT;
     for (uint32_t j = 0; j < state->tables->inputs; j++) {
-        const bool is_observed =
-            state->electrode[j] == PZS_ELECTRODE_OBSERVED && !is_held(state->control, j);
-        const pzs_real share = is_observed ? share_of(state, j, &sums, rest) : 0;
+        const pzs_real share = may_be_suspected(state, j) ? share_of(state, j, &sums, rest) : 0;
         if (share > largest) {
             largest = share;
             suspect = j;
@@ -760,7 +793,20 @@ static void clear_suspect(pzs_pulse_detector_state *state)
     const uint32_t suspect = state->suspect;
     end_proof(state);
     state->electrode[suspect] = PZS_ELECTRODE_CLEARED;
+    state->cleared_loss[suspect] = number_absolute(state->suspect_loss);
     state->pause[suspect] = CLEARED_WINDOWS;
+}
+
+/*
+ * Store the voltage of the suspected electrode, its change, and the part that the electrode seems
+ * to have lost, from which a dead and a stuck electrode are told apart.
+ */
+static void store_loss(pzs_pulse_detector_state *state)
+{
+    const uint32_t suspect = state->suspect;
+    state->suspect_voltage = state->first_voltage[suspect];
+    state->suspect_move = state->move[suspect];
+    state->suspect_loss = state->loss[suspect];
 }
 
 /*
@@ -770,12 +816,11 @@ static void clear_suspect(pzs_pulse_detector_state *state)
 static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    state->suspect_voltage = state->first_voltage[suspect];
-    state->suspect_move = state->move[suspect];
-    state->suspect_loss = state->loss[suspect];
     state->suspect = (uint16_t)suspect;
+    store_loss(state);
     state->reference = (uint16_t)find_reference(state, NO_INPUT);
     state->tries = 0;
+    state->is_grown = false;
     if (state->reference == NO_INPUT) {
         state->suspect = NO_INPUT;
         return;
@@ -991,6 +1036,17 @@ static void change_reference(pzs_pulse_detector_state *state)
 }
 
 /*
+ * Return the number of test pulses without a response that prove a fault, from the gain (measured
+ * divided by modelled response) of the reference electrode, a healthy one. Where the loop has no
+ * model of a strong hysteresis, a healthy electrode may respond to a single pulse much less than
+ * another one, because of its earlier voltages.
+ */
+static uint32_t silent_pulses(const pzs_pulse_detector_state *state, pzs_real reference)
+{
+    return !state->is_compensated && reference < WEAK ? WEAK_PULSES : SILENT_PULSES;
+}
+
+/*
  * Decide what a measured test pulse proves about the suspected electrode. Only if the gain
  * (measured divided by modelled response) of the reference electrode is large does a small gain of
  * the suspected electrode mean anything. Returns the input that was found faulty, or NO_INPUT if
@@ -1017,11 +1073,25 @@ static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_respons
     } else if (has_jumped) {
         state->tries++;
         state->silent = 0;
-    } else if (++state->silent >= SILENT_PULSES) {
+    } else if (++state->silent >= silent_pulses(state, reference)) {
         hold_electrode(detector, fault_of(state, response));
         return suspect;
     }
     return NO_INPUT;
+}
+
+/*
+ * Repeat a test pulse whose readings were disturbed. Where the loop compensates hysteresis, a pulse
+ * has little effect if the ceramic hardly follows a change after a reversal of the voltage; the
+ * repeated pulse is therefore higher.
+ */
+static void repeat_disturbed(pzs_pulse_detector_state *state)
+{
+    state->tries++;
+    if (!state->is_compensated)
+        return;
+    state->is_grown = true;
+    begin_pulses(state);
 }
 
 /*
@@ -1038,7 +1108,7 @@ static uint32_t judge(pzs_pulse_detector *detector)
     if (response.is_measured)
         found = judge_response(detector, &response);
     else
-        state->tries++;
+        repeat_disturbed(state);
     if (found == NO_INPUT && state->tries >= MOST_TRIES)
         clear_suspect(state);
     return found;
@@ -1064,14 +1134,23 @@ static void update_states(pzs_pulse_detector_state *state)
 }
 
 /*
- * Begin the test pulses of a suspected electrode anew that a motion of the target has interrupted.
+ * Begin the test pulses of a suspected electrode after a motion of the target, and store the
+ * voltage that it seems to have lost in the standstill before, because the fault may have occurred
+ * in the middle of the window in which the electrode was suspected.
  */
 static void resume_proof(pzs_pulse_detector_state *state)
 {
-    if (is_held(state->control, state->suspect) || is_held(state->control, state->reference))
+    if (is_held(state->control, state->suspect) || is_held(state->control, state->reference)) {
         end_proof(state);
-    else
-        begin_pulses(state);
+        return;
+    }
+    if (has_enough(state) && state->has_base) {
+        find_means(state);
+        compare_means(state);
+        (void)find_losses(state);
+        store_loss(state);
+    }
+    begin_pulses(state);
 }
 
 /*
@@ -1233,13 +1312,14 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     pzs_pulse_detector_state *state = &detector->state;
     place(detector, signals);
     take_readings(state, signals->readings);
+    state->is_compensated = signals->compensator != NULL;
     const bool has_moved = has_target_moved(state, signals->wanted);
     if (has_moved && state->suspect != NO_INPUT)
         interrupt(state);
     state->is_moving = state->is_moving || has_moved;
     if (is_overridden(state))
         end_proof(state);
-    const uint32_t found = run_phase(detector, acting_voltages(signals));
+    const uint32_t found = run_phase(detector, acting_voltages(state, signals));
     set_test_voltages(state);
     state->control->state.is_paused = state->has_taken;
     signals->electrode = state->electrode;

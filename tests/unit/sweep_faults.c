@@ -449,12 +449,12 @@ typedef struct row {
 
 static const row rows[] = {
     {"no hysteresis", 0, 0, 1e-7, 0, 0, 95},
-    {"20 % hysteresis, compensated", 0.2, 0.2, 1e-7, 0, 0, 90},
-    {"20 % hysteresis, 15 % compensated", 0.2, 0.15, 1e-7, 0, 0, 85},
-    {"10 % hysteresis, not compensated", 0.1, 0, 1e-7, 0, 0, 85},
-    {"30 % hysteresis, compensated", 0.3, 0.3, 1e-7, 0, 0, 65},
+    {"20 % hysteresis, compensated", 0.2, 0.2, 1e-7, 0, 0, 95},
+    {"20 % hysteresis, 15 % compensated", 0.2, 0.15, 1e-7, 0, 0, 90},
+    {"10 % hysteresis, not compensated", 0.1, 0, 1e-7, 0, 0, 90},
+    {"30 % hysteresis, compensated", 0.3, 0.3, 1e-7, 0, 0, 80},
     {"30 % hysteresis, not compensated", 0.3, 0, 1e-7, 0, 0, 0},
-    {"20 % hysteresis, ten times the noise", 0.2, 0.2, 1e-6, 0, 0, 85},
+    {"20 % hysteresis, ten times the noise", 0.2, 0.2, 1e-6, 0, 0, 95},
     {"20 % hysteresis, 5 % of the ticks missed", 0.2, 0.2, 1e-7, 0.05, 0, 85},
     {"20 % hysteresis, two electrodes at once", 0.2, 0.2, 1e-7, 0, 7, 85},
 };

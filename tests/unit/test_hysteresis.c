@@ -822,11 +822,60 @@ static pzs_status init_with(rig *r, pzs_real *entry, double value)
     return status;
 }
 
+/*
+ * The effect by the identified model has the bits of the effect by tables that hold the identified
+ * model alone, whatever model the inverse uses; tables without an identified model return the
+ * effect of their only model.
+ */
+static void test_identified(void **state)
+{
+    static ceramic weak, whole;
+    (void)state;
+    open_ceramic(&weak, 41);
+    open_ceramic(&whole, 41);
+    for (int k = 0; k < N * PLAYS; k++) {
+        weak.above[k] *= PZS_R(0.25);
+        weak.below[k] *= PZS_R(0.5);
+    }
+    for (int k = 0; k < N * SEGMENTS; k++)
+        weak.slope[k] += PZS_R(0.3);
+    for (int k = 0; k < N; k++) {
+        pzs_compensator compensator;
+        pzs_real voltage = weak.middle[k];
+        memset(&compensator, 0, sizeof compensator);
+        compensator.state.tables = &weak.tables;
+        pzs_real plays[N * PLAYS] = {0}, creeps[N * CREEPS] = {0};
+        compensator.state.play = plays;
+        compensator.state.creep = creeps;
+        const hysteresis_memory memory = {plays + k * PLAYS, creeps + k * CREEPS};
+        pzs_hysteresis_rest(&weak.tables, (uint32_t)k, memory, voltage);
+        pzs_hysteresis_rest(&whole.tables, (uint32_t)k, memory_of(&whole), voltage);
+        for (int tick = 0; tick < 50; tick++) {
+            voltage = draw_voltage(&weak, k, voltage);
+            weak.tables.identified_offset = tick % 2 ? whole.offset : NULL;
+            weak.tables.identified_slope = tick % 2 ? whole.slope : NULL;
+            weak.tables.identified_above = tick % 2 ? whole.above : NULL;
+            weak.tables.identified_below = tick % 2 ? whole.below : NULL;
+            assert_int_equal(pzs_hysteresis_seal(&weak.tables), PZS_OK);
+            const pzs_real found = pzs_hysteresis_identified(&compensator, (uint32_t)k, voltage);
+            const pzs_real expected =
+                tick % 2 ? (pzs_real)effect(&whole, k, voltage)
+                         : pzs_hysteresis_effect(&weak.tables, (uint32_t)k, memory, voltage);
+            assert_memory_equal(&found, &expected, sizeof found);
+            (void)pzs_hysteresis_remember(&weak.tables, (uint32_t)k, memory, voltage, 1);
+            remember(&whole, k, voltage);
+        }
+    }
+    weak.tables.identified_slope = NULL;
+    assert_int_equal(pzs_hysteresis_seal(&weak.tables), PZS_E_ARGUMENT);
+}
+
 /* Tables that would not make a rising effect, or that belong to another problem, are refused. */
 static void test_refused(void **state)
 {
     static rig r;
     static const double bad[] = {NAN, INFINITY, -0.01};
+    static pzs_real identified[N * PLAYS];
     (void)state;
     prepare(&r, 91);
     list_blocks(&r, COMPENSATED);
@@ -839,6 +888,12 @@ static void test_refused(void **state)
             assert_int_equal(init_with(&r, entries[i], bad[k]), PZS_E_LIMITS);
     assert_int_equal(r.loop.info.where, 1);
     assert_int_equal(init_with(&r, &r.ceramic.rate[0], 1.5), PZS_E_ARGUMENT);
+    r.ceramic.tables.identified_offset = r.ceramic.tables.offset;
+    r.ceramic.tables.identified_slope = r.ceramic.tables.slope;
+    r.ceramic.tables.identified_above = r.ceramic.tables.above;
+    r.ceramic.tables.identified_below = identified;
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(init_with(&r, &identified[9], bad[k]), PZS_E_LIMITS);
     assert_int_equal(init_with(&r, &r.ceramic.slope[5], 0), PZS_E_LIMITS);
     assert_int_equal(init_with(&r, &r.ceramic.slack[PLAYS + 3], 0.001), PZS_E_LIMITS);
     r.ceramic.slope[0] *= 2;
@@ -881,6 +936,6 @@ int main(void)
         cmocka_unit_test(test_damaged_memory), cmocka_unit_test(test_inside_limits),
         cmocka_unit_test(test_no_hysteresis),  cmocka_unit_test(test_optimum_of_stroke),
         cmocka_unit_test(test_wrong_tables),   cmocka_unit_test(test_flipped_bits),
-        cmocka_unit_test(test_refused)};
+        cmocka_unit_test(test_refused),        cmocka_unit_test(test_identified)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
