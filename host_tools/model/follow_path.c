@@ -149,8 +149,9 @@ static void full_force(arc_search *arc_search)
 /*
  * Add to a change of the displacement, which was solved for at constant voltages, the part that the
  * voltages of the open electrodes cause, and append the change of these voltages.
- *   input  in  the input to whose unit the change belongs; NEWTON: residual forces and charges;
- *       NO_INPUT: forces without charges
+ *   input            in      index of the input to whose unit the change belongs; the constant
+ *                            NEWTON: a change by residual forces and charges; the constant
+ *                            NO_INPUT: a change by forces without charges
  *   change [entries] in/out  change of the displacement, then of the voltages
  * Returns false if the voltages cannot be solved for.
  */
@@ -317,8 +318,9 @@ static bool make_step(arc_search *arc_search, double change, double arc)
 }
 
 /*
- * Make a step of length `arc` from the last converged point of the load path, whose tangent
- * stiffness has been factored (make_step).
+ * Make a step of a given length on the load path from its last converged point, whose tangent
+ * stiffness has been factored. Returns whether the step has converged without turning back by more
+ * than a right angle.
  */
 static bool try_step(arc_search *arc_search, double arc)
 {
@@ -328,8 +330,9 @@ static bool try_step(arc_search *arc_search, double arc)
 }
 
 /*
- * Replace a step that has passed the full load by one that ends at the full load. *arc becomes the
- * length of that step. Returns whether the step has converged (make_step).
+ * Replace a step on the load path that has passed the full load by one that ends at the full load.
+ * *arc becomes the length of that step. Returns whether the step has converged without turning back
+ * by more than a right angle.
  */
 static bool land_at_full_load(arc_search *arc_search, double *arc)
 {
@@ -443,11 +446,13 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
  * Control of the length of the steps on a load path by the number of iterations of the last steps.
  */
 typedef struct step_control {
-    double arc;      /* length of the next step */
-    double longest;  /* largest length of a step */
-    int usual;       /* number of iterations after which the length of the next step stays */
-    int before;      /* number of iterations of the step before the last one */
-    bool is_shorter; /* whether the last change of the length was a reduction */
+    double arc;     /* length of the next step on a load path */
+    double longest; /* largest length of a step on a load path */
+    int usual; /* number of linear solves of a step on a load path after which the next step has the
+                  same length */
+    int before;      /* number of linear solves of the step on a load path before the last one */
+    bool is_shorter; /* whether the last change of the length of the steps on a load path was a
+                        reduction */
 } step_control;
 
 /*

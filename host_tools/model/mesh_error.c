@@ -22,6 +22,18 @@ static double remaining_error(double last, double ratio)
     return fabs(last) * (1 / (fmax(ratio, SLOWEST) - 1) - second_order);
 }
 
+/*
+ * Error of the extrapolated value of a sequence of results that rises and then falls with ever
+ * finer meshes, or falls and then rises: that of a sequence limit + a h - b h^2, where h is the
+ * element size and a and b have the same sign. Extrapolation of second order leaves 2/3 a h.
+ *   last   in  difference between the results on the two finest meshes
+ *   before in  difference between the results on the second and the third finest mesh
+ */
+static double error_after_turn(double last, double before)
+{
+    return (4 * fabs(last) + fabs(before)) / 3;
+}
+
 mesh_estimate mesh_estimate_from(const double *value, int meshes)
 {
     const double last = value[0] - value[1];
@@ -33,6 +45,8 @@ mesh_estimate mesh_estimate_from(const double *value, int meshes)
     result.uncertainty = fmax(fabs(last), fabs(before) / 4);
     if (ratio > 0 && ratio < 4)
         result.uncertainty += remaining_error(last, ratio);
+    if (ratio < 0)
+        result.uncertainty = error_after_turn(last, before);
     if (ratio > 1)
         result.order = log2(ratio);
     return result;

@@ -49,8 +49,9 @@ typedef struct mesh_error {
  * The extrapolated value assumes second order, which is the order of the element's displacement.
  * With three meshes the uncertainty is the last difference, or a quarter of the difference before
  * it where that is larger; for results that converge more slowly than with second order, the
- * expected remaining error is added. With two meshes the uncertainty is one and a half times the
- * difference.
+ * expected remaining error is added. For results that rise and then fall, or fall and then rise, it
+ * is the error of a sequence with terms of first and second order of opposite sign. With two meshes
+ * the uncertainty is one and a half times the difference.
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 

@@ -61,6 +61,23 @@ static void test_interval_is_useful(void **state)
     }
 }
 
+/*
+ * Where the results turn round, because errors a h and -b h^2 of first and second order compete,
+ * the interval contains the limit: with h = 1, 2, 4 the results turn for a between 3 b and 6 b.
+ */
+static void test_limit_after_turn(void **state)
+{
+    (void)state;
+    for (double ratio = 3.05; ratio < 6; ratio += 0.05)
+        for (double b = -0.01; b <= 0.01; b += 0.02) {
+            const double a = ratio * b;
+            const double value[3] = {1 + a - b, 1 + 2 * a - 4 * b, 1 + 4 * a - 16 * b};
+            const mesh_estimate estimate = mesh_estimate_from(value, 3);
+            assert_true(isnan(estimate.order));
+            assert_true(fabs(estimate.extrapolated - 1) <= estimate.uncertainty + 64 * DBL_EPSILON);
+        }
+}
+
 /* Values that oscillate, do not change, or diverge have no order and a finite, honest interval. */
 static void test_no_convergence(void **state)
 {
@@ -78,9 +95,8 @@ static void test_no_convergence(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_second_order_is_exact),
-        cmocka_unit_test(test_limit_lies_inside),
-        cmocka_unit_test(test_interval_is_useful),
+        cmocka_unit_test(test_second_order_is_exact), cmocka_unit_test(test_limit_lies_inside),
+        cmocka_unit_test(test_interval_is_useful),    cmocka_unit_test(test_limit_after_turn),
         cmocka_unit_test(test_no_convergence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
