@@ -809,6 +809,12 @@ static int judge_storms(const analysis *analysis, char *error)
         return 0;
     certify_failure(certificate, text);
     assumed_readings(design, readings);
+    if (certificate->loop.cure > 0)
+        return scene_fault(design->simulate.at, error,
+                           "the damped tick is not safe at %g ticks a second: %s; write limits: "
+                           "{regularisation: {relative: %g}}, which keeps voltages small that "
+                           "hardly move the target",
+                           certificate->rate, text, certificate->loop.cure);
     return scene_fault(design->simulate.at, error,
                        "the damped tick is not safe at %g ticks a second: %s; change the rate "
                        "(`pzs check` prints stable ones), or add sensors or amplifiers%s",

@@ -185,7 +185,13 @@ static const char *plural(int count)
  */
 static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    if (!loop->is_stable)
+    if (!loop->is_stable && loop->cure > 0)
+        text_append(text, CERTIFICATE_TEXT,
+                    "The damped tick is not safe. Some combinations of voltages hardly move the "
+                    "target, but they move modes:\nwith limits: {regularisation: {relative: %g}} "
+                    "vibration decays and ten storms settle.",
+                    loop->cure);
+    else if (!loop->is_stable)
         text_append(text, CERTIFICATE_TEXT, "The damped tick is not safe.");
     else if (loop->observed > 0)
         text_append(text, CERTIFICATE_TEXT,

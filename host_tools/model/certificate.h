@@ -108,6 +108,10 @@ typedef struct certificate_loop {
                   the shape settles after fast jumps of the target */
     certificate_target target; /* certificate of the loop on the structure that is deformed to its
                                   target */
+    double cure; /* regularisation of the voltages, relative to the mean diagonal entry of the
+                    Hessian, with which a loop that is not stable passes the growth of small
+                    vibrations and ten storms (simulations with fast jumps of the target); 0: none
+                    was found */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            controller's model, with which the control loop is stable */

@@ -79,6 +79,13 @@ enum { CHOICES = sizeof choices / sizeof *choices };
 static const double slowest = 1.25;
 
 /*
+ * Regularisations of the voltages, relative to the mean diagonal entry of the Hessian, that are
+ * tried for a loop that is not stable. They keep combinations of voltages small that hardly move
+ * the target, but move vibration modes.
+ */
+static const double cures[] = {1e-4, 1e-2};
+
+/*
  * A control loop on trial: its generated tables for one choice of settings of the vibration damper
  * and one tick rate.
  */
@@ -458,6 +465,48 @@ static int choose(trial *trial, char *error)
 }
 
 /*
+ * Mean diagonal entry of the Hessian of the voltage problem, to which a relative regularisation of
+ * the scene refers.
+ */
+static double mean_diagonal(const design *design)
+{
+    const size_t amplifiers = (size_t)design->amplifiers;
+    double trace = 0;
+    for (size_t k = 0; k < amplifiers; k++)
+        trace += design->hessian[k * amplifiers + k];
+    return trace / (double)amplifiers;
+}
+
+/*
+ * Find for a loop that is not stable a regularisation with which small vibrations decay and the
+ * first ten storms (simulations with fast jumps of the target) settle, with the default settings of
+ * the vibration damper. Returns 0, or -1 with error filled.
+ */
+static int find_cure(trial *trial, certificate_loop *loop, char *error)
+{
+    const design *design = &trial->analysis->design;
+    const damper_options options = {trial->analysis->certificate.rate, design->simulate.delay,
+                                    damper_default_settings()};
+    for (size_t i = 0; i < sizeof cures / sizeof *cures && !(loop->cure > 0); i++) {
+        const double regularisation = cures[i] * mean_diagonal(design);
+        certificate_loop other;
+        bool is_stable;
+        if (!(regularisation > design->problem.regularisation))
+            continue;
+        memset(&other, 0, sizeof other);
+        if (retable(trial, &options, error) < 0)
+            return -1;
+        trial->blocks.problem.regularisation = regularisation;
+        if (measure_growth(&trial->rig, &other, &is_stable, error) < 0 ||
+            (is_stable && run_storms(&trial->rig, STORMS / SEEDS, &other, error) < 0))
+            return -1;
+        if (is_stable && other.failed == 0)
+            loop->cure = cures[i];
+    }
+    return 0;
+}
+
+/*
  * Determine whether the block list of the scene's control loop contains a block that damps
  * vibration. Returns 0, or -1 with error filled.
  */
@@ -492,6 +541,9 @@ int certify_loop(analysis *analysis, char *error)
     progress_stage("storms against the loop");
     int failed = open_trial(&trial, analysis, error);
     failed = failed || open_target(&trial, error) < 0 || choose(&trial, error) < 0;
+    certificate_loop *loop = &analysis->certificate.loop;
+    if (!failed && loop->is_made && !loop->is_stable && !loop->target.is_made)
+        failed = find_cure(&trial, loop, error) < 0;
     close_trial(&trial);
     return failed ? -1 : 0;
 }

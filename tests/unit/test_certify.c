@@ -172,6 +172,35 @@ static void test_zero_target(void **state)
     }
 }
 
+/*
+ * Law: where a loop is not safe because some combinations of voltages hardly move the target, the
+ * certificate finds a regularisation with which the loop is safe, and the text names it. With this
+ * regularisation in the scene the loop is certified.
+ */
+static void test_cure_by_regularisation(void **state)
+{
+    static const char *const changes[] = {
+        "", "limits={voltage: [-500, 1500], rate_limit: 50000, regularisation: {relative: 1e-4}}"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        scene_run run;
+        char text[CERTIFICATE_TEXT];
+        if (scene_run_open(&run, "tests/rigs/scenes/storm-twisted.yaml", changes[i]) < 0 ||
+            analysis_influence(&run.analysis, run.error) < 0)
+            fail_msg("%s", run.error);
+        certificate *certificate = &run.analysis.certificate;
+        certificate_make(certificate, &run.analysis);
+        if (certify_loop(&run.analysis, run.error) < 0)
+            fail_msg("%s", run.error);
+        certificate_text(certificate, text);
+        assert_int_equal(certificate->loop.is_stable, i);
+        assert_true(i == 1 ? !(certificate->loop.cure > 0)
+                           : fabs(certificate->loop.cure / 1e-4 - 1) < 1e-12);
+        assert_int_equal(strstr(text, "{regularisation: {relative: 0.0001}}") != NULL, 1 - i);
+        scene_run_close(&run);
+    }
+}
+
 /* The text of a certificate explains its words and states the tolerance of a storm. */
 static void test_text(void **state)
 {
@@ -332,9 +361,13 @@ static void test_tolerated_load(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_older_readings), cmocka_unit_test(test_limits_between_amplifiers),
-        cmocka_unit_test(test_text),           cmocka_unit_test(test_zero_target),
-        cmocka_unit_test(test_supervised),     cmocka_unit_test(test_tolerated_load),
+        cmocka_unit_test(test_older_readings),
+        cmocka_unit_test(test_limits_between_amplifiers),
+        cmocka_unit_test(test_text),
+        cmocka_unit_test(test_zero_target),
+        cmocka_unit_test(test_supervised),
+        cmocka_unit_test(test_tolerated_load),
+        cmocka_unit_test(test_cure_by_regularisation),
         cmocka_unit_test(test_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
