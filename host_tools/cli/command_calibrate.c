@@ -107,7 +107,8 @@ static int fit_to_matrix(run *run, char *error)
     if ((size_t)influence->outputs != run->pokes.outputs ||
         (size_t)run->scene->amplifiers != run->pokes.actuators)
         return scene_fault(influence->at, error,
-                           "the matrix has %d outputs and %d actuators, the pokes %lu and %lu",
+                           "the matrix has %d outputs and %d actuators, the pokes %lu and %lu; "
+                           "write a column for each in both files",
                            influence->outputs, run->scene->amplifiers,
                            (unsigned long)run->pokes.outputs, (unsigned long)run->pokes.actuators);
     run->acting = calloc(run->pokes.count * run->pokes.actuators + 1, sizeof *run->acting);

@@ -36,7 +36,8 @@ static char *read_bytes(const char *path, size_t *count, char *error)
     if (is_readable && fseek(file, 0, SEEK_END) == 0)
         size = ftell(file);
     if (size < 0) {
-        snprintf(message, sizeof message, "cannot read it: %s", strerror(errno));
+        snprintf(message, sizeof message, "cannot read it: %s; correct the name of the file",
+                 strerror(errno));
         fault(path, message, error);
     } else if (size > NUMBER_BYTES) {
         snprintf(message, sizeof message,

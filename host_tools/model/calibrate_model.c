@@ -42,7 +42,7 @@ static int copy_influence(const calibration_model *model, analysis *analysis, co
     if (design->targets != (int)pokes->outputs || design->amplifiers != (int)pokes->actuators)
         return scene_fault(design->scene->target.what.at, error,
                            "the scene has %d target nodes and %d amplifiers, the pokes %lu outputs "
-                           "and %lu actuators",
+                           "and %lu actuators; write a column for each in both files",
                            design->targets, design->amplifiers, (unsigned long)pokes->outputs,
                            (unsigned long)pokes->actuators);
     if (analysis_influence(analysis, error) < 0)

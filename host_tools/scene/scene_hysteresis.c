@@ -24,8 +24,8 @@ static int read_numbers(reader *reader, int node, void *to, const void *rule)
     const list_rule *must = rule;
     scene_short_list *numbers = to;
     if (reader->t->node[node].kind != TREE_LIST)
-        return tree_fault(reader->t, node, "a list of %d to %d numbers is expected here",
-                          must->least, must->most);
+        return tree_fault(reader->t, node, "write a list of %d to %d numbers here", must->least,
+                          must->most);
     numbers->count = 0;
     for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
         if (numbers->count == must->most)
@@ -106,7 +106,8 @@ static int check_hysteresis(reader *reader, int node, const scene_hysteresis *hy
                           "'slack' has %d plays, 'above' %d and 'below' %d; each needs as many",
                           plays, hysteresis->above.count, hysteresis->below.count);
     if (hysteresis->creep.count != hysteresis->creep_time.count)
-        return tree_fault(reader->t, node, "'creep' has %d numbers, 'creep_time' %d",
+        return tree_fault(reader->t, node,
+                          "'creep' has %d numbers, 'creep_time' %d; give one for each time",
                           hysteresis->creep.count, hysteresis->creep_time.count);
     return 0;
 }

@@ -459,7 +459,7 @@ static int refine_load(reader *reader, int node, event_text *text)
                           text->impulse_given
                               ? "'impulse' is what a load does instead of its factor, as {load: 0, "
                                 "impulse: 0.01}"
-                              : "'frequency' belongs to a load with a factor");
+                              : "'frequency' belongs to a load with a factor; add the factor");
     text->event->type = text->impulse_given ? EVENT_IMPULSE : EVENT_SINE;
     return 0;
 }

@@ -730,7 +730,10 @@ static int refuse(const loop *loop, char *error)
     }
     if (!*text)
         snprintf(text, SCENE_ERROR, "%s", pzs_status_text(loop->status));
-    return scene_fault(loop->design->simulate.at, error, "self-test: %s", text);
+    return scene_fault(loop->design->simulate.at, error,
+                       "self-test: %s; mend what is named, or write the amplitude and the "
+                       "pulse_ticks that pzs check gives",
+                       text);
 }
 
 int loop_selftest(loop *loop, char *error)

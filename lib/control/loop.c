@@ -199,19 +199,39 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
+ * Initialise the blocks (stages of computation) of a control loop, except the control step, that
+ * run in the phase PZS_PHASE_OBSERVE, or all others, from the last to the first. observes in  true:
+ * the blocks of PZS_PHASE_OBSERVE; false: all others
+ */
+static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool observes)
+{
+    const pzs_loop_core *core = loop->state.core;
+    const size_t step = find_step(core->blocks, core->count);
+    for (size_t k = core->count; k-- > 0;) {
+        const bool is_observer = core->blocks[k].type->phase == PZS_PHASE_OBSERVE;
+        const bool is_left_out = k == step || is_observer != observes;
+        const pzs_status status = is_left_out ? PZS_OK : init_block(loop, k, signals);
+        if (status != PZS_OK)
+            return status;
+    }
+    return PZS_OK;
+}
+
+/*
  * Initialise all blocks (stages of computation) of a control loop except the control step, from the
- * last to the first, because each block must know how many readings the block after it needs.
+ * last to the first, because each block must know how many readings the block after it needs. The
+ * blocks of PZS_PHASE_OBSERVE, which use the readings of the sensors, come after all others, when
+ * the number of readings of the loop is known.
  */
 static pzs_status init_others(pzs_loop *loop)
 {
     pzs_loop_core *core = loop->state.core;
     pzs_loop_signals signals = {.control = core->control, .sensors = problem_of(core)->outputs};
-    const size_t step = find_step(core->blocks, core->count);
-    for (size_t k = core->count; k-- > 0;) {
-        const pzs_status status = k == step ? PZS_OK : init_block(loop, k, &signals);
-        if (status != PZS_OK)
-            return status;
-    }
+    pzs_status status = init_phases(loop, &signals, false);
+    if (status == PZS_OK)
+        status = init_phases(loop, &signals, true);
+    if (status != PZS_OK)
+        return status;
     core->sensors = signals.sensors;
     core->stage = READY;
     copy_core(loop);

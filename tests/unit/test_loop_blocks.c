@@ -78,6 +78,7 @@ static void make_tables(rig *r)
                                r->reference,
                                0,
                                0,
+                               NULL,
                                NULL};
     r->estimator = (pzs_estimator){0, SCENE, 0, N, M, K, r->direct, r->gain};
     r->on_shape = (pzs_feed_forward_table){0, SCENE, 0, LOADS, M, r->by_load};
@@ -438,6 +439,7 @@ typedef struct probe {
     const probe_tables *tables;
     pzs_real shifted[M];
     int ticks;
+    uint32_t sensors; /* number of readings of the loop, as the block is told at its start */
 } probe;
 
 static size_t probe_bytes(const void *tables, const pzs_problem *problem)
@@ -454,6 +456,7 @@ static pzs_status probe_init(void *self, const void *tables, pzs_loop_signals *s
     assert_non_null(signals->control);
     memset(p, 0, sizeof *p);
     p->tables = tables;
+    p->sensors = signals->sensors;
     return PZS_OK;
 }
 
@@ -511,6 +514,26 @@ static void test_own_block(void **state)
     assert_null(pzs_loop_find(&r.loop, &pzs_estimator_block));
     rig_close(&r);
     rig_close(&other);
+}
+
+/*
+ * Law: a block that observes the loop starts with the number of readings of the loop: that of the
+ * estimator's sensors, or of the outputs where every output is measured.
+ */
+static void test_observer_of_few(void **state)
+{
+    (void)state;
+    for (int estimates = 0; estimates < 2; estimates++) {
+        static rig r;
+        const probe_tables tables = {0, PZS_OK, -1};
+        rig_open(&r, 6);
+        list(&r, estimates ? ESTIMATES : 0);
+        append(&r, &late_block, &tables);
+        assert_int_equal(start(&r), PZS_OK);
+        const probe *p = pzs_loop_find(&r.loop, &late_block);
+        assert_int_equal(p->sensors, estimates ? K : M);
+        rig_close(&r);
+    }
 }
 
 /* Law: a block that fails before or after the step leaves the voltages of the tick before, for the
@@ -710,11 +733,11 @@ static void test_scrub(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits),      cmocka_unit_test(test_wrong_lists),
-        cmocka_unit_test(test_wrong_tables),   cmocka_unit_test(test_workspace),
-        cmocka_unit_test(test_own_block),      cmocka_unit_test(test_failing_block),
-        cmocka_unit_test(test_bad_known_load), cmocka_unit_test(test_precedence),
-        cmocka_unit_test(test_start),          cmocka_unit_test(test_amplitude),
-        cmocka_unit_test(test_scrub)};
+        cmocka_unit_test(test_same_bits),     cmocka_unit_test(test_wrong_lists),
+        cmocka_unit_test(test_wrong_tables),  cmocka_unit_test(test_workspace),
+        cmocka_unit_test(test_own_block),     cmocka_unit_test(test_observer_of_few),
+        cmocka_unit_test(test_failing_block), cmocka_unit_test(test_bad_known_load),
+        cmocka_unit_test(test_precedence),    cmocka_unit_test(test_start),
+        cmocka_unit_test(test_amplitude),     cmocka_unit_test(test_scrub)};
     return cmocka_run_group_tests_name("loop_blocks", tests, NULL, NULL);
 }
