@@ -620,7 +620,7 @@ static const struct {
     {"hysteresis={range: [-9, 9], slopes: [1, 1, 1, 1], slack: [], above: [0]}",
      "the list has 0 numbers; it needs 1"},
     {"hysteresis={range: [-9, 9], slopes: [1, 1, 1, 1], slack: 1, above: [0]}",
-     "a list of 1 to 32 numbers is expected here"},
+     "write a list of 1 to 32 numbers here"},
     {"hysteresis={range: [9, -9], slopes: [1, 1, 1, 1], slack: [1], above: [0]}",
      "'range: [9, -9]' must rise"},
     {"hysteresis={range: [-9, 9], slopes: [1, 1, 0], slack: [1], above: [0]}",
