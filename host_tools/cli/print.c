@@ -11,6 +11,7 @@
 #include "print_matrix.h"
 #include "print_outputs.h"
 #include "print_path.h"
+#include "print_reactions.h"
 #include "print_springs.h"
 #include "print_stress.h"
 #include "print_vibration.h"
@@ -311,6 +312,7 @@ void print_solve(analysis *analysis, const double *displacement, const double *v
     print_discretisation();
     for (int k = 0; k < analysis->design.outputs; k++)
         print_output(analysis, k, value);
+    print_reactions(analysis);
     print_springs(analysis, displacement);
     print_electrodes(analysis);
     print_bare_faces(analysis);
@@ -384,6 +386,7 @@ void print_solve_json(analysis *analysis, const double *displacement, const doub
             json_number(&json, design->output[k].name,
                         analysis_output(analysis, k, 0, value) / design->output[k].reference);
     json_close(&json, '}');
+    print_reactions_json(&json, analysis);
     print_springs_json(&json, analysis, displacement);
     if (design->electrodes.count > 0)
         print_electrodes_json(&json, analysis);

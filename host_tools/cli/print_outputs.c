@@ -10,7 +10,8 @@ int print_is_displacement(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.output[k];
     const bool is_row = output->recovered == RECOVERED_NONE ||
                         (output->recovered == RECOVERED_STRAIN && !analysis->is_nonlinear);
-    return is_row && output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE;
+    return is_row && output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE &&
+           output->reaction == REACTION_NONE;
 }
 
 /* ---- text ------------------------------------------------------------- */

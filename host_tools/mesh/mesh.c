@@ -488,6 +488,31 @@ static int folded(int position, int lines)
 }
 
 /*
+ * Compute the value that a support prescribes at a node for the dof that it moves: a displacement,
+ * or the component of a director that a rotation turns. Returns 0, or -1 with error filled.
+ */
+static int value_at(const mesh *mesh, const scene_support *support, int node, double *value,
+                    char *error)
+{
+    const double quarter_turn = full_turn / 4;
+    const expr_point at = mesh_place(mesh, node);
+    *value = support->value ? expr_value(support->value, &at) : 0;
+    if (!isfinite(*value))
+        return scene_fault(
+            support->at, error,
+            "the value of the support is not a finite number at %s; correct its formula",
+            mesh_node_text(mesh, node).text);
+    if (support->turn == 0)
+        return 0;
+    if (fabs(*value) >= quarter_turn)
+        return scene_fault(support->at, error,
+                           "a rotation of %g rad at %s; a support turns by less than 90 degrees",
+                           *value, mesh_node_text(mesh, node).text);
+    *value = support->turn * sin(*value);
+    return 0;
+}
+
+/*
  * Apply a support to the dof of one node.
  *   values  [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
  *                                         prescribed
@@ -496,13 +521,9 @@ static int folded(int position, int lines)
 static int apply_support(mesh *mesh, const scene_support *support, int node, double *values,
                          char *error)
 {
-    const expr_point at = mesh_place(mesh, node);
-    const double value = support->value ? expr_value(support->value, &at) : 0;
-    if (!isfinite(value))
-        return scene_fault(
-            support->at, error,
-            "the value of the support is not a finite number at %s; correct its formula",
-            mesh_node_text(mesh, node).text);
+    double value;
+    if (value_at(mesh, support, node, &value, error) < 0)
+        return -1;
     for (unsigned i = 0; i < mesh->dof_per_node; i++) {
         const size_t dof = (size_t)node * mesh->dof_per_node + i;
         const int moved = (support->move >> i & 1u) != 0,
@@ -515,6 +536,8 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
             return scene_fault(support->at, error,
                                "at %s another support prescribes %g and this one %g; remove one",
                                mesh_node_text(mesh, node).text, before, wanted);
+        if (!fixed && isnan(values[dof]))
+            mesh->holder[dof] = (int)(support - mesh->scene->support);
         if (moved && !fixed)
             values[dof] = value;
         else
@@ -593,8 +616,11 @@ static void constrain_quads(mesh *mesh)
 {
     for (int node = 0; node < mesh->nodes && mesh->quads->constrained; node++)
         for (unsigned i = 0; i < mesh->dof_per_node; i++)
-            if ((unsigned)mesh->quads->constrained[node] >> i & 1u)
-                mesh->node_dof[(size_t)node * mesh->dof_per_node + i] = PZS_CONSTRAINED;
+            if ((unsigned)mesh->quads->constrained[node] >> i & 1u) {
+                const size_t dof = (size_t)node * mesh->dof_per_node + i;
+                mesh->node_dof[dof] = PZS_CONSTRAINED;
+                mesh->holder[dof] = mesh->quads->holder ? mesh->quads->holder[node][i] : -1;
+            }
 }
 
 static void number_lines(mesh *mesh)
@@ -668,8 +694,11 @@ static int allocate(mesh *mesh)
     mesh->place = calloc(elements, sizeof *mesh->place);
     mesh->node_dof = calloc(nodes * mesh->dof_per_node, sizeof *mesh->node_dof);
     mesh->first_column = calloc(nodes * mesh->dof_per_node, sizeof *mesh->first_column);
+    mesh->holder = malloc(nodes * mesh->dof_per_node * sizeof *mesh->holder);
+    for (size_t i = 0; mesh->holder && i < nodes * mesh->dof_per_node; i++)
+        mesh->holder[i] = -1;
     return mesh->point && mesh->theta && mesh->element && mesh->element_type && mesh->type &&
-           mesh->place && mesh->node_dof && mesh->first_column;
+           mesh->place && mesh->node_dof && mesh->first_column && mesh->holder;
 }
 
 static int build_stiffness(mesh *mesh)
@@ -829,6 +858,7 @@ void mesh_free(mesh *mesh)
     free(mesh->place);
     free(mesh->stiffness);
     free(mesh->node_dof);
+    free(mesh->holder);
     free(mesh->node_turn);
     free(mesh->turn);
     free(mesh->first_column);

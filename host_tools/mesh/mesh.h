@@ -70,6 +70,10 @@ typedef struct mesh {
                         */
     uint16_t *node_dof; /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
                            PZS_CONSTRAINED for a constrained dof */
+    int *holder; /* [nodes][dof_per_node] index, among the supports of the scene, of the support
+                    that holds each dof or prescribes its displacement; -1 for a dof that no support
+                    holds
+                  */
     int turns; /* number of nodes at oblique supports, whose mean displacements act along other axes
                   than those of their triads (local axes) */
     uint16_t *node_turn; /* [nodes] index of each node's rotated axes in `turn`, or PZS_UNTURNED for
@@ -127,12 +131,13 @@ bool mesh_depends_on_axes(const scene_support *support);
  * the triads (local axes) of their nodes, and give these nodes rotated axes. To be called before
  * the dof are numbered, when all other supports have marked the dof that they constrain in
  * node_dof.
- *   values [nodes][dof_per_node] in   prescribed displacement of each dof, NAN where none is
- *                                     prescribed
- *   node   [nodes]               out  work array
- * Returns 0, or -1 with error filled if the directions at a node contradict each other.
+ *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
+ *                                        prescribed
+ *   node   [nodes]               out     work array
+ * Returns 0, or -1 with error filled if the directions or the prescribed values at a node
+ * contradict each other.
  */
-int mesh_hold_oblique(mesh *mesh, const double *values, int *node, char *error);
+int mesh_hold_oblique(mesh *mesh, double *values, int *node, char *error);
 
 /*
  * Convert three components at a node between its triad (local axes) and the axes along which its

@@ -17,13 +17,26 @@
  */
 static const double equal = 1e-6, distinct = 0.01;
 
-/* Directions along which supports hold the mean displacement of one node. */
+/*
+ * Directions along which supports hold the mean displacement of one node, or prescribe its value.
+ */
 typedef struct held_axes {
     int count;
     double axis[3][3]; /* [count] orthogonal unit vectors in the triad (local axes) of the node,
                           which span the directions that are held; then any axes that complete them
                         */
+    double value[3];   /* [count] prescribed mean displacement along each axis (length unit of the
+                          scene file) */
+    int holder[3];     /* [count] index of the support that holds each axis */
 } held_axes;
+
+/* What one support demands of the mean displacement of a node along one direction. */
+typedef struct held_direction {
+    double vector[3]; /* unit vector in the triad (local axes) of the node */
+    double value;     /* prescribed mean displacement along the vector (length unit of the scene
+                         file) */
+    int holder;       /* index of the support */
+} held_direction;
 
 /* ---- directions at a node ------------------------------------------------ */
 
@@ -50,25 +63,48 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Add a direction, a unit vector in the triad (local axes) of the node, to the held directions.
- * Returns the sine of its angle to the directions that were held before; below `distinct` nothing
- * is added.
+ * Remove from a direction its components along the held axes, and from its prescribed value the
+ * displacements that these axes prescribe. The vector that remains has length 1, and the value that
+ * remains belongs to a displacement along the original vector.
+ *   rest in/out  direction
+ * Returns the sine of the angle between the direction and the held axes.
  */
-static double add_direction(held_axes *held, const double direction[3])
+static double remove_held(const held_axes *held, held_direction *rest)
 {
-    double rest[3];
-    memcpy(rest, direction, sizeof rest);
     for (int repeat = 0; repeat < 2; repeat++) /* the components along the directions that are held
                                                   are removed twice, so that no rounding errors of
                                                   the first removal are left */
         for (int k = 0; k < held->count; k++) {
-            const double along = vector_dot(rest, held->axis[k]);
+            const double along = vector_dot(rest->vector, held->axis[k]);
+            rest->value -= along * held->value[k];
             for (int i = 0; i < 3; i++)
-                rest[i] -= along * held->axis[k][i];
+                rest->vector[i] -= along * held->axis[k][i];
         }
-    const double sine = vector_normalise(rest);
-    if (sine >= distinct && held->count < 3)
-        memcpy(held->axis[held->count++], rest, sizeof rest);
+    return vector_normalise(rest->vector);
+}
+
+/* Return the largest prescribed displacement among those of the held axes and of a direction. */
+static double largest_value(const held_axes *held, const held_direction *direction)
+{
+    double most = fabs(direction->value);
+    for (int k = 0; k < held->count; k++)
+        most = fmax(most, fabs(held->value[k]));
+    return most;
+}
+
+/*
+ * Add a direction to the held directions. Returns the sine of its angle to the directions that were
+ * held before; below `distinct` nothing is added.
+ */
+static double add_direction(held_axes *held, const held_direction *direction)
+{
+    held_direction rest = *direction;
+    const double sine = remove_held(held, &rest), most = largest_value(held, direction);
+    if (sine < distinct || held->count == 3)
+        return sine;
+    memcpy(held->axis[held->count], rest.vector, sizeof rest.vector);
+    held->value[held->count] = fabs(rest.value) > 1e-13 * most ? rest.value / sine : 0;
+    held->holder[held->count++] = direction->holder;
     return sine;
 }
 
@@ -80,19 +116,62 @@ static void complete(held_axes *held)
 {
     const int wanted = held->count;
     while (held->count < 3) {
-        double best[3] = {0, 0, 0}, largest = -1;
+        held_direction best = {.holder = -1};
+        double largest = -1;
         for (int i = 0; i < 3; i++) {
-            double unit[3] = {i == 0, i == 1, i == 2}, left = 1;
+            const double unit[3] = {i == 0, i == 1, i == 2};
+            double left = 1;
             for (int k = 0; k < held->count; k++)
                 left -= held->axis[k][i] * held->axis[k][i];
             if (left <= largest)
                 continue;
             largest = left;
-            memcpy(best, unit, sizeof best);
+            memcpy(best.vector, unit, sizeof unit);
         }
-        add_direction(held, best);
+        add_direction(held, &best);
     }
     held->count = wanted;
+}
+
+/*
+ * Add a direction that a support holds to the held directions of a node. Returns 0, or -1 with
+ * error filled if the direction, or its prescribed value, contradicts what other supports hold.
+ */
+static int hold_direction(const mesh *mesh, const scene_support *support, int node,
+                          const held_direction *direction, held_axes *held, char *error)
+{
+    held_direction rest = *direction;
+    const double sine = remove_held(held, &rest), most = largest_value(held, direction);
+    if (sine > equal && sine < distinct)
+        return scene_fault(support->at, error,
+                           "at %s the direction of this support deviates by %.2g degrees from "
+                           "what other supports hold, too little to hold both; give both the "
+                           "same direction, or leave the node out of one place",
+                           mesh_node_text(mesh, node).text, asin(sine) * 57.29577951308232);
+    if (sine <= equal && fabs(rest.value) > 1e-9 * most)
+        return scene_fault(support->at, error,
+                           "at %s other supports prescribe %g along the direction of this one, "
+                           "which prescribes %g; remove one, or leave the node out of one place",
+                           mesh_node_text(mesh, node).text, direction->value - rest.value,
+                           direction->value);
+    add_direction(held, direction);
+    return 0;
+}
+
+/*
+ * Compute the displacement that an oblique support prescribes along its direction at a node.
+ * Returns 0, or -1 with error filled if it is not a finite number.
+ */
+static int find_value(const mesh *mesh, const scene_support *support, int node, double *value,
+                      char *error)
+{
+    const expr_point at = mesh_place(mesh, node);
+    *value = support->move & FIX_ALONG ? expr_value(support->value, &at) : 0;
+    if (isfinite(*value))
+        return 0;
+    return scene_fault(support->at, error,
+                       "the value of the support is not a finite number at %s; correct its formula",
+                       mesh_node_text(mesh, node).text);
 }
 
 /*
@@ -103,19 +182,20 @@ static int add_support(const mesh *mesh, const scene_support *support, int node,
                        char *error)
 {
     held_axes own = {0};
-    if (find_direction(mesh, support, node, own.axis[0], error) < 0)
+    held_direction direction = {.holder = (int)(support - mesh->scene->support)};
+    double value;
+    if (find_direction(mesh, support, node, own.axis[0], error) < 0 ||
+        find_value(mesh, support, node, &value, error) < 0)
         return -1;
     own.count = 1;
     complete(&own);
     for (int k = 0; k < 3; k++) {
-        const unsigned bit = k == 0 ? FIX_ALONG : FIX_ACROSS;
-        const double sine = support->fix & bit ? add_direction(held, own.axis[k]) : 0;
-        if (sine > equal && sine < distinct)
-            return scene_fault(support->at, error,
-                               "at %s the direction of this support deviates by %.2g degrees from "
-                               "what other supports hold, too little to hold both; give both the "
-                               "same direction, or leave the node out of one place",
-                               mesh_node_text(mesh, node).text, asin(sine) * 57.29577951308232);
+        if (!(support->fix & (k == 0 ? FIX_ALONG : FIX_ACROSS)))
+            continue;
+        memcpy(direction.vector, own.axis[k], sizeof direction.vector);
+        direction.value = k == 0 ? value : 0;
+        if (hold_direction(mesh, support, node, &direction, held, error) < 0)
+            return -1;
     }
     return 0;
 }
@@ -123,25 +203,21 @@ static int add_support(const mesh *mesh, const scene_support *support, int node,
 /* ---- dof of a node --------------------------------------------------------- */
 
 /*
- * Collect the mean displacements of a node that other supports have constrained. Returns 0, or -1
- * with error filled if one of them has a prescribed value.
+ * Collect the mean displacements of a node that other supports hold or prescribe along the axes of
+ * its triad (local axes).
  */
-static int begin_node(const mesh *mesh, const scene_support *support, int node,
-                      const double *values, held_axes *held, char *error)
+static void begin_node(const mesh *mesh, int node, const double *values, held_axes *held)
 {
     memset(held, 0, sizeof *held);
     for (int i = 0; i < 3; i++) {
         const size_t dof = (size_t)node * mesh->dof_per_node + (size_t)i;
-        const double unit[3] = {i == 0, i == 1, i == 2};
-        if (!isnan(values[dof]))
-            return scene_fault(support->at, error,
-                               "at %s another support prescribes the value of a displacement; "
-                               "leave the node out of one place",
-                               mesh_node_text(mesh, node).text);
-        if (mesh->node_dof[dof] == PZS_CONSTRAINED)
-            add_direction(held, unit);
+        const bool is_prescribed = !isnan(values[dof]);
+        const held_direction own = {.vector = {i == 0, i == 1, i == 2},
+                                    .value = is_prescribed ? values[dof] : 0,
+                                    .holder = mesh->holder[dof]};
+        if (is_prescribed || mesh->node_dof[dof] == PZS_CONSTRAINED)
+            add_direction(held, &own);
     }
-    return 0;
 }
 
 /*
@@ -157,23 +233,56 @@ static bool along_triad(const held_axes *held)
     return found == held->count;
 }
 
-/*
- * Constrain the held directions of a node: along axes of its triad (local axes) if possible, else
- * along rotated axes, which are stored in the mesh.
+/* Return whether supports prescribe a displacement other than 0 along a held direction of a node.
  */
-static void hold_node(mesh *mesh, int node, held_axes *held)
+static bool has_value(const held_axes *held)
 {
-    uint16_t *dof = mesh->node_dof + (size_t)node * mesh->dof_per_node;
-    if (held->count == 3 || along_triad(held)) {
-        for (int k = 0; k < held->count; k++)
-            for (int i = 0; i < 3; i++)
-                if (held->count == 3 || fabs(held->axis[k][i]) > 0.5)
-                    dof[i] = PZS_CONSTRAINED;
+    bool found = false;
+    for (int k = 0; k < held->count; k++)
+        found |= held->value[k] != 0;
+    return found;
+}
+
+/*
+ * Constrain the held directions of a node along axes of its triad (local axes). Each mean
+ * displacement that no other support has constrained counts as held by the support whose direction
+ * is nearest to its axis.
+ */
+static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
+{
+    const size_t first = (size_t)node * mesh->dof_per_node;
+    for (int i = 0; i < 3; i++) {
+        int nearest = 0;
+        for (int k = 1; k < held->count; k++)
+            nearest = fabs(held->axis[k][i]) > fabs(held->axis[nearest][i]) ? k : nearest;
+        if (held->count < 3 && fabs(held->axis[nearest][i]) <= 0.5)
+            continue;
+        mesh->node_dof[first + (size_t)i] = PZS_CONSTRAINED;
+        mesh->holder[first + (size_t)i] = held->holder[nearest];
+    }
+}
+
+/*
+ * Constrain the held directions of a node, or prescribe the displacement along them: along axes of
+ * its triad (local axes) if possible, else along rotated axes, which are stored in the mesh.
+ *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
+ *                                        prescribed
+ */
+static void hold_node(mesh *mesh, int node, double *values, held_axes *held)
+{
+    const size_t first = (size_t)node * mesh->dof_per_node;
+    if (!has_value(held) && (held->count == 3 || along_triad(held))) {
+        hold_along_triad(mesh, node, held);
         return;
     }
     complete(held);
-    for (int i = 0; i < 3; i++)
-        dof[i] = i < held->count ? PZS_CONSTRAINED : 0;
+    for (int i = 0; i < 3; i++) {
+        const size_t dof = first + (size_t)i;
+        const bool is_held = i < held->count, is_moved = is_held && held->value[i] != 0;
+        mesh->node_dof[dof] = is_held && !is_moved ? PZS_CONSTRAINED : 0;
+        mesh->holder[dof] = is_held ? held->holder[i] : -1;
+        values[dof] = is_moved ? held->value[i] : (double)NAN;
+    }
     memcpy(mesh->turn[mesh->turns], held->axis, sizeof held->axis);
     mesh->node_turn[node] = (uint16_t)mesh->turns++;
 }
@@ -192,8 +301,8 @@ static int hold_support(const mesh *mesh, const scene_support *support, const do
     const int count = mesh_select(mesh, &support->where, node);
     for (int k = 0; k < count; k++) {
         held_axes *own = &held[node[k]];
-        if (!seen[node[k]] && begin_node(mesh, support, node[k], values, own, error) < 0)
-            return -1;
+        if (!seen[node[k]])
+            begin_node(mesh, node[k], values, own);
         seen[node[k]] = true;
         if (add_support(mesh, support, node[k], own, error) < 0)
             return -1;
@@ -201,8 +310,7 @@ static int hold_support(const mesh *mesh, const scene_support *support, const do
     return 0;
 }
 
-static int hold_all(mesh *mesh, const double *values, int *node, held_axes *held, bool *seen,
-                    char *error)
+static int hold_all(mesh *mesh, double *values, int *node, held_axes *held, bool *seen, char *error)
 {
     for (int k = 0; k < mesh->scene->supports; k++)
         if (mesh->scene->support[k].fix & FIX_OBLIQUE &&
@@ -211,12 +319,12 @@ static int hold_all(mesh *mesh, const double *values, int *node, held_axes *held
     for (int i = 0; i < mesh->nodes; i++) {
         mesh->node_turn[i] = PZS_UNTURNED;
         if (seen[i])
-            hold_node(mesh, i, &held[i]);
+            hold_node(mesh, i, values, &held[i]);
     }
     return 0;
 }
 
-int mesh_hold_oblique(mesh *mesh, const double *values, int *node, char *error)
+int mesh_hold_oblique(mesh *mesh, double *values, int *node, char *error)
 {
     const size_t nodes = (size_t)mesh->nodes;
     unsigned any = 0;

@@ -404,11 +404,10 @@ static bool has_springs(const scene *scene)
     return found;
 }
 
-int mesh_springs_build(mesh *mesh, char *error)
+int springs_list(mesh *mesh, mesh_springs *springs, char *error)
 {
     const scene *scene = mesh->scene;
     const size_t items = (size_t)scene->springs + (size_t)scene->actuators;
-    mesh_springs *springs = &mesh->springs;
     spring_builder builder = {.mesh = mesh, .springs = springs, .error = error};
     int status = -1;
     if (!has_springs(scene))
@@ -423,7 +422,14 @@ int mesh_springs_build(mesh *mesh, char *error)
         scene_fault(scene->at_surface, error, "the springs do not fit into memory");
     free(builder.node);
     free(builder.weight);
-    return status == 0 ? check_envelope(mesh, error) : -1;
+    return status;
+}
+
+int mesh_springs_build(mesh *mesh, char *error)
+{
+    if (springs_list(mesh, &mesh->springs, error) < 0)
+        return -1;
+    return mesh->springs.count > 0 ? check_envelope(mesh, error) : 0;
 }
 
 void mesh_springs_free(mesh_springs *springs)

@@ -30,6 +30,14 @@ void springs_direction(const surface_point *point, const scene_direction *direct
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 
 /*
+ * List the springs and stacks of a scene as sparse rows over the dof that the mesh numbers, whose
+ * element types must be built. The envelope of the mesh does not change. Returns 0, or -1 with
+ * error filled; mesh_springs_free releases the list in either case. springs in/out  in: empty; out:
+ * the list
+ */
+int springs_list(mesh *mesh, mesh_springs *springs, char *error);
+
+/*
  * Return the index of the item that holds the stacks of an actuator, in the list of items: first
  * the springs of the scene, then one item for each actuator.
  */

@@ -238,6 +238,8 @@ int analysis_outputs(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.output[k];
     if (output->electric == ELECTRIC_VOLTAGE || output->electric == ELECTRIC_CHARGE)
         return output->count;
+    if (output->reaction != REACTION_NONE)
+        return 1;
     return places > 0 ? places : 1; /* an output that belongs to no single node, such as the total
                                        contact force or the number of nodes in contact, has one
                                        value */
@@ -256,9 +258,22 @@ const char *analysis_output_electrode(const analysis *analysis, int k, int i)
     return (output->of_sensor ? design->electrode_name : design->amplifier_name)[output->first + i];
 }
 
+double analysis_reaction(const analysis *analysis, const reactions *reactions, int k)
+{
+    const design *design = &analysis->design;
+    const scene_output *output = &design->output[k];
+    const int first = design->place_first[k], count = design->place_first[k + 1] - first;
+    const int component = (int)output->reaction - REACTION_X;
+    if (output->support[0])
+        return reactions_of(reactions, output->support, component);
+    return reactions_at(reactions, &design->mesh, design->place_node + first, count, component);
+}
+
 double analysis_output(const analysis *analysis, int k, int i, const double *value)
 {
     const scene_output *output = &analysis->design.output[k];
+    if (output->reaction != REACTION_NONE)
+        return analysis_reaction(analysis, &analysis->reactions, k);
     if (output->electric == ELECTRIC_POTENTIAL)
         return bare_faces_potential(&analysis->design.bare, analysis->input_value, output->layer,
                                     output->height > 0, analysis_output_node(analysis, k, i));
@@ -414,6 +429,32 @@ static int recover_outputs(analysis *analysis, const double *displacement, char 
 }
 
 /*
+ * Compute the reactions of the supports at a displacement. Returns 0, or -1 with error filled.
+ */
+static int find_reactions(analysis *analysis, const double *displacement, char *error)
+{
+    const reaction_state state = {&analysis->design, displacement, analysis->input_value,
+                                  analysis->is_nonlinear ? &analysis->equilibrium : NULL};
+    reactions_free(&analysis->reactions);
+    if (reactions_compute(&analysis->reactions, &state) == 0)
+        return 0;
+    return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+}
+
+/*
+ * Compute the reactions and the outputs of strains and stresses of a displacement. Returns
+ * `failed`, the result of the computation of the displacement, or -1 with error filled.
+ */
+static int recover_all(analysis *analysis, int failed, const double *displacement, char *error)
+{
+    if (failed && !analysis_ended_early(analysis))
+        return failed;
+    if (find_reactions(analysis, displacement, error) < 0)
+        return -1;
+    return recover_outputs(analysis, displacement, error) < 0 ? -1 : failed;
+}
+
+/*
  * Compute the displacement under the scene's loads, without outputs. Contact and prescribed
  * displacements exist under nonlinear kinematics alone, so no linear solution is computed for them.
  */
@@ -433,18 +474,14 @@ static int solve_scene(analysis *analysis, double *displacement, char *error)
 int analysis_solve(analysis *analysis, double *displacement, char *error)
 {
     const int failed = solve_scene(analysis, displacement, error);
-    if (failed && !analysis_ended_early(analysis))
-        return failed;
-    return recover_outputs(analysis, displacement, error) < 0 ? -1 : failed;
+    return recover_all(analysis, failed, displacement, error);
 }
 
 int analysis_continue(analysis *analysis, double *displacement, char *error)
 {
     analysis->is_nonlinear = true;
     const int failed = solve_applied(analysis, 1, displacement, error);
-    if (failed && !analysis_ended_early(analysis))
-        return failed;
-    return recover_outputs(analysis, displacement, error) < 0 ? -1 : failed;
+    return recover_all(analysis, failed, displacement, error);
 }
 
 /*
@@ -587,5 +624,6 @@ void analysis_free(analysis *analysis)
     free(analysis->input_value);
     free(analysis->charge);
     free(analysis->recovered);
+    reactions_free(&analysis->reactions);
     memset(analysis, 0, sizeof *analysis);
 }

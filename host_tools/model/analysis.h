@@ -12,6 +12,7 @@
 #include "load_path.h"
 #include "mesh_error.h"
 #include "plausible.h"
+#include "reactions.h"
 
 struct analysis;
 
@@ -68,7 +69,9 @@ typedef struct analysis {
                           values of the outputs of strains and stresses in the last solution of
                           analysis_solve or analysis_continue; NULL where the scene has no such
                           outputs */
-    pzs_status status; /* status that the last computation of a nonlinear equilibrium returned */
+    reactions reactions; /* forces of the supports on the shell in the last solution of
+                            analysis_solve or analysis_continue */
+    pzs_status status;   /* status that the last computation of a nonlinear equilibrium returned */
     struct {
         double assemble, factor, solve;
     } seconds; /* durations of assembling the stiffness matrix, of factoring it, and of the last
@@ -170,6 +173,11 @@ int analysis_ended_early(const analysis *analysis);
  *                           displacement vector to the outputs
  */
 double analysis_output(const analysis *analysis, int k, int i, const double *value);
+/*
+ * Value of the scene's output with index k, which is a reaction, from given reactions; NAN where
+ * these are empty.
+ */
+double analysis_reaction(const analysis *analysis, const reactions *reactions, int k);
 /* Number of values (nodes or electrodes) of the scene's output with index k. */
 int analysis_outputs(const analysis *analysis, int k);
 /*

@@ -233,7 +233,8 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
  */
 static int has_place(const scene_output *output)
 {
-    return (output->electric == ELECTRIC_NONE || output->electric == ELECTRIC_POTENTIAL) &&
+    return !output->support[0] &&
+           (output->electric == ELECTRIC_NONE || output->electric == ELECTRIC_POTENTIAL) &&
            (output->contact == CONTACT_NONE || output->contact == CONTACT_PRESSURE);
 }
 
@@ -263,14 +264,15 @@ static int build_places(design *design, int *node)
 
 /*
  * Append the rows of a named output of displacements or strains, one for each of its nodes; a row
- * holds the output per unit of each free dof. Outputs of stresses have no rows, because they also
- * depend on voltages. Returns 0, or -1 with error filled.
+ * holds the output per unit of each free dof. Outputs of stresses and reactions have no rows,
+ * because they also depend on voltages and loads. Returns 0, or -1 with error filled.
  */
 static int append_named(const design *design, int k, row_builder *rows, double *dense, char *error)
 {
     const mesh *mesh = &design->mesh;
     const scene_output *output = &design->scene->output[k];
-    const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE;
+    const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE &&
+                      output->reaction == REACTION_NONE;
     for (int i = design->place_first[k]; moves && i < design->place_first[k + 1]; i++) {
         const int node = design->place_node[i];
         if (output->recovered == RECOVERED_NONE) {

@@ -20,6 +20,7 @@ void quad_mesh_free(quad_mesh *mesh)
     free(mesh->director);
     free(mesh->axis);
     free(mesh->constrained);
+    free(mesh->holder);
     free(mesh->order);
     free(mesh->node_label);
     free(mesh->element_label);

@@ -11,6 +11,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Largest number of dof of a node of the shell. */
+enum { QUAD_DOF = 7 };
+
 /*
  * Named set of nodes, elements or edges. An edge is the number 4 element + side, where a side s
  * joins the corners s and (s + 1) % 4 of the element.
@@ -40,6 +43,8 @@ typedef struct quad_mesh {
                               directors; e2 = e3 x e1 */
     uint8_t *constrained; /* [nodes] bit i is set if dof i of the node is constrained to 0; NULL: no
                              dof is constrained */
+    int (*holder)[QUAD_DOF]; /* [nodes] index of the support that constrains each dof; only entries
+                                of constrained dof count; NULL: unknown */
     uint32_t *order;     /* [nodes] nodes in the order in which their dof are numbered; NULL: in the
                             order of their indices */
     int64_t *node_label; /* [nodes] numbers of the nodes in the mesh file; NULL: they have none */

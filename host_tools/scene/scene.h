@@ -362,6 +362,9 @@ enum { FIX_SIMPLE = 128, FIX_SYMMETRIC = 256, FIX_X = 512, FIX_Y = 1024, FIX_Z =
 enum { FIX_ALONG = 4096, FIX_ACROSS = 8192, FIX_OBLIQUE = FIX_ALONG | FIX_ACROSS };
 
 typedef struct scene_support {
+    char name[SCENE_NAME]; /* name of the support in the results; where the scene file gives none,
+                              the name of its set or edge, or its number. The reactions of supports
+                              of one name are added */
     scene_where where;
     double direction[3]; /* unit vector whose projection on the surface is axis e1 of the support's
                             nodes, or the direction of an oblique support; zero vector: not given */
@@ -375,7 +378,12 @@ typedef struct scene_support {
                      of the scene file); NULL: 0 */
     unsigned move; /* bit i set: the prescribed dof i takes the value of the support; the other
                       prescribed dof are 0, so that a prescribed u3 moves both faces by the same
-                      distance */
+                      distance. A bit of an oblique support (FIX_ALONG) stands for the mean
+                      displacement along its direction */
+    scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
+                              other supports */
+    int turn; /* sign with which the sine of the prescribed rotation is the value of the dof that
+                 the support prescribes; 0: the support prescribes a displacement */
     scene_at at;
 } scene_support;
 
@@ -465,8 +473,27 @@ typedef enum scene_recovered { RECOVERED_NONE, RECOVERED_STRAIN, RECOVERED_STRES
 /* Number of the component of an output of a stress that stands for the von Mises stress. */
 enum { RECOVERED_MISES = 6 };
 
+/*
+ * Component of a reaction that is an output: of the force of supports on the shell, or of its
+ * moment.
+ */
+typedef enum scene_reaction_output {
+    REACTION_NONE,
+    REACTION_X,
+    REACTION_Y,
+    REACTION_Z,
+    REACTION_MOMENT_X,
+    REACTION_MOMENT_Y,
+    REACTION_MOMENT_Z
+} scene_reaction_output;
+
 typedef struct scene_output {
     char name[SCENE_NAME];
+    scene_reaction_output reaction; /* component of the reaction; if it is not REACTION_NONE, the
+                                       output is no displacement, and has one value for all nodes
+                                       of its place, or for the supports of one name */
+    char support[SCENE_NAME];  /* name of the supports whose reaction an output gives; empty: the
+                                  output is the reaction at a place */
     scene_recovered recovered; /* whether the output is a strain or a stress; if so, it has a place
                                   on the mesh, but is no displacement */
     int recovered_component; /* component of a strain or stress, from 0 in the order 11 22 33 23 13

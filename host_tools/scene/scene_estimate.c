@@ -21,12 +21,13 @@ static int read_output_of(reader *reader, int node, void *to, const void *rule)
                           "'%s' is a strain, which is linear in the displacement only with "
                           "kinematics: linear; remove this reading",
                           output->name);
-    if (output->contact == CONTACT_NONE)
+    if (output->contact == CONTACT_NONE && output->reaction == REACTION_NONE)
         return 0;
-    return tree_fault(reader->t, node,
-                      "'%s' is of a contact; an estimate reads displacements, strains, voltages "
-                      "and charges",
-                      output->name);
+    return tree_fault(
+        reader->t, node,
+        "'%s' is of a contact or a reaction; an estimate reads displacements, strains, voltages "
+        "and charges",
+        output->name);
 }
 
 static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};

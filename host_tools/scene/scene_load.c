@@ -4,10 +4,18 @@
 #include "scene_parts.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../quads/vector.h"
 
 /* ---- supports ---- */
+
+/*
+ * Bit of the word `rotation`, which the reader replaces by the dof of the rotation about the given
+ * axis.
+ */
+enum { FIX_ROTATION = 1 << 20 };
 
 enum {
     MEAN_1 = 1,
@@ -35,6 +43,7 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {"flat", MEAN_3},
                                {"along", FIX_ALONG},
                                {"across", FIX_ACROSS},
+                               {"rotation", FIX_ROTATION},
                                {"u1", U1},
                                {"u2", U2},
                                {"u3", U3},
@@ -89,13 +98,15 @@ static int fix_edge(reader *reader, int node, const scene_support *support, int 
 }
 
 /*
- * Return whether a word of the scene file names a single displacement component, which may have a
- * prescribed value.
+ * Return whether a word of the scene file names a single displacement component or a rotation,
+ * which may have a prescribed value.
  */
 static bool is_single(int fix)
 {
     const unsigned of[3] = {U1, U2, U3};
     int found = 0;
+    if (fix == FIX_ALONG || fix == FIX_ROTATION)
+        return true;
     for (int i = 0; i < 3; i++)
         found += ((unsigned)fix & of[i]) != 0;
     return found == 1 && !((unsigned)fix & (FIX_SIMPLE | FIX_SYMMETRIC | GLOBAL | FIX_OBLIQUE));
@@ -182,7 +193,19 @@ static const form support_direction_form = {
     .type = FORM_LIST, .item = &formula_form, .least = 3, .most = 3};
 
 static const field support_fields[] = {
-    PLACE(offsetof(scene_support, where)),
+    {"name", read_name, offsetof(scene_support, name),
+     .help =
+         "Name of the support beside its reactions; default the name of its set or edge, or its "
+         "number. Reactions of supports with one name are added."},
+    {"set", read_set_pattern, offsetof(scene_support, where), .form = &name_form,
+     .help = "Mesh from a file: nodes of a set of the file, be it of nodes, edges or elements. A "
+             "name with *, as bolt_*, stands for one support on each set that fits."},
+    PLACE_ON_SURFACE(offsetof(scene_support, where)),
+    {"about", read_any_direction, offsetof(scene_support, about), .of = OF_NUMBER,
+     .form = &direction_form,
+     .help =
+         "Axis of fix: rotation, in the surface: u1, u2, x, y, z or a vector [x, y, z], of which "
+         "the projection on the surface counts."},
     {"direction", read_direction_of, .of = OF_NUMBER, .form = &support_direction_form,
      .help = "Vector [x, y, z] whose projection on the surface is e1 of the nodes, so that u1 acts "
              "along it; default what the support needs, or theta1. With along and across: the "
@@ -190,7 +213,9 @@ static const field support_fields[] = {
     {"value", read_place_function, offsetof(scene_support, value), .of = OF_SUPPORT,
      .form = &place_function_form,
      .help = "Prescribed displacement at full load, instead of 0; needs kinematics: nonlinear. u1, "
-             "u2, u3 move both faces alike; words for several displacements have no value."},
+             "u2, u3 move both faces alike; along moves the mean of the faces along the direction; "
+             "rotation turns by this angle, below 90 degrees; words for several displacements have "
+             "no value."},
     {"fix", read_fix, .required = 1, .form = &fix_form,
      .help =
          "clamped: all displacements; simple: along the edge and u3 (a diaphragm); symmetric: "
@@ -198,7 +223,8 @@ static const field support_fields[] = {
          "of both faces, and u3M is the dof of the middle surface. Mesh from a file: also x, y "
          "and z. Points on a ball: cone holds three mean displacements, vee those along u3 and "
          "u1 (the direction across its groove), flat that along u3. along: the mean displacement "
-         "along any direction in space; across: both mean displacements normal to it."},
+         "along any direction in space; across: both mean displacements normal to it. rotation: "
+         "that about the axis 'about'."},
     {.key = NULL}};
 
 static const form_case support_cases[] = {{"edge|at|set fix", NULL}, {NULL, NULL}};
@@ -232,22 +258,129 @@ static int check_oblique(reader *reader, int node, const scene_support *support)
     return 0;
 }
 
+/*
+ * Replace the word `rotation` of a support by the dof that it holds. With the axes e1 and e2 of the
+ * nodes, the rotation about e1 is minus the difference of u2 of both faces over the thickness, and
+ * that about e2 the difference of u1. Another axis becomes the axis e1 of the nodes. Returns 0, or
+ * -1 after an error message about the scene.
+ */
+static int find_rotation(reader *reader, int node, scene_support *support)
+{
+    const scene_component axis = support->about.component;
+    const bool is_vector = vector_length(support->about.vector) > 0;
+    const bool is_second = !is_vector && axis == COMPONENT_U2;
+    const unsigned bit = is_second ? DIFFERENCE_1 : DIFFERENCE_2;
+    if (!(support->fix & FIX_ROTATION) && !support->about.given)
+        return 0;
+    if (!(support->fix & FIX_ROTATION) || !support->about.given)
+        return tree_fault(reader->t, node,
+                          "'rotation' and its axis belong together; write fix: rotation and about: "
+                          "y, or another axis");
+    if (support->value && support->fix != FIX_ROTATION)
+        return tree_fault(
+            reader->t, node,
+            "the value of a rotation is an angle; make 'rotation' an item of its own");
+    if (support->direction[0] != 0 || support->direction[1] != 0 || support->direction[2] != 0)
+        return tree_fault(reader->t, node, "'about' names the axis; remove 'direction'");
+    if (!is_vector && axis == COMPONENT_U3)
+        return tree_fault(reader->t, node,
+                          "a shell has no rotation about its normal u3; choose an axis in the "
+                          "surface");
+    if (!reader->s->element.cartesian && (is_vector || axis >= COMPONENT_X))
+        return tree_fault(reader->t, node,
+                          "this axis needs element: improved; choose u1 or u2 with published");
+    if (is_vector)
+        memcpy(support->direction, support->about.vector, sizeof support->direction);
+    else if (axis >= COMPONENT_X)
+        support->direction[axis - COMPONENT_X] = 1;
+    support->fix = (support->fix & ~(unsigned)FIX_ROTATION) | bit;
+    support->move = support->value ? bit : 0;
+    support->turn = is_second ? 1 : -1;
+    return 0;
+}
+
+/* Name a support for which the scene file gives no name after its set or edge, or by its number. */
+static void name_support(const scene *scene, scene_support *support)
+{
+    static const char *const edge_name[] = {[EDGE_THETA1_MINUS] = "theta1-",
+                                            [EDGE_THETA1_PLUS] = "theta1+",
+                                            [EDGE_THETA2_MINUS] = "theta2-",
+                                            [EDGE_THETA2_PLUS] = "theta2+"};
+    const int number = (int)(support - scene->support) + 1;
+    if (support->name[0])
+        return;
+    if (support->where.type == WHERE_SET)
+        memcpy(support->name, support->where.set, sizeof support->name);
+    else if (support->where.type == WHERE_EDGE)
+        snprintf(support->name, sizeof support->name, "%s", edge_name[support->where.edge]);
+    else
+        snprintf(support->name, sizeof support->name, "support %d", number);
+}
+
 static int read_support(reader *reader, int node, void *item)
 {
     scene_support *support = item;
     support->at = node_at(reader, node);
     if (read_map(reader, node, support_fields, support) != 0 ||
-        check_oblique(reader, node, support) != 0)
+        check_oblique(reader, node, support) != 0 || find_rotation(reader, node, support) != 0)
         return -1;
     return require_place(reader, node, &support->where);
+}
+
+/*
+ * Return the number of supports that an item of the list of supports stands for: the number of sets
+ * of the mesh file that fit where its set is a name with *, else 1.
+ */
+static int supports_of(const reader *reader, int node)
+{
+    const int set = reader->t->node[node].kind == TREE_MAP ? tree_find(reader->t, node, "set") : 0;
+    const char *pattern = set ? node_text(reader, set) : NULL;
+    char first[SCENE_NAME];
+    if (!pattern || !reader->s->quads || !strchr(pattern, '*'))
+        return 1;
+    const int count = scene_fitting_set(reader->s, pattern, 0, first);
+    return count > 1 ? count : 1;
+}
+
+/*
+ * Read the supports of one item of the list of supports, one for each set that fits its name.
+ *   support [supports_of the item] out  supports
+ * Returns 0, or -1 after an error message about the scene.
+ */
+static int read_item(reader *reader, int node, scene_support *support)
+{
+    const int count = supports_of(reader, node);
+    for (int k = 0; k < count; k++) {
+        if (read_support(reader, node, &support[k]) != 0)
+            return -1;
+        if (strchr(support[k].where.set, '*'))
+            (void)scene_fitting_set(reader->s, support[k].where.set, k, support[k].where.set);
+        name_support(reader->s, &support[k]);
+    }
+    return 0;
 }
 
 int read_supports(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
+    int items = 0, count = 0, first = 0;
     (void)rule;
-    scene->support = new_items(reader, node, TREE_LIST, sizeof *scene->support, &scene->supports);
-    return read_items(reader, node, scene->support, sizeof *scene->support, read_support, NULL);
+    scene->support = new_items(reader, node, TREE_LIST, sizeof *scene->support, &items);
+    if (!scene->support)
+        return -1;
+    free(scene->support);
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        count += supports_of(reader, i);
+    scene->support = calloc((size_t)count + 1, sizeof *scene->support);
+    if (!scene->support)
+        return tree_fault(reader->t, node, "out of memory");
+    scene->supports = count;
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
+        if (read_item(reader, i, &scene->support[first]) != 0)
+            return -1;
+        first += supports_of(reader, i);
+    }
+    return 0;
 }
 
 /* ---- loads ---- */

@@ -20,10 +20,20 @@ field_read read_surface, read_mesh;
  *   read_layer_sets, read_patch_sets    the scene_layer or scene_patches whose element sets are
  *   read
  *   read_set                            the scene_where of a place that is a named set
+ *   read_set_pattern                    the scene_where of a place that is a named set, or several
+ *                                       sets whose names fit a pattern with *
  *   read_vector, read_unit              double[3]: a vector, and a vector scaled to length 1
  */
-field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, read_set, read_vector,
-    read_unit;
+field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, read_set,
+    read_set_pattern, read_vector, read_unit;
+
+/*
+ * Find the k-th set, counted from 0, of those sets of nodes, edges and elements of the mesh file
+ * whose names fit a pattern, in which the first * stands for any text. The name of the set is
+ * copied to `name`; it stays as it is where fewer sets fit. Returns the number of the sets that
+ * fit.
+ */
+int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[SCENE_NAME]);
 
 /*
  * Read a point on a mesh from a file, a mapping of x, y and z, and find the mesh node nearest to it
@@ -174,7 +184,7 @@ extern const int place_components[];
  * Rows for tables of keys of the scene file. DIRECTIONS: the six displacement components u1, u2,
  * u3, x, y and z, each read by the function `read` with the component as its rule. PLACE: the keys
  * that describe a set of nodes, read into the scene_where at an offset (bytes) in the C struct that
- * is filled.
+ * is filled. PLACE_ON_SURFACE: those of these keys that do not name a set of a mesh file.
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \
@@ -196,8 +206,10 @@ extern const int place_components[];
      OF_NOTHING,                                                                                   \
      &name_form,                                                                                   \
      "Mesh from a file: nodes of a set of the file, be it of nodes, edges or elements."},          \
-        {"edge", read_edge,  offset,     NULL,                                                     \
-         0,      OF_NOTHING, &edge_form, "All nodes of an edge of the mesh."},                     \
+        PLACE_ON_SURFACE(offset)
+#define PLACE_ON_SURFACE(offset)                                                                   \
+    {"edge", read_edge,  offset,     NULL,                                                         \
+     0,      OF_NOTHING, &edge_form, "All nodes of an edge of the mesh."},                         \
     {                                                                                              \
         "at", read_at, offset, NULL, 0, OF_COORDINATE, &at_form,                                   \
             "A node {theta1, theta2}, the nodes of a rectangle {theta1: [from, to], ...}, or "     \

@@ -185,23 +185,6 @@ static int require_quads(reader *reader, int node, const char *what)
                       what);
 }
 
-int read_set(reader *reader, int node, void *to, const void *rule)
-{
-    scene_where *where = to;
-    if (require_quads(reader, node, "'set'") != 0 || read_name(reader, node, where->set, rule) != 0)
-        return -1;
-    const quad_mesh *mesh = &reader->s->quads->mesh;
-    if (where->at.column)
-        return tree_fault(reader->t, node, "two places; give either 'set' or 'at'");
-    if (!quad_set_find(mesh->node_set, mesh->node_sets, where->set) &&
-        !quad_set_find(mesh->edge_set, mesh->edge_sets, where->set) &&
-        !quad_set_find(mesh->element_set, mesh->element_sets, where->set))
-        return refuse_set(reader, node, where->set, false);
-    where->type = WHERE_SET;
-    where->at = node_at(reader, node);
-    return 0;
-}
-
 /*
  * Return whether the name of a set of the mesh file fits a pattern, in which the first * stands for
  * any text.
@@ -217,8 +200,8 @@ static bool fits(const char *pattern, const char *name)
 }
 
 /*
- * Compare the names of two element sets for qsort; numbers in names count by their value, so that
- * patch 2 comes before patch 10.
+ * Compare the names of two sets of the mesh file for qsort; numbers in names count by their value,
+ * so that patch 2 comes before patch 10.
  */
 static int by_name(const void *left, const void *right)
 {
@@ -232,6 +215,120 @@ static int by_name(const void *left, const void *right)
     if (own != other && own > 0 && other > 0)
         return own < other ? -1 : 1;
     return (unsigned char)*first - (unsigned char)*second;
+}
+
+/* ---- sets as places ------------------------------------------------------- */
+
+/* Return whether a list of sets contains a set with a given name. */
+static bool has_name(const quad_set *const *found, size_t count, const char *name)
+{
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(found[i]->name, name) == 0)
+            return true;
+    return false;
+}
+
+/*
+ * List the sets of nodes, edges and elements of a mesh file whose names fit a pattern with *, in
+ * the order of their names; of several sets with one name only the first is listed.
+ *   found [all sets of the mesh file] out  these sets
+ * Returns their number.
+ */
+static size_t find_places(const quad_mesh *mesh, const char *pattern, const quad_set **found)
+{
+    const quad_set *const list[3] = {mesh->node_set, mesh->edge_set, mesh->element_set};
+    const size_t sets[3] = {mesh->node_sets, mesh->edge_sets, mesh->element_sets};
+    size_t count = 0;
+    for (int kind = 0; kind < 3; kind++)
+        for (size_t i = 0; i < sets[kind]; i++)
+            if (fits(pattern, list[kind][i].name) && !has_name(found, count, list[kind][i].name))
+                found[count++] = &list[kind][i];
+    qsort(found, count, sizeof *found, by_name);
+    return count;
+}
+
+/* Allocate a list that can hold all sets of nodes, edges and elements of a mesh file. */
+static const quad_set **allocate_places(const quad_mesh *mesh)
+{
+    const quad_set **found =
+        calloc(mesh->node_sets + mesh->edge_sets + mesh->element_sets + 1, sizeof *found);
+    return found;
+}
+
+/*
+ * Refuse a name with *, which stands for several sets of the mesh file, where one set is needed.
+ * The message names the sets that fit. Returns -1 after writing the error message of the YAML tree.
+ */
+static int refuse_pattern(reader *reader, int node, const char *pattern)
+{
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    const quad_set **found = allocate_places(mesh);
+    const size_t count = found ? find_places(mesh, pattern, found) : 0;
+    char list[LIST] = "";
+    for (size_t i = 0; i < count; i++)
+        list_names(found[i], 1, list);
+    free(found);
+    if (count == 0)
+        return refuse_set(reader, node, pattern, false);
+    return tree_fault(reader->t, node,
+                      "'%.40s' stands for %zu sets, and one is needed here; name one of %s (a "
+                      "support with 'set', and the 'sets' of layers and patches take a name with "
+                      "*)",
+                      pattern, count, list);
+}
+
+/*
+ * Read the name of a set of the mesh file, or a pattern of such names, as a place. Returns 0, or -1
+ * after writing the error message of the YAML tree.
+ */
+static int read_set_name(reader *reader, int node, scene_where *where, const void *rule)
+{
+    if (require_quads(reader, node, "'set'") != 0 || read_name(reader, node, where->set, rule) != 0)
+        return -1;
+    if (where->at.column)
+        return tree_fault(reader->t, node, "two places; give either 'set' or 'at'");
+    where->type = WHERE_SET;
+    where->at = node_at(reader, node);
+    return 0;
+}
+
+int read_set(reader *reader, int node, void *to, const void *rule)
+{
+    scene_where *where = to;
+    if (read_set_name(reader, node, where, rule) != 0)
+        return -1;
+    if (strchr(where->set, '*'))
+        return refuse_pattern(reader, node, where->set);
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    if (!quad_set_find(mesh->node_set, mesh->node_sets, where->set) &&
+        !quad_set_find(mesh->edge_set, mesh->edge_sets, where->set) &&
+        !quad_set_find(mesh->element_set, mesh->element_sets, where->set))
+        return refuse_set(reader, node, where->set, false);
+    return 0;
+}
+
+int read_set_pattern(reader *reader, int node, void *to, const void *rule)
+{
+    scene_where *where = to;
+    if (!strchr(node_text(reader, node) ? node_text(reader, node) : "", '*'))
+        return read_set(reader, node, to, rule);
+    char first[SCENE_NAME];
+    if (read_set_name(reader, node, where, rule) != 0)
+        return -1;
+    return scene_fitting_set(reader->s, where->set, 0, first) > 0
+               ? 0
+               : refuse_set(reader, node, where->set, false);
+}
+
+int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[SCENE_NAME])
+{
+    const quad_mesh *mesh = &scene->quads->mesh;
+    const quad_set **found = allocate_places(mesh);
+    const int count = found ? (int)find_places(mesh, pattern, found) : 0;
+    if (k < count)
+        snprintf(name, SCENE_NAME, "%.*s", SCENE_NAME - 1, found[k]->name);
+    free(found);
+    return count;
 }
 
 /*

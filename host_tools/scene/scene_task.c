@@ -506,6 +506,72 @@ static int read_contact_output(reader *reader, int node, void *to, const void *r
     return 0;
 }
 
+static const choice reactions[] = {{"x", REACTION_X},
+                                   {"y", REACTION_Y},
+                                   {"z", REACTION_Z},
+                                   {"moment_x", REACTION_MOMENT_X},
+                                   {"moment_y", REACTION_MOMENT_Y},
+                                   {"moment_z", REACTION_MOMENT_Z},
+                                   {NULL, 0}};
+static const form reaction_form = {.type = FORM_WORD, .words = reactions};
+
+/* Read an output that is a component of the force or of the moment of supports on the shell. */
+static int read_reaction_output(reader *reader, int node, void *to, const void *rule)
+{
+    output_text *text = to;
+    int component = 0;
+    (void)rule;
+    if (text->directions++)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "an output is one of displacement, reaction, strain, stress, contact, "
+                             "voltage and charge; write a second item for 'reaction'");
+    if (read_choice(reader, node, &component, reactions) != 0)
+        return -1;
+    text->output.reaction = (scene_reaction_output)component;
+    return 0;
+}
+
+/* Return whether the scene has a support with a given name. */
+static bool has_support(const scene *scene, const char *name)
+{
+    bool found = false;
+    for (int k = 0; k < scene->supports; k++)
+        found |= strcmp(scene->support[k].name, name) == 0;
+    return found;
+}
+
+/* Read the name of the supports whose reaction is an output. */
+static int read_support_of(reader *reader, int node, void *to, const void *rule)
+{
+    const scene *scene = reader->s;
+    char *name = to;
+    if (read_name(reader, node, name, rule) != 0)
+        return -1;
+    if (has_support(scene, name))
+        return 0;
+    return tree_fault(reader->t, node, "there is no support '%s'%s%s; give a support this name",
+                      name, scene->supports > 0 ? "; the first is " : "",
+                      scene->supports > 0 ? scene->support[0].name : "");
+}
+
+/*
+ * Check that an output of a reaction has either a place or the name of supports. Returns 0, or -1
+ * after writing the error message of the YAML tree.
+ */
+static int finish_reaction(reader *reader, int node, const output_text *text)
+{
+    const scene_output *output = &text->output;
+    if (output->support[0] && output->where.at.column == 0)
+        return 0;
+    if (output->support[0])
+        return tree_fault_at(reader->t, output->where.at,
+                             "a reaction is that of a support or that at a place; remove one");
+    if (output->where.at.column == 0)
+        return tree_fault(reader->t, node,
+                          "a reaction needs support: name, or a place: edge, at or set");
+    return 0;
+}
+
 /*
  * Read an electric output: the voltages or the charges of the electrodes of a sensor or an
  * actuator.
@@ -665,6 +731,9 @@ static int finish_output(reader *reader, int node, output_text *text)
         return finish_recovered(reader, node, text);
     if (text->output.electric == ELECTRIC_POTENTIAL)
         return finish_potential(reader, node, text);
+    if (text->output.support[0] && text->output.reaction == REACTION_NONE)
+        return tree_fault(reader->t, node,
+                          "'support' belongs to a reaction; add reaction: z, or remove it");
     if (refuse_recovered_keys(reader, node) != 0)
         return -1;
     if (text->output.electric != ELECTRIC_NONE) {
@@ -680,6 +749,8 @@ static int finish_output(reader *reader, int node, output_text *text)
                              "the whole contact has one force and one number of nodes; remove "
                              "the place");
     }
+    if (text->output.reaction != REACTION_NONE)
+        return finish_reaction(reader, node, text);
     if (text->directions == 0)
         return tree_fault(reader->t, node,
                           "no direction in this item of %.60s; add one, as u3: middle or z: outer",
@@ -693,6 +764,12 @@ static const field output_fields[] = {
     {"name", read_name, offsetof(output_text, output.name), .required = 1,
      .help = "Name of the output in the results."},
     DIRECTIONS(read_component, OF_NOTHING, &face_form, "Displacement of a face"),
+    {"reaction", read_reaction_output, .form = &reaction_form,
+     .help = "Force of supports on the shell along a global axis, or its moment about the mean "
+             "position of their nodes: the sum over a place, or over the supports of one name; pzs "
+             "solve alone."},
+    {"support", read_support_of, offsetof(output_text, output.support), .form = &name_form,
+     .help = "Name of the supports whose reaction it is."},
     {"contact", read_contact_output, .form = &contact_result_form,
      .help = "Result of the contact: resultant force on the shell along a global axis, number of "
              "nodes in contact, or the contact pressure at a place."},
@@ -725,6 +802,7 @@ static const form_case output_cases[] = {
     {"u1|u2|u3|x|y|z edge|at|set", "A displacement."},
     {"strain edge|at|set ?layer ?face ?angle", "A strain at nodes."},
     {"stress edge|at|set ?layer ?face ?angle", "A stress at nodes."},
+    {"reaction edge|at|set|support", "A reaction at a place, or of supports."},
     {"contact=pressure edge|at|set", "The contact pressure at a place."},
     {"contact=x/y/z/nodes", "A result of the whole contact."},
     {"voltage|charge", "Voltages or charges of electrodes."},

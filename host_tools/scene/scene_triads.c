@@ -202,6 +202,18 @@ static unsigned exchanged(unsigned bits)
 }
 
 /*
+ * Constrain dof of a node, given as bits. A dof that was free before counts as held by the support.
+ */
+static void constrain(triads *triads, const scene_support *support, size_t node, unsigned bits)
+{
+    const unsigned fresh = bits & ~(unsigned)triads->mesh->constrained[node];
+    for (unsigned i = 0; i < QUAD_DOF; i++)
+        if (fresh >> i & 1u)
+            triads->mesh->holder[node][i] = (int)(support - triads->scene->support);
+    triads->mesh->constrained[node] |= (uint8_t)bits;
+}
+
+/*
  * Constrain dof of a node in the triad (local axes) whose axis e1 is the projection of a direction
  * on the surface. Where an earlier support has determined the triad, both directions must be
  * parallel or perpendicular. Returns 0, or -1 with the error filled.
@@ -227,7 +239,7 @@ static int hold(triads *triads, const scene_support *support, size_t node,
     if (!triads->fixed[node])
         memcpy(triads->mesh->axis[node], axis, sizeof axis);
     triads->fixed[node] = 1;
-    triads->mesh->constrained[node] |= (uint8_t)(cosine <= nearly ? exchanged(bits) : bits);
+    constrain(triads, support, node, cosine <= nearly ? exchanged(bits) : bits);
     return 0;
 }
 
@@ -249,12 +261,12 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
         own = i; /* Index of the only global axis along which the node is constrained, or of the
                     only free axis if it is constrained along two. */
         if (held == 1 && fabs(triads->mesh->director[node][i]) > sqrt(1 - nearly * nearly)) {
-            triads->mesh->constrained[node] |= ALONG_3;
+            constrain(triads, support, node, ALONG_3);
             return 0;
         }
     }
     if (held == 3) {
-        triads->mesh->constrained[node] |= ALL;
+        constrain(triads, support, node, ALL);
         return 0;
     }
     double direction[3] = {own == 0, own == 1, own == 2};
@@ -280,7 +292,7 @@ static int hold_listed(triads *triads, const scene_support *support, size_t node
         return scene_fault(support->at, triads->error,
                            "u1 and u2 are directions in the surface that a mesh from a file does "
                            "not have; add direction: [x, y, z] for u1, or fix x, y or z");
-    triads->mesh->constrained[node] |= (uint8_t)bits;
+    constrain(triads, support, node, bits);
     return 0;
 }
 
@@ -294,7 +306,7 @@ static int hold_simple(triads *triads, const scene_support *support, size_t node
     const edge_normal *normal = &triads->normal[node];
     const bool is_given = vector_dot(support->direction, support->direction) > 0;
     if (!is_given && normal->is_corner) {
-        triads->mesh->constrained[node] |= ALL;
+        constrain(triads, support, node, ALL);
         return 0;
     }
     return hold(triads, support, node, is_given ? support->direction : normal->sum,
@@ -352,10 +364,10 @@ static int turn_directors(triads *triads, const scene_support *support)
 static int hold_support(triads *triads, const scene_support *support)
 {
     double plane[3] = {0, 0, 0};
-    if (support->value && support->fix & ~(unsigned)ALL)
+    if (support->value && support->fix & ~(unsigned)(ALL | FIX_ALONG))
         return scene_fault(support->at, triads->error,
-                           "on a mesh from a file a prescribed displacement is u3, or u1 with "
-                           "direction: [x, y, z]");
+                           "on a mesh from a file a prescribed displacement is u3, or u1 or along "
+                           "with direction: [x, y, z]");
     if (find_nodes(triads, support) != 0)
         return -1;
     if (support->fix & FIX_SYMMETRIC && plane_normal(triads, support, plane) != 0)
@@ -407,10 +419,13 @@ int check_triads(scene *scene, char *error)
     const size_t nodes = triads.mesh->nodes;
     int status = -1;
     triads.mesh->constrained = calloc(nodes, sizeof *triads.mesh->constrained);
+    free(triads.mesh->holder);
+    triads.mesh->holder = calloc(nodes, sizeof *triads.mesh->holder);
     triads.in_set = calloc(nodes, 1);
     triads.fixed = calloc(nodes, 1);
     triads.normal = calloc(nodes, sizeof *triads.normal);
-    if (triads.mesh->constrained && triads.in_set && triads.fixed && triads.normal)
+    if (triads.mesh->constrained && triads.mesh->holder && triads.in_set && triads.fixed &&
+        triads.normal)
         status = apply_supports(&triads);
     else
         scene_fault(scene->quads->at, error, "the mesh does not fit into memory");

@@ -84,6 +84,8 @@ static const char *text_of(const tree *tree, int map, const char *key)
 static dimension of_support(const tree *tree, int map)
 {
     const int fix = tree_find(tree, map, "fix");
+    if (tree_find(tree, map, "about"))
+        return OF_RADIANS;
     int is_pure = strstr(text_of(tree, map, "fix"), "difference") ||
                   strcmp(text_of(tree, map, "fix"), "u3M") == 0;
     for (int i = fix ? tree->node[fix].first : 0; i; i = tree->node[i].next)
@@ -112,6 +114,8 @@ static dimension of_spring(const tree *tree, int map)
 static dimension of_output(const tree *tree, int map)
 {
     const char *const contact = text_of(tree, map, "contact");
+    if (tree_find(tree, map, "reaction"))
+        return strstr(text_of(tree, map, "reaction"), "moment") ? OF_MOMENT : OF_FORCE;
     if (tree_find(tree, map, "voltage"))
         return OF_VOLTAGE;
     if (tree_find(tree, map, "charge"))

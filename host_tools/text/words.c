@@ -29,6 +29,8 @@ const char *words_unit(const scene_unit_names *units, words_quantity quantity,
     snprintf(text, WORDS_UNIT, "%s", plain[quantity] ? plain[quantity] : "");
     if (quantity == QUANTITY_CHARGE)
         charge_unit(units, text);
+    if (quantity == QUANTITY_MOMENT && *length && *force)
+        snprintf(text, WORDS_UNIT, "%s %s", force, length);
     if (quantity == QUANTITY_INFLUENCE && *length && *units->voltage)
         snprintf(text, WORDS_UNIT, "%s/%s", length, units->voltage);
     if (quantity == QUANTITY_FIELD && *length && *units->voltage)
@@ -53,6 +55,8 @@ words_quantity words_of_load(const scene_load *load)
 
 words_quantity words_of_output(const scene_output *output)
 {
+    if (output->reaction != REACTION_NONE)
+        return output->reaction < REACTION_MOMENT_X ? QUANTITY_FORCE : QUANTITY_MOMENT;
     if (output->recovered != RECOVERED_NONE)
         return output->recovered == RECOVERED_STRESS ? QUANTITY_PRESSURE : QUANTITY_OTHER;
     if (output->electric != ELECTRIC_NONE)

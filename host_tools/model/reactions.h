@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Reactions: forces and moments of the supports on the shell, at small and at large displacements.
+ *
+ * The internal forces of the elements at a displacement are summed at all dof, also at those that
+ * supports hold; what they exceed loads, springs and contact there is the reaction. The internal
+ * forces of an element do no work on a rigid motion, so that reactions, loads, forces of springs
+ * and contact forces are in equilibrium, as exactly as the displacement is.
+ *
+ * Points and directors are those of the deformed shell under nonlinear kinematics, and those of the
+ * undeformed shell under linear kinematics. Only the host computes reactions; the tables of a
+ * device do not contain the constrained dof.
+ */
+#ifndef REACTIONS_H
+#define REACTIONS_H
+
+#include <stdbool.h>
+#include "design.h"
+#include "equilibrium.h"
+
+/* Sum of forces, and of their moments about a point, in components along x, y and z. */
+typedef struct total_force {
+    double force[3];  /* N */
+    double moment[3]; /* N m */
+} total_force;
+
+/* Reaction of the supports of one name. */
+typedef struct support_reaction {
+    const char *name;
+    int nodes;         /* number of nodes at which these supports hold or prescribe a dof */
+    double centre[3];  /* mean of the positions of these nodes, undeformed (m) */
+    total_force total; /* force of the supports on the shell, and its moment about `centre` */
+} support_reaction;
+
+/* Reactions of a solved structure; empty (nodes = 0) where none are computed. */
+typedef struct reactions {
+    int nodes;          /* number of nodes of the mesh */
+    double (*node)[6];  /* [nodes] force of the supports on the shell at each node along x, y and z
+                           (N), and their moment about the node (N m) */
+    double (*place)[3]; /* [nodes] positions of the nodes at which the forces act (m) */
+    int supports;       /* number of different names of supports that hold a dof */
+    support_reaction *support; /* [supports] reactions of these supports */
+    total_force held;    /* reactions of all supports, moments about the origin of x, y and z */
+    total_force load;    /* forces of all loads on the shell, moments about the origin of x, y and z
+                          */
+    total_force spring;  /* forces of all springs and stacks on the shell, moments about the origin
+                          */
+    total_force contact; /* forces of a contact body on the shell, moments about the origin */
+    total_force sum;     /* sum of the four totals, which vanishes at equilibrium */
+    double internal;     /* sum of the magnitudes of the internal forces of all elements at their
+                            corners (N), a measure of the rounding error of `sum` */
+} reactions;
+
+/* Displacement of a solved structure, and what belongs to it. */
+typedef struct reaction_state {
+    const design *design;
+    const double *displacement; /* [free_dof] displacement vector of the structure */
+    const double *input_value;  /* [inputs] voltages (V), load factors and temperatures (K) under
+                                   which the displacement was computed */
+    const equilibrium *equilibrium; /* solver whose present displacement and input values these are;
+                                       NULL: the displacement is linear in the inputs */
+} reaction_state;
+
+/*
+ * Return whether reactions can be computed: the dof of all nodes, with the constrained ones, must
+ * be numbered in 16 bits.
+ */
+bool reactions_fit(const design *design);
+
+/*
+ * Compute the reactions of a solved structure. Returns 0, or -1 where memory runs out; where they
+ * do not fit (reactions_fit) the result is empty. The texts of the result belong to the scene.
+ */
+int reactions_compute(reactions *reactions, const reaction_state *state);
+
+void reactions_free(reactions *reactions);
+
+/*
+ * Return a component of the force (0 to 2: along x, y, z) or of the moment (3 to 5) of all supports
+ * on some nodes; the moment is about the mean of their undeformed positions. Returns NAN where no
+ * reactions are computed.
+ *   node [count] in  node numbers
+ */
+double reactions_at(const reactions *reactions, const mesh *mesh, const int *node, int count,
+                    int component);
+
+/*
+ * Return a component of the force (0 to 2) or of the moment about the centre (3 to 5) of the
+ * supports of one name; 0 where they hold nothing that others do not hold, NAN where no reactions
+ * are computed.
+ */
+double reactions_of(const reactions *reactions, const char *name, int component);
+
+#endif
