@@ -165,6 +165,25 @@ static void add_stress(arrays *arrays, const stress_field *field, char unit[WORD
     add_points(arrays, field, words_unit(units, QUANTITY_PRESSURE, unit));
 }
 
+/*
+ * Append the table of the load path to the arrays that are written to files: a row for each point,
+ * with the load factor, the number of negative pivots, and the first value of each output.
+ */
+static void add_path(arrays *arrays, const load_path *path)
+{
+    const size_t columns = 2 + (size_t)path->outputs, points = (size_t)path->points;
+    if (points == 0)
+        return;
+    double *table = allocate_array(arrays, points * columns);
+    for (size_t i = 0; i < points && table; i++) {
+        table[i * columns] = path->point[i].load_factor;
+        table[i * columns + 1] = path->point[i].negative_pivots;
+        memcpy(table + i * columns + 2, path->value + i * (size_t)path->outputs,
+               (size_t)path->outputs * sizeof *table);
+    }
+    add_array(arrays, "path", "", points, columns, table);
+}
+
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
                  const double *value, const stress_field *stress)
 {
@@ -188,6 +207,9 @@ int export_solve(const options *options, const analysis *analysis, const double 
                   design->output[k].recovered == RECOVERED_NONE ? design->units.length : "", rows,
                   0, value + first);
     }
+    add_array(&arrays, "reaction", "", (size_t)analysis->reactions.nodes, 6,
+              analysis->reactions.nodes > 0 ? analysis->reactions.node[0] : NULL);
+    add_path(&arrays, &analysis->load_path);
     if (stress)
         add_stress(&arrays, stress, unit);
     return write_arrays(options, &arrays);

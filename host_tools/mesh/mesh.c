@@ -488,8 +488,8 @@ static int folded(int position, int lines)
 }
 
 /*
- * Compute the value that a support prescribes at a node for the dof that it moves: a displacement,
- * or the component of a director that a rotation turns. Returns 0, or -1 with error filled.
+ * Compute the value that a support prescribes at a node: a displacement, or an angle (rad). Returns
+ * 0, or -1 with error filled.
  */
 static int value_at(const mesh *mesh, const scene_support *support, int node, double *value,
                     char *error)
@@ -502,14 +502,26 @@ static int value_at(const mesh *mesh, const scene_support *support, int node, do
             support->at, error,
             "the value of the support is not a finite number at %s; correct its formula",
             mesh_node_text(mesh, node).text);
-    if (support->turn == 0)
+    if (support->turn == 0 || fabs(*value) < quarter_turn)
         return 0;
-    if (fabs(*value) >= quarter_turn)
-        return scene_fault(support->at, error,
-                           "a rotation of %g rad at %s; a support turns by less than 90 degrees",
-                           *value, mesh_node_text(mesh, node).text);
-    *value = support->turn * sin(*value);
-    return 0;
+    return scene_fault(support->at, error,
+                       "a rotation of %g rad at %s; a support turns by less than 90 degrees",
+                       *value, mesh_node_text(mesh, node).text);
+}
+
+/*
+ * Return the displacement that a support with a value prescribes for dof i of a node. A rotation by
+ * an angle moves the director, a unit vector, by the sine of the angle along the surface, and by
+ * its cosine less 1 along the normal.
+ */
+static double value_of_dof(const scene_support *support, unsigned i, double value)
+{
+    const unsigned along_normal = 5;
+    if (!(support->move >> i & 1u))
+        return 0;
+    if (support->turn == 0)
+        return value;
+    return i == along_normal ? cos(value) - 1 : support->turn * sin(value);
 }
 
 /*
@@ -529,7 +541,7 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
         const int moved = (support->move >> i & 1u) != 0,
                   fixed = mesh->node_dof[dof] == PZS_CONSTRAINED;
         const double before = fixed ? 0 : values[dof];
-        const double wanted = moved ? value : 0;
+        const double wanted = value_of_dof(support, i, value);
         if (!(support->fix >> i & 1u))
             continue;
         if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
@@ -539,7 +551,7 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
         if (!fixed && isnan(values[dof]))
             mesh->holder[dof] = (int)(support - mesh->scene->support);
         if (moved && !fixed)
-            values[dof] = value;
+            values[dof] = wanted;
         else
             mesh->node_dof[dof] = PZS_CONSTRAINED;
     }

@@ -428,10 +428,7 @@ static int recover_outputs(analysis *analysis, const double *displacement, char 
     return analysis_explain(analysis, PZS_E_WORKSPACE, error);
 }
 
-/*
- * Compute the reactions of the supports at a displacement. Returns 0, or -1 with error filled.
- */
-static int find_reactions(analysis *analysis, const double *displacement, char *error)
+int analysis_find_reactions(analysis *analysis, const double *displacement, char *error)
 {
     const reaction_state state = {&analysis->design, displacement, analysis->input_value,
                                   analysis->is_nonlinear ? &analysis->equilibrium : NULL};
@@ -449,7 +446,7 @@ static int recover_all(analysis *analysis, int failed, const double *displacemen
 {
     if (failed && !analysis_ended_early(analysis))
         return failed;
-    if (find_reactions(analysis, displacement, error) < 0)
+    if (analysis_find_reactions(analysis, displacement, error) < 0)
         return -1;
     return recover_outputs(analysis, displacement, error) < 0 ? -1 : failed;
 }

@@ -174,6 +174,12 @@ int analysis_ended_early(const analysis *analysis);
  */
 double analysis_output(const analysis *analysis, int k, int i, const double *value);
 /*
+ * Compute analysis->reactions, the forces of the supports on the shell, at a displacement
+ * [free_dof] that belongs to analysis->input_value; under nonlinear kinematics it must be that of
+ * the equilibrium solver. Returns 0, or -1 with error filled and the reactions empty.
+ */
+int analysis_find_reactions(analysis *analysis, const double *displacement, char *error);
+/*
  * Value of the scene's output with index k, which is a reaction, from given reactions; NAN where
  * these are empty.
  */

@@ -15,12 +15,25 @@ int path_points_open(load_path *path, const analysis *analysis, char *error)
     return path->value && path->row ? 0 : scene_fault(design->at, error, "out of memory");
 }
 
+/* Return whether one of the scene's outputs is a reaction of supports. */
+static bool wants_reactions(const design *design)
+{
+    bool found = false;
+    for (int k = 0; k < design->outputs; k++)
+        found |= design->output[k].reaction != REACTION_NONE;
+    return found;
+}
+
 void path_points_add(load_path *path, analysis *analysis, double load_factor, int iterations)
 {
     const pzs_solver *solver = &analysis->equilibrium.solver;
     double *value = path->value + (size_t)path->points * (size_t)path->outputs;
     pzs_observe(&analysis->design.structure, solver->info.displacement, path->row);
     (void)analysis_electrodes(analysis, NULL);
+    if (wants_reactions(&analysis->design)) {
+        char error[SCENE_ERROR];
+        (void)analysis_find_reactions(analysis, solver->info.displacement, error);
+    }
     for (int k = 0; k < path->outputs; k++)
         value[k] = analysis_output(analysis, k, 0, path->row);
     load_path_point *point = &path->point[path->points++];

@@ -220,6 +220,38 @@ static void write_potentials(const page *page)
     fputs("</div>\n</section>\n", page->file);
 }
 
+/* Write a row of the table of reactions on the report page: a force and its moment. */
+static void write_total(const page *page, const char *name, const total_force *total)
+{
+    const double *force = total->force, *moment = total->moment;
+    put_row(page->file, "%t|%n|%n|%n|%n|%n|%n", name, force[0], force[1], force[2], moment[0],
+            moment[1], moment[2]);
+}
+
+/*
+ * Write the table of the reactions of the supports on the report page, with the sums that are in
+ * equilibrium.
+ */
+static void write_reactions(const page *page)
+{
+    const reactions *reactions = &page->analysis->reactions;
+    if (reactions->supports == 0)
+        return;
+    put_table(
+        page->file,
+        "Forces of the supports on the shell; moments about the mean position of their nodes. "
+        "Below: all forces, with moments about the origin; their sum vanishes at equilibrium.",
+        "Support|Force x|y|z|Moment x|y|z");
+    for (int k = 0; k < reactions->supports; k++)
+        write_total(page, reactions->support[k].name, &reactions->support[k].total);
+    write_total(page, "all supports", &reactions->held);
+    write_total(page, "loads", &reactions->load);
+    write_total(page, "springs", &reactions->spring);
+    write_total(page, "contact", &reactions->contact);
+    write_total(page, "sum", &reactions->sum);
+    put_table_end(page->file);
+}
+
 static void write_page(const solve_page *solve)
 {
     const page *page = &solve->page;
@@ -235,6 +267,7 @@ static void write_page(const solve_page *solve)
     write_deformed(solve);
     fputs("<div>\n", page->file);
     write_outputs(solve);
+    write_reactions(page);
     page_voltages(page, &applied, 1);
     fputs("</div>\n</div>\n</section>\n", page->file);
     for (int along = 0; along < 2 && !page->mesh->quads; along++)

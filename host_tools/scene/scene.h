@@ -382,8 +382,8 @@ typedef struct scene_support {
                       displacement along its direction */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
-    int turn; /* sign with which the sine of the prescribed rotation is the value of the dof that
-                 the support prescribes; 0: the support prescribes a displacement */
+    int turn; /* sign with which the sine of a prescribed rotation is the value of the difference of
+                 u1 or u2; 0: the support prescribes a displacement */
     scene_at at;
 } scene_support;
 

@@ -261,7 +261,8 @@ static int check_oblique(reader *reader, int node, const scene_support *support)
 /*
  * Replace the word `rotation` of a support by the dof that it holds. With the axes e1 and e2 of the
  * nodes, the rotation about e1 is minus the difference of u2 of both faces over the thickness, and
- * that about e2 the difference of u1. Another axis becomes the axis e1 of the nodes. Returns 0, or
+ * that about e2 the difference of u1. Another axis becomes the axis e1 of the nodes. A prescribed
+ * rotation also prescribes the difference of u3, so that it keeps the thickness. Returns 0, or
  * -1 after an error message about the scene.
  */
 static int find_rotation(reader *reader, int node, scene_support *support)
@@ -293,8 +294,8 @@ static int find_rotation(reader *reader, int node, scene_support *support)
         memcpy(support->direction, support->about.vector, sizeof support->direction);
     else if (axis >= COMPONENT_X)
         support->direction[axis - COMPONENT_X] = 1;
-    support->fix = (support->fix & ~(unsigned)FIX_ROTATION) | bit;
-    support->move = support->value ? bit : 0;
+    support->move = support->value ? bit | DIFFERENCE_3 : 0;
+    support->fix = (support->fix & ~(unsigned)FIX_ROTATION) | bit | support->move;
     support->turn = is_second ? 1 : -1;
     return 0;
 }

@@ -297,6 +297,34 @@ static void test_symmetry(void **state)
     assert_near("global axes against edges", global, full, 1e-9);
 }
 
+/*
+ * Law: a support on a set named low* is a support on each set that fits, with its name; the sum of
+ * their reactions is the load.
+ */
+static void test_support_pattern(void **state)
+{
+    (void)state;
+    grid_fill(&grid, 4, 4, plate, 0);
+    write_grid(MSH4_TEXT);
+    scene_run r = run_scene("mesh: {file: grid.msh}\nsupports: [{set: low*, fix: clamped},"
+                            " {name: far, set: high*, fix: u3}]\n"
+                            "loads: [{face: outer, z: -7}]\n",
+                            "layers: [{material: ceramic, thickness: 0.01}]\n");
+    const design *design = &r.analysis.design;
+    const reactions *reactions = &r.analysis.reactions;
+    assert_int_equal(design->supports, 4);
+    assert_string_equal(design->support[0].name, "low1");
+    assert_string_equal(design->support[1].name, "low2");
+    assert_string_equal(design->support[3].where.set, "high2");
+    assert_int_equal(reactions->supports, 3);
+    assert_string_equal(reactions->support[2].name, "far");
+    double sum = 0;
+    for (int k = 0; k < 3; k++)
+        sum += reactions->support[k].total.force[2];
+    assert_near("sum", sum, -reactions->load.force[2], 1e-9);
+    scene_run_close(&r);
+}
+
 /* ---- layers and patches by set ------------------------------------------------ */
 
 /* Law: a layer with sets exists in them alone, so that its mass is theirs. */
@@ -363,6 +391,12 @@ static const struct {
     {"mesh: {theta1: {from: 0, to: 1, elements: 2}}\n", "'surface' is missing in"},
     {"mesh: {file: grid.msh}\nsupports: [{set: rot, fix: clamped}]\n",
      "the mesh file has no set 'rot'; it has all, first, second, low1, high1, low2, high2, origin"},
+    {"mesh: {file: grid.msh}\nsupports: [{set: bolt_*, fix: clamped}]\n",
+     "the mesh file has no set 'bolt_*'; it has all"},
+    {"mesh: {file: grid.msh}\nsupports: [{at: {set: low*}, fix: clamped}]\n",
+     "'low*' stands for 2 sets, and one is needed here; name one of low1, low2"},
+    {"mesh: {file: grid.msh}\nloads: [{line: low*, z: 1}]\n",
+     "'low*' stands for 2 sets, and one is needed here; name one of low1, low2"},
     {"mesh: {disc: {radius: 1, rings: [0.5], elements: 4}}\nsupports: [{set: rin, fix: clamped}]\n",
      "the disc has no set 'rin'; it has ring1, ring2, rim, centre"},
     {"mesh: {disc: {radius: 1, elements: 4}}\npatches: [{name: p, layer: upper, sets: [rung1]}]\n",
@@ -444,11 +478,17 @@ static int remove_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_plate),     cmocka_unit_test(test_disc),
-        cmocka_unit_test(test_box_beam),       cmocka_unit_test(test_hemisphere),
-        cmocka_unit_test(test_dish_directors), cmocka_unit_test(test_symmetry),
-        cmocka_unit_test(test_layer_sets),     cmocka_unit_test(test_direction),
-        cmocka_unit_test(test_refused_scenes), cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_same_plate),
+        cmocka_unit_test(test_disc),
+        cmocka_unit_test(test_box_beam),
+        cmocka_unit_test(test_hemisphere),
+        cmocka_unit_test(test_dish_directors),
+        cmocka_unit_test(test_symmetry),
+        cmocka_unit_test(test_support_pattern),
+        cmocka_unit_test(test_layer_sets),
+        cmocka_unit_test(test_direction),
+        cmocka_unit_test(test_refused_scenes),
+        cmocka_unit_test(test_hash),
     };
     if (!mkdtemp(folder))
         return 1;

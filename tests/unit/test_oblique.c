@@ -415,11 +415,11 @@ static void test_refusals(void **state)
         {AT "along, direction: [1, 'x']}", "three"},
         {AT "u1 mean, direction: ['x', 1, 0]}", "formulas as direction need"},
         {AT "[along, x], direction: [1, 1, 0]}", "a direction of a mesh from a file"},
-        {AT "along, direction: [1, 1, 0], value: 1}", "single displacement"},
+        {AT "across, direction: [1, 1, 0], value: 1}", "single displacement"},
         {AT "along, direction: [1, 0, 1]}, " AT "along, direction: [1, 0.001, 1]}",
          "deviates by 0.041 degrees"},
         {AT "vee}, " AT "along, direction: [1, 0.001, 1]}", "deviates by 0.041 degrees"},
-        {AT "u1 mean, value: 0.1}, " AT "along, direction: [1, 1, 1]}", "prescribes the value"},
+        {AT "u1 mean, value: 0.1}, " AT "along, direction: [1, 0, 0]}", "other supports prescribe"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char text[TEXT];
