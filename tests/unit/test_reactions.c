@@ -79,10 +79,10 @@ static void test_lever(void **state)
 /* ---- equilibrium ------------------------------------------------------------- */
 
 #define PLATE_HELD "supports=[{edge: theta1-, fix: clamped}];"
-#define GROOVES                                                                                     \
-    "supports=[{at: {theta1: 0.5, theta2: 1}, fix: across, direction: [0, 1, 0.3]}, {at: {theta1: " \
-    "0, theta2: 0.25}, fix: across, direction: [-0.8, -0.5, -0.2]}, {at: {theta1: 1, theta2: "      \
-    "0.25}, fix: across, direction: [0.8, -0.5, 0.4]}];"
+#define GROOVES                                                                                    \
+    "supports=[{at: {theta1: 0.5, theta2: 1}, fix: across, direction: [0, 1, 0.3]}, "              \
+    "{at: {theta1: 0, theta2: 0.25}, fix: across, direction: [-0.8, -0.5, -0.2]}, "                \
+    "{at: {theta1: 1, theta2: 0.25}, fix: across, direction: [0.8, -0.5, 0.4]}];"
 
 /*
  * Scenes whose forces must be in equilibrium, and whether forces of a kind must be present, so that
@@ -114,11 +114,13 @@ static const struct balanced {
      false, false, false},
     {PLATE,
      "supports=[{edge: theta1-, fix: clamped}, {edge: theta2+, fix: clamped}];loads=[];"
-     "sensors=[];outputs=[];actuators=[{name: v, drives: [{patches: up}, {patches: low, factor: 0.3}], "
+     "sensors=[];outputs=[];actuators=[{name: v, drives: [{patches: up}, "
+     "{patches: low, factor: 0.3}], "
      "applied: 150}]",
      false, false, false},
     {DISC,
-     "springs=[{at: nodes, along: z, stiffness: 1e8, per: area}];supports=[{set: rim, fix: along, direction: ['x-y', 'y+x', 3]}, {at: {x: 0, y: 0, z: 0}, "
+     "springs=[{at: nodes, along: z, stiffness: 1e8, per: area}];supports=[{set: rim, "
+     "fix: along, direction: ['x-y', 'y+x', 3]}, {at: {x: 0, y: 0, z: 0}, "
      "fix: [u1 mean, u2 mean]}];loads=[{face: outer, pressure: '100*(x+2)'}]",
      true, true, false},
     {STRIP,
