@@ -412,8 +412,8 @@ typedef struct pzs_pulse_detector_state {
                                 about the middle of the pulse (V) */
     pzs_real *effect;        /* [inputs] effects of the voltages of the last tick by the identified
                                 model of hysteresis (V) */
-    pzs_real *cleared_loss;  /* [inputs] voltage that each electrode seemed to have lost before the
-                                last test that it has passed (V) */
+    pzs_real *cleared_loss;  /* [inputs] voltage that each electrode seemed to have lost when
+                                the fault detector last suspected it (V) */
     pzs_real *base_voltage;  /* [inputs] mean voltages of an earlier standstill of the target (V) */
     pzs_real *move; /* [inputs] mean voltages of the last window (in which readings were averaged)
                        minus those of an earlier standstill of the target; during the evaluation of

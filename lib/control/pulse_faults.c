@@ -43,6 +43,7 @@
 #include "pzs_loop.h"
 #include "control.h"
 #include "hysteresis.h"
+#include "pulse_fit.h"
 #include "test_pulse.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
@@ -120,24 +121,6 @@
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
- * Largest sum of squares of the part of a measured response to a test pulse that has another shape
- * than the modelled response, relative to the sum of squares of the modelled response. A larger
- * part means that something else has disturbed the test pulse.
- */
-#define DISTURBED PZS_R(0.25)
-/*
- * Smallest part of the modelled response to the reference electrode (a healthy one) that is
- * independent of the modelled response to the suspected electrode, as a fraction of its sum of
- * squares.
- */
-#define DEPENDENT PZS_R(0.05)
-/*
- * The evaluation of a test pulse expects that the gain (measured divided by modelled response) of
- * all electrodes without a pulse is 1. This is the weight of the expectation, relative to the sum
- * of squares of the modelled response to the pulse.
- */
-#define EXPECTED PZS_R(0.05)
-/*
  * Number of unsuccessful test pulses after which the test of a suspected electrode ends without a
  * result: disturbed ones, and those to which the reference electrode did not respond.
  */
@@ -174,12 +157,6 @@
  * pulses.
  */
 enum { WAITING = 0, PULSING };
-/*
- * Columns of the least-squares fit of the response to a test pulse: modelled responses to the
- * suspected electrode, to the reference electrode (a healthy one), and to all other electrodes.
- */
-enum { SUSPECT = 0, REFERENCE, OTHERS, COLUMNS };
-
 static pzs_real square(pzs_real number)
 {
     return number * number;
@@ -274,15 +251,6 @@ static void begin(pzs_pulse_detector_state *state, uint32_t phase)
     state->phase = (uint8_t)phase;
     state->position = 0;
     state->is_moving = false;
-}
-
-/*
- * Return the input of an electrode under test: number SUSPECT is the suspected electrode, number
- * REFERENCE the healthy one with which it is compared.
- */
-static uint32_t tested_input(const pzs_pulse_detector_state *state, uint32_t number)
-{
-    return number == SUSPECT ? state->suspect : state->reference;
 }
 
 /* ---- readings and voltages ------------------------------------------------ */
@@ -661,9 +629,8 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
 }
 
 /*
- * Whether electrode j may be suspected: it is neither held nor under test, and it has not passed a
- * test, or has lost more than WORSE times the voltage since that made it suspected before that
- * test.
+ * Whether electrode j may be suspected: it is neither held nor under test. If a test has cleared
+ * it, the voltage that it seems to have lost must exceed WORSE times the one that caused this test.
  */
 static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 {
@@ -793,7 +760,6 @@ static void clear_suspect(pzs_pulse_detector_state *state)
     const uint32_t suspect = state->suspect;
     end_proof(state);
     state->electrode[suspect] = PZS_ELECTRODE_CLEARED;
-    state->cleared_loss[suspect] = number_absolute(state->suspect_loss);
     state->pause[suspect] = CLEARED_WINDOWS;
 }
 
@@ -818,6 +784,7 @@ static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
     pzs_pulse_detector_state *state = &detector->state;
     state->suspect = (uint16_t)suspect;
     store_loss(state);
+    state->cleared_loss[suspect] = number_absolute(state->suspect_loss);
     state->reference = (uint16_t)find_reference(state, NO_INPUT);
     state->tries = 0;
     state->is_grown = false;
@@ -826,168 +793,6 @@ static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
         return;
     }
     detector->info.tests++;
-}
-
-/*
- * Least-squares fit of the measured response to a test pulse by three modelled responses: to the
- * suspected electrode, to the healthy reference electrode, and to all other electrodes.
- */
-typedef struct pulse_fit {
-    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the scalar products of the three
-                                          modelled responses with each other; after the
-                                          factorisation the L D L^T factors of this matrix (1) */
-    pzs_real response[COLUMNS]; /* scalar products of the measured with each modelled response;
-                                   after the solution the gains (measured over modelled response)
-                                   (1) */
-    pzs_real own;    /* sum of squares of the modelled response to the suspected electrode (1) */
-    pzs_real energy; /* sum of squares of the measured response (1) */
-} pulse_fit;
-
-/*
- * Set column[COLUMNS] to the responses of sensor i that the model predicts to the test pulse of the
- * suspected electrode, to that of the reference electrode (a healthy one), and to the voltages of
- * all others, times the scale of the sensor (1).
- */
-static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
-                            pzs_real column[COLUMNS])
-{
-    const pzs_real scale = state->is_missing[i] ? 0 : state->tables->scale[i];
-    const pzs_real *row = state->direct + (size_t)i * state->tables->inputs;
-    column[SUSPECT] = scale * row[state->suspect] * state->voltage[state->suspect];
-    column[REFERENCE] = scale * row[state->reference] * state->voltage[state->reference];
-    column[OTHERS] = scale * state->difference[i];
-}
-
-/*
- * Compute the scalar products of the measured and of the modelled responses to the test pulse. The
- * gain (measured divided by modelled response) of all electrodes without a pulse is expected to be
- * 1, so that the fit leaves it there even if they have moved in the shape of the electrodes under
- * test.
- */
-static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
-{
-    const pzs_selftest_tables *tables = state->tables;
-    pulse_fit fit = {{{0}}, {0}, 0, 0};
-    memcpy(state->move, state->voltage, tables->inputs * sizeof *state->move);
-    state->move[state->suspect] = 0;
-    state->move[state->reference] = 0;
-    pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
-                       tables->inputs);
-    for (uint32_t i = 0; i < tables->sensors; i++) {
-        pzs_real column[COLUMNS];
-        model_responses(state, i, column);
-        const pzs_real scale = state->is_missing[i] ? 0 : tables->scale[i];
-        const pzs_real measured = scale * state->reading[i];
-        for (uint32_t k = 0; k < COLUMNS; k++) {
-            fit.response[k] += column[k] * measured;
-            for (uint32_t j = 0; j <= k; j++)
-                fit.matrix[k][j] += column[k] * column[j];
-        }
-        fit.energy += square(measured);
-    }
-    fit.own = fit.matrix[SUSPECT][SUSPECT];
-    fit.matrix[OTHERS][OTHERS] += EXPECTED * fit.own;
-    fit.response[OTHERS] += EXPECTED * fit.own;
-    fit.energy += EXPECTED * fit.own;
-    return fit;
-}
-
-/*
- * Replace the matrix of the least-squares fit of a test pulse by its L D L^T factors. Returns
- * whether the modelled responses to both electrodes under test are independent of each other.
- */
-static bool factor_fit(pulse_fit *fit)
-{
-    for (uint32_t k = 0; k < COLUMNS; k++) {
-        const pzs_real diagonal = fit->matrix[k][k];
-        for (uint32_t j = 0; j < k; j++) {
-            for (uint32_t i = 0; i < j; i++)
-                fit->matrix[k][j] -= fit->matrix[k][i] * fit->matrix[j][i] * fit->matrix[i][i];
-            fit->matrix[k][j] /= fit->matrix[j][j];
-            fit->matrix[k][k] -= square(fit->matrix[k][j]) * fit->matrix[j][j];
-        }
-        if (!(fit->matrix[k][k] > (k < OTHERS ? DEPENDENT * diagonal : 0)))
-            return false;
-    }
-    return true;
-}
-
-/*
- * Solve for the gains (measured divided by modelled response) of the first `count` modelled
- * responses in the least-squares fit of a test pulse.
- *   response [count] in/out  scalar products of the measured with the modelled responses; gains
- */
-static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
-{
-    for (uint32_t k = 0; k < count; k++)
-        for (uint32_t j = 0; j < k; j++)
-            response[k] -= fit->matrix[k][j] * response[j];
-    for (uint32_t k = count; k-- > 0;) {
-        response[k] /= fit->matrix[k][k];
-        for (uint32_t j = k + 1u; j < count; j++)
-            response[k] -= fit->matrix[j][k] * response[j];
-    }
-}
-
-/*
- * Result of one test pulse of the suspected electrode and of the reference electrode, a healthy
- * one.
- */
-typedef struct pulse_response {
-    pzs_real gain[2];   /* measured divided by modelled response, of the suspected electrode and of
-                           the reference electrode (1) */
-    pzs_real jumped[2]; /* jump of the readings during the test pulse in the shape of each of both
-                           electrodes, relative to the modelled response (1) */
-    bool is_measured;   /* false: a load or a motion has disturbed the test pulse, or readings were
-                           missing */
-} pulse_response;
-
-/*
- * Compute by how much the readings have jumped during the test pulse, in the shapes of both
- * electrodes under test, apart from what the voltages explain with the measured gains.
- */
-static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
-                       pulse_response *result)
-{
-    const pzs_selftest_tables *tables = state->tables;
-    for (uint32_t j = 0; j < tables->inputs; j++)
-        state->move[j] = fit->response[OTHERS] * state->late_voltage[j];
-    for (uint32_t k = 0; k < 2; k++) {
-        const uint32_t j = tested_input(state, k);
-        state->move[j] = fit->response[k] * state->late_voltage[j];
-        result->jumped[k] = 0;
-    }
-    pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
-                       tables->inputs);
-    for (uint32_t i = 0; i < tables->sensors; i++) {
-        pzs_real column[COLUMNS];
-        model_responses(state, i, column);
-        const pzs_real jump = tables->scale[i] * (state->late_reading[i] - state->difference[i]);
-        for (uint32_t k = 0; k < 2; k++)
-            result->jumped[k] += column[k] * jump;
-    }
-    solve_fit(fit, result->jumped, 2);
-}
-
-/*
- * Compute the gains of the suspected electrode and of the reference electrode (a healthy one) from
- * the readings during their test pulses.
- */
-static pulse_response evaluate_pulse(pzs_pulse_detector_state *state)
-{
-    pulse_fit fit = compare_pulse(state);
-    pulse_response result = {{0, 0}, {0, 0}, false};
-    pzs_real rest = fit.energy, product[COLUMNS];
-    memcpy(product, fit.response, sizeof product);
-    if (!factor_fit(&fit) || !has_enough(state))
-        return result;
-    solve_fit(&fit, fit.response, COLUMNS);
-    for (uint32_t k = 0; k < COLUMNS; k++)
-        rest -= product[k] * fit.response[k];
-    memcpy(result.gain, fit.response, sizeof result.gain);
-    result.is_measured = rest <= DISTURBED * fit.own;
-    find_jumps(state, &fit, &result);
-    return result;
 }
 
 /*
@@ -1101,7 +906,8 @@ static void repeat_disturbed(pzs_pulse_detector_state *state)
 static uint32_t judge(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    const pulse_response response = evaluate_pulse(state);
+    const pulse_response none = {{0, 0}, {0, 0}, false};
+    const pulse_response response = has_enough(state) ? pzs_pulse_response(state) : none;
     uint32_t found = NO_INPUT;
     detector->info.gain = response.gain[SUSPECT];
     begin(state, PULSING);

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Least-squares fit of the response to a test pulse of the fault detector of a loop that damps
+ * vibration (pulse_fit.h).
+ */
+#include <string.h>
+#include "pulse_fit.h"
+#include "../core/product.h"
+
+/*
+ * Largest sum of squares of the part of a measured response to a test pulse that has another shape
+ * than the modelled response, relative to the sum of squares of the modelled response. A larger
+ * part means that something else has disturbed the test pulse.
+ */
+#define DISTURBED PZS_R(0.25)
+/*
+ * Smallest part of the modelled response to the reference electrode (a healthy one) that is
+ * independent of the modelled response to the suspected electrode, as a fraction of its sum of
+ * squares.
+ */
+#define DEPENDENT PZS_R(0.05)
+/*
+ * The evaluation of a test pulse expects that the gain (measured divided by modelled response) of
+ * all electrodes without a pulse is 1. This is the weight of the expectation, relative to the sum
+ * of squares of the modelled response to the pulse.
+ */
+#define EXPECTED PZS_R(0.05)
+/*
+ * Columns of the least-squares fit of the response to a test pulse: modelled responses to the
+ * suspected electrode (SUSPECT) and to the reference electrode (REFERENCE, a healthy one), and to
+ * all other electrodes.
+ */
+enum { OTHERS = 2, COLUMNS };
+
+static pzs_real square(pzs_real number)
+{
+    return number * number;
+}
+
+/*
+ * Least-squares fit of the measured response to a test pulse by three modelled responses: to the
+ * suspected electrode, to the healthy reference electrode, and to all other electrodes.
+ */
+typedef struct pulse_fit {
+    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the scalar products of the three
+                                          modelled responses with each other; after the
+                                          factorisation the L D L^T factors of this matrix (1) */
+    pzs_real response[COLUMNS]; /* scalar products of the measured with each modelled response;
+                                   after the solution the gains (measured over modelled response)
+                                   (1) */
+    pzs_real own;    /* sum of squares of the modelled response to the suspected electrode (1) */
+    pzs_real energy; /* sum of squares of the measured response (1) */
+} pulse_fit;
+
+/*
+ * Set column[COLUMNS] to the responses of sensor i that the model predicts to the test pulse of the
+ * suspected electrode, to that of the reference electrode (a healthy one), and to the voltages of
+ * all others, times the scale of the sensor (1).
+ */
+static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
+                            pzs_real column[COLUMNS])
+{
+    const pzs_real scale = state->is_missing[i] ? 0 : state->tables->scale[i];
+    const pzs_real *row = state->direct + (size_t)i * state->tables->inputs;
+    column[SUSPECT] = scale * row[state->suspect] * state->voltage[state->suspect];
+    column[REFERENCE] = scale * row[state->reference] * state->voltage[state->reference];
+    column[OTHERS] = scale * state->difference[i];
+}
+
+/*
+ * Compute the scalar products of the measured and of the modelled responses to the test pulse. The
+ * gain (measured divided by modelled response) of all electrodes without a pulse is expected to be
+ * 1, so that the fit leaves it there even if they have moved in the shape of the electrodes under
+ * test.
+ */
+static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    pulse_fit fit = {{{0}}, {0}, 0, 0};
+    memcpy(state->move, state->voltage, tables->inputs * sizeof *state->move);
+    state->move[state->suspect] = 0;
+    state->move[state->reference] = 0;
+    pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
+                       tables->inputs);
+    for (uint32_t i = 0; i < tables->sensors; i++) {
+        pzs_real column[COLUMNS];
+        model_responses(state, i, column);
+        const pzs_real scale = state->is_missing[i] ? 0 : tables->scale[i];
+        const pzs_real measured = scale * state->reading[i];
+        for (uint32_t k = 0; k < COLUMNS; k++) {
+            fit.response[k] += column[k] * measured;
+            for (uint32_t j = 0; j <= k; j++)
+                fit.matrix[k][j] += column[k] * column[j];
+        }
+        fit.energy += square(measured);
+    }
+    fit.own = fit.matrix[SUSPECT][SUSPECT];
+    fit.matrix[OTHERS][OTHERS] += EXPECTED * fit.own;
+    fit.response[OTHERS] += EXPECTED * fit.own;
+    fit.energy += EXPECTED * fit.own;
+    return fit;
+}
+
+/*
+ * Replace the matrix of the least-squares fit of a test pulse by its L D L^T factors. Returns
+ * whether the modelled responses to both electrodes under test are independent of each other.
+ */
+static bool factor_fit(pulse_fit *fit)
+{
+    for (uint32_t k = 0; k < COLUMNS; k++) {
+        const pzs_real diagonal = fit->matrix[k][k];
+        for (uint32_t j = 0; j < k; j++) {
+            for (uint32_t i = 0; i < j; i++)
+                fit->matrix[k][j] -= fit->matrix[k][i] * fit->matrix[j][i] * fit->matrix[i][i];
+            fit->matrix[k][j] /= fit->matrix[j][j];
+            fit->matrix[k][k] -= square(fit->matrix[k][j]) * fit->matrix[j][j];
+        }
+        if (!(fit->matrix[k][k] > (k < OTHERS ? DEPENDENT * diagonal : 0)))
+            return false;
+    }
+    return true;
+}
+
+/*
+ * Solve for the gains (measured divided by modelled response) of the first `count` modelled
+ * responses in the least-squares fit of a test pulse.
+ *   response [count] in/out  scalar products of the measured with the modelled responses; gains
+ */
+static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
+{
+    for (uint32_t k = 0; k < count; k++)
+        for (uint32_t j = 0; j < k; j++)
+            response[k] -= fit->matrix[k][j] * response[j];
+    for (uint32_t k = count; k-- > 0;) {
+        response[k] /= fit->matrix[k][k];
+        for (uint32_t j = k + 1u; j < count; j++)
+            response[k] -= fit->matrix[j][k] * response[j];
+    }
+}
+
+/*
+ * Compute by how much the readings have jumped during the test pulse, in the shapes of both
+ * electrodes under test, apart from what the voltages explain with the measured gains.
+ */
+static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
+                       pulse_response *result)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    for (uint32_t j = 0; j < tables->inputs; j++)
+        state->move[j] = fit->response[OTHERS] * state->late_voltage[j];
+    for (uint32_t k = 0; k < 2; k++) {
+        const uint32_t j = tested_input(state, k);
+        state->move[j] = fit->response[k] * state->late_voltage[j];
+        result->jumped[k] = 0;
+    }
+    pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
+                       tables->inputs);
+    for (uint32_t i = 0; i < tables->sensors; i++) {
+        pzs_real column[COLUMNS];
+        model_responses(state, i, column);
+        const pzs_real jump = tables->scale[i] * (state->late_reading[i] - state->difference[i]);
+        for (uint32_t k = 0; k < 2; k++)
+            result->jumped[k] += column[k] * jump;
+    }
+    solve_fit(fit, result->jumped, 2);
+}
+
+pulse_response pzs_pulse_response(pzs_pulse_detector_state *state)
+{
+    pulse_fit fit = compare_pulse(state);
+    pulse_response result = {{0, 0}, {0, 0}, false};
+    pzs_real rest = fit.energy, product[COLUMNS];
+    memcpy(product, fit.response, sizeof product);
+    if (!factor_fit(&fit))
+        return result;
+    solve_fit(&fit, fit.response, COLUMNS);
+    for (uint32_t k = 0; k < COLUMNS; k++)
+        rest -= product[k] * fit.response[k];
+    memcpy(result.gain, fit.response, sizeof result.gain);
+    result.is_measured = rest <= DISTURBED * fit.own;
+    find_jumps(state, &fit, &result);
+    return result;
+}
