@@ -647,7 +647,9 @@ typedef struct pzs_damper_info {
      */
     pzs_real deviation;
     pzs_real innovation; /* RMS of reading minus predicted reading over the sensors in the last tick
-                            (m) */
+                            (m); where the target has free functions and every target node is
+                            measured, that of the part which the vibration modes explain, because
+                            the readings contain motion along the free functions, too */
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
 } pzs_damper_info;

@@ -358,6 +358,16 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 }
 
 /*
+ * Whether the target has free functions (shapes that may be added at no cost), while every target
+ * node is measured and some vibration modes are observed. The readings then contain motion along
+ * the free functions, which the predicted readings leave out; the mode shapes are orthogonal to it.
+ */
+static bool has_free_functions(const pzs_vibration *tables)
+{
+    return tables->precision != NULL && tables->gain == NULL && tables->modes > 0;
+}
+
+/*
  * Correct the estimated state of the vibration modes at the time at which the readings were taken,
  * and low-pass the part of the readings that the modes do not explain.
  */
@@ -374,6 +384,8 @@ static void correct(pzs_damper *damper)
             state[i] += change[i];
     }
     pzs_product_matrix(change, tables->explain, fit, modes, modes);
+    if (has_free_functions(tables))
+        damper->info.innovation = PZS_SQRT(pzs_product_dot(change, change, modes));
     low_pass(damper->state.residual_modes, change, tables->slow, modes);
     low_pass(damper->state.residual, damper->state.innovation, tables->slow, tables->sensors);
 }

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/model/plausible.h"
 #include "../../host_tools/simulate/certify.h"
@@ -201,6 +202,50 @@ static void test_cure_by_regularisation(void **state)
     }
 }
 
+/* RMS innovation after the first tick of the loop of a panel, with readings in static equilibrium.
+ */
+static double first_innovation(const panel_loop *panel, const double *readings)
+{
+    const double *target = panel->run.analysis.design.target;
+    double none;
+    pzs_loop loop;
+    const size_t count = (size_t)panel->blocks.count;
+    (void)pzs_loop_init(&loop, panel->blocks.block, count, NULL, &none, 0);
+    const size_t need = (size_t)loop.info.where;
+    void *work = malloc(need);
+    assert_int_equal(pzs_loop_init(&loop, panel->blocks.block, count, NULL, work, need), PZS_OK);
+    assert_false(PZS_IS_ERROR(pzs_loop_tick(&loop, target, readings)));
+    const pzs_damper *damper = pzs_loop_find(&loop, &pzs_vibration_block);
+    const double innovation = damper->info.innovation;
+    free(work);
+    return innovation;
+}
+
+/*
+ * Law: motion along a free function of the target, which voltages may cause at no cost, is no
+ * deviation from what the loop predicts, so that it raises no alarm of the supervisor. Motion of a
+ * vibration mode is one, to the regularisation of the fit, 1e-7.
+ */
+static void test_free_motion(void **state)
+{
+    enum { NODES = 400 };
+    static double readings[NODES];
+    const double size = 1e-3;
+    panel_loop panel;
+    (void)state;
+    open_loop(&panel, "target.free=[piston]");
+    const pzs_vibration *tables = &panel.damper.tables;
+    assert_in_range(tables->sensors, 1, NODES);
+    for (int i = 0; i < tables->sensors; i++)
+        readings[i] = size;
+    assert_true(first_innovation(&panel, readings) < 1e-9 * size);
+    for (int i = 0; i < tables->sensors; i++)
+        readings[i] += size * tables->shape[i * tables->modes];
+    const double innovation = first_innovation(&panel, readings);
+    assert_true(fabs(innovation / size - 1) < 1e-4);
+    close_loop(&panel);
+}
+
 /* The text of a certificate explains its words and states the tolerance of a storm. */
 static void test_text(void **state)
 {
@@ -368,6 +413,7 @@ int main(void)
         cmocka_unit_test(test_supervised),
         cmocka_unit_test(test_tolerated_load),
         cmocka_unit_test(test_cure_by_regularisation),
+        cmocka_unit_test(test_free_motion),
         cmocka_unit_test(test_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
