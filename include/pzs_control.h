@@ -44,6 +44,8 @@ extern "C" {
  * largest difference of two neighbouring voltages. A limit row is one such limit; row k demands
  *   lower_k <= sum over the entries of row k of (`value` * voltage of input `dof`) <=
  *   upper_k.
+ * The last absolute_count rows limit weighted sums of absolute values of voltages, for example the
+ * current that a common supply gives: there the absolute value takes the place of the voltage.
  * All voltages that the controller gives obey the limit rows without any rounding error: the
  * optimiser narrows each row by the rounding error of its sum. A program whose voltage problem has
  * no limit rows does not link their code.
@@ -58,6 +60,13 @@ typedef struct pzs_limit_rows {
                               the lower limit by more than twice the rounding error of the sum */
     const pzs_real *safe;  /* [inputs] safe voltages inside all voltage limits and limit rows, to
                               which the controller can always return (V) */
+    uint16_t absolute_count; /* number of limit rows, the last ones, that limit weighted sums of
+                                absolute values of voltages; their coefficients are not negative,
+                                their lower limits are -infinity */
+    const struct pzs_absolute_row_calls *absolute_call; /* pointer to the functions for limits of
+                                                           sums of absolute values:
+                                                           &pzs_absolute_rows_calls, or NULL where
+                                                           absolute_count is 0 */
 } pzs_limit_rows;
 
 /*
@@ -66,6 +75,12 @@ typedef struct pzs_limit_rows {
  */
 extern const struct pzs_limit_row_calls pzs_limit_rows_calls;
 extern const struct pzs_dual_calls pzs_dual_method;
+
+/*
+ * Functions that implement limits of weighted sums of absolute values of voltages. The member
+ * absolute_call of pzs_limit_rows points to them; a program without such limits does not link them.
+ */
+extern const struct pzs_absolute_row_calls pzs_absolute_rows_calls;
 
 #define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limit rows, limits of sums of voltages */
 
@@ -138,6 +153,14 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 #define PZS_LIMIT_ROW_WORK_LEAST(inputs, rows)                                                     \
     (PZS_WORK_LEAST((inputs) + (rows)) + 10u * PZS_PRODUCT_WORK((inputs) + (rows)))
 #define PZS_LIMIT_ROW_WORK_LIMIT(inputs, rows) PZS_WORK_LIMIT((inputs) + (rows))
+
+/*
+ * Number of multiply-adds by which limits of weighted sums of absolute values of voltages raise the
+ * smallest work limit of the optimiser above PZS_LIMIT_ROW_WORK_LEAST. `rows` is the number of all
+ * limit rows, absolute_count the number of those that limit sums of absolute values.
+ */
+#define PZS_ABSOLUTE_ROW_WORK(inputs, rows, absolute_count)                                        \
+    (8u * (absolute_count)*PZS_PRODUCT_WORK((inputs) + (rows)))
 
 /*
  * Upper bound of the multiply-adds of a control tick, for a work_limit of at least PZS_WORK_LEAST.

@@ -221,7 +221,9 @@ typedef struct pzs_row_solver {
                                limit rows (limits of sums of voltages) follow the inputs */
     pzs_real *scale;   /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
                           reciprocal of its largest absolute coefficient, by which the optimiser
-                          multiplies the row; the entries of the inputs are not used */
+                          multiplies the row; for an input the sign (1 or -1) that its voltage keeps
+                          while the optimiser treats the limits of sums of absolute values as limits
+                          of sums with these signs */
     pzs_real *margin;  /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
                           distance by which the optimiser narrows the row, so that its sum is inside
                           its limits despite rounding errors; for an input the largest of these

@@ -193,6 +193,15 @@ static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
     optimiser->work += 2u * (uint64_t)last * (last - k);
 }
 
+void pzs_dual_free(pzs_optimiser *optimiser, uint32_t i)
+{
+    uint32_t k = 0;
+    while (k < optimiser->active_count && optimiser->order[k] != i)
+        k++;
+    if (k < optimiser->active_count)
+        leave_active_set(optimiser, k);
+}
+
 void pzs_dual_free_all(pzs_optimiser *optimiser)
 {
     for (uint32_t i = 0; i < optimiser->inputs; i++)
@@ -573,12 +582,7 @@ static void estimate_voltages(pzs_optimiser *optimiser, pzs_real *restrict volta
     optimiser->work += SWEEPS * (PZS_PRODUCT_WORK(optimiser->inputs) + width);
 }
 
-/*
- * Make free input i active at a bound, with the multiplier zero, if it does not depend linearly on
- * the active inputs.
- *   side in  -1 for its lower bound, +1 for its upper one
- */
-static void join_at_bound(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
+void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 {
     const pzs_real pivot = find_factor_row(optimiser, i);
     if (!(pivot > least_pivot(optimiser, i)))
@@ -604,9 +608,9 @@ static void choose_anew(pzs_optimiser *optimiser)
         if (!number_is_finite(voltage[i]))
             continue;
         if (voltage[i] <= optimiser->lower[i] && gradient[i] > 0)
-            join_at_bound(optimiser, i, -1);
+            pzs_dual_join(optimiser, i, -1);
         else if (voltage[i] >= optimiser->upper[i] && gradient[i] < 0)
-            join_at_bound(optimiser, i, 1);
+            pzs_dual_join(optimiser, i, 1);
     }
     optimiser->iterations++;
     pzs_dual_move_to_bounds(optimiser);

@@ -58,6 +58,16 @@ uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding);
 /* Make all inputs free, so that no voltage is kept at a bound. */
 void pzs_dual_free_all(pzs_optimiser *optimiser);
 
+/* Make input i free, so that its voltage is not kept at a bound, if it is active. */
+void pzs_dual_free(pzs_optimiser *optimiser, uint32_t i);
+
+/*
+ * Make free input i active at a bound, with the multiplier zero, if it does not depend linearly on
+ * the active inputs.
+ *   side in  -1 for its lower bound, +1 for its upper one
+ */
+void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
+
 /*
  * Change the multipliers of the active inputs, in the array `direction`, so that the voltages of
  * the active inputs in next_voltage reach their bounds, and let the voltages of the free inputs

@@ -185,8 +185,9 @@ static uint64_t work_limit(const pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
     const uint32_t rows = limit_row_count(problem);
-    const uint64_t least = rows > 0 ? PZS_LIMIT_ROW_WORK_LEAST(problem->inputs, rows)
-                                    : PZS_WORK_LEAST(problem->inputs);
+    const uint64_t least =
+        rows > 0 ? PZS_LIMIT_ROW_WORK_LEAST(problem->inputs, rows) + absolute_row_work(problem)
+                 : PZS_WORK_LEAST(problem->inputs);
     return control->settings.work_limit > least ? control->settings.work_limit : least;
 }
 

@@ -24,9 +24,12 @@
 pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage)
 {
     const pzs_rows *sums = &rows->sums;
+    const bool is_absolute = limit_row_is_absolute(rows, k);
     pzs_real sum = 0;
-    for (uint32_t entry = sums->start[k]; entry < sums->start[k + 1u]; entry++)
-        sum += sums->value[entry] * voltage[sums->dof[entry]];
+    for (uint32_t entry = sums->start[k]; entry < sums->start[k + 1u]; entry++) {
+        const pzs_real one = voltage[sums->dof[entry]];
+        sum += sums->value[entry] * (is_absolute ? number_absolute(one) : one);
+    }
     return sum;
 }
 
@@ -87,6 +90,21 @@ static bool is_row_usable(const pzs_problem *problem, uint32_t k)
 }
 
 /*
+ * Whether a limit of a weighted sum of absolute values of voltages, limit row k, has no negative
+ * coefficient, no lower limit, and an upper limit above the rounding errors of the sum.
+ */
+static bool is_absolute_usable(const pzs_problem *problem, uint32_t k)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const pzs_rows *sums = &rows->sums;
+    for (uint32_t entry = sums->start[k]; entry < sums->start[k + 1u]; entry++)
+        if (!(sums->value[entry] >= 0))
+            return false;
+    return !number_is_finite(rows->lower[k]) &&
+           rows->upper[k] > 2 * pzs_limit_rows_margin(problem, k);
+}
+
+/*
  * Whether the safe voltages, which the tables store with the limit rows (limits of weighted sums of
  * voltages), are inside all voltage limits and limit rows.
  */
@@ -106,7 +124,9 @@ static pzs_status check_rows(const pzs_problem *problem, int32_t *where)
     const pzs_rows *sums = &rows->sums;
     if (sums->count == 0 || sums->count > PZS_LIMIT_ROW_LIMIT || sums->start == NULL ||
         sums->dof == NULL || sums->value == NULL || rows->lower == NULL || rows->upper == NULL ||
-        rows->safe == NULL || sums->start[0] != 0 || !pzs_guard_rows_fit(sums, problem->inputs))
+        rows->safe == NULL || sums->start[0] != 0 || !pzs_guard_rows_fit(sums, problem->inputs) ||
+        rows->absolute_count > sums->count ||
+        (rows->absolute_count > 0 && rows->absolute_call == NULL))
         return PZS_E_ARGUMENT;
     for (uint32_t k = 0; k < sums->count; k++) {
         *where = (int32_t)(problem->inputs + k);
@@ -114,6 +134,8 @@ static pzs_status check_rows(const pzs_problem *problem, int32_t *where)
             return PZS_E_LIMITS;
         const pzs_real narrowed = 2 * pzs_limit_rows_margin(problem, k);
         if (!(rows->upper[k] - rows->lower[k] >= narrowed))
+            return PZS_E_LIMITS;
+        if (limit_row_is_absolute(rows, k) && !is_absolute_usable(problem, k))
             return PZS_E_LIMITS;
     }
     *where = -1;
@@ -124,6 +146,7 @@ static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
 {
     const pzs_limit_rows *rows = problem->limit_rows;
     const uint32_t count = rows->sums.count;
+    sum = guard_add(sum, (pzs_real)rows->absolute_count);
     for (uint32_t k = 0; k < count; k++)
         sum = guard_add(guard_add(sum, rows->lower[k]), rows->upper[k]);
     for (uint32_t entry = 0; entry < rows->sums.start[count]; entry++)

@@ -12,7 +12,7 @@
 /*
  * Number of arrays of limit rows (limits of sums of voltages) in the checksum of a voltage problem.
  */
-#define LIMIT_ROW_PARTS 7u
+#define LIMIT_ROW_PARTS 8u
 
 struct pzs_limit_row_calls {
     /*
@@ -80,6 +80,30 @@ struct pzs_limit_row_calls {
     uint32_t (*add_row_limits)(uint32_t sum, const pzs_problem *problem);
 };
 
+/*
+ * Functions for those limit rows that limit weighted sums of absolute values of voltages. The
+ * optimiser for limit rows calls them through a table of pointers, so that a program without limits
+ * of absolute values does not link them.
+ */
+struct pzs_absolute_row_calls {
+    /*
+     * Choose for each input the sign that its voltage keeps in the next round of iterations, and
+     * adapt the bounds and the response matrix of the optimiser to a changed choice. The present
+     * voltages always have the chosen signs.
+     *   may_cross in  whether a voltage at 0 V may get the other sign where this lowers the
+     *                 objective
+     * Returns whether a sign has changed.
+     */
+    bool (*choose_signs)(pzs_control *control, bool may_cross);
+    /*
+     * Return the largest violation of the optimality (KKT) conditions (m2/V) by voltages at 0 V
+     * that lower the objective if they change their sign, and add to solver->gap, the upper bound
+     * of the distance of half the objective from its minimum, what a change of signs may gain.
+     *   reduced [inputs] in  gradient minus the contributions of the active limit rows (m2/V)
+     */
+    pzs_real (*violation)(pzs_control *control, const pzs_real *reduced);
+};
+
 /* Return the number of limit rows (limits of sums of voltages) of a voltage problem. */
 static inline uint32_t limit_row_count(const pzs_problem *problem)
 {
@@ -87,8 +111,25 @@ static inline uint32_t limit_row_count(const pzs_problem *problem)
 }
 
 /*
- * Return the weighted sum of voltages that limit row k limits (V). The terms are added in the order
- * of the stored coefficients, so that the optimiser and the last gate compute the same bits.
+ * Return the number of multiply-adds by which limits of sums of absolute values of voltages raise
+ * the smallest work limit of the optimiser, for a voltage problem with limit rows.
+ */
+static inline uint64_t absolute_row_work(const pzs_problem *problem)
+{
+    return PZS_ABSOLUTE_ROW_WORK(problem->inputs, limit_row_count(problem),
+                                 problem->limit_rows->absolute_count);
+}
+
+/* Whether limit row k limits a weighted sum of absolute values of voltages. */
+static inline bool limit_row_is_absolute(const pzs_limit_rows *rows, uint32_t k)
+{
+    return k + rows->absolute_count >= rows->sums.count;
+}
+
+/*
+ * Return the weighted sum, of voltages or of their absolute values, that limit row k limits (V).
+ * The terms are added in the order of the stored coefficients, so that the optimiser and the last
+ * gate compute the same bits.
  */
 pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage);
 

@@ -39,6 +39,7 @@ static void list_row_parts(const pzs_problem *problem, pzs_table_part part[LIMIT
     part[4] = scrub_reals(rows->lower, count);
     part[5] = scrub_reals(rows->upper, count);
     part[6] = scrub_reals(rows->safe, problem->inputs);
+    part[7] = (pzs_table_part){&rows->absolute_count, sizeof rows->absolute_count};
 }
 
 void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_PARTS])

@@ -44,7 +44,7 @@
  * sum at a narrowed limit is inside the true limit.
  */
 #include <string.h>
-#include "limit_rows.h"
+#include "row_solver.h"
 #include "boxls.h"
 #include "boxls_dual.h"
 #include "boxls_tableau.h"
@@ -105,44 +105,6 @@
  * voltages and limited sums back to their bounds to correct rounding errors.
  */
 #define CORRECTIONS 2u
-
-/*
- * The parts of the controller on which the optimiser for limit rows (limits of sums of voltages)
- * works.
- */
-typedef struct rows_run {
-    const pzs_problem *problem;
-    const pzs_limit_rows *rows;
-    pzs_row_solver *solver;
-    pzs_optimiser *tableau;   /* response matrix (tableau), active set, bounds and multipliers that
-                                 the optimiser uses for the inputs together with the limit rows
-                                 (limits of sums of voltages) */
-    pzs_optimiser *optimiser; /* voltages, bounds and gradients that the optimiser uses for the
-                                 inputs alone, without limit rows */
-    uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
-                               limit rows (limits of sums of voltages) */
-} rows_run;
-
-static rows_run run_of(pzs_control *control)
-{
-    pzs_row_solver *solver = control->state.row_solver;
-    return (rows_run){.problem = control->state.problem,
-                      .rows = control->state.problem->limit_rows,
-                      .solver = solver,
-                      .tableau = &solver->extended,
-                      .optimiser = &control->state.optimiser,
-                      .inputs = control->state.problem->inputs,
-                      .count = solver->extended.inputs};
-}
-
-/*
- * Whether quantity k, a voltage or limit row (limit of a sum of voltages), is free, that is, not
- * kept at a bound.
- */
-static inline bool is_free(const rows_run *run, uint32_t k)
-{
-    return run->tableau->free_set[k] > 0;
-}
 
 static uint32_t entry_count(const rows_run *run)
 {
@@ -228,7 +190,7 @@ static void reset_tableau(const rows_run *run)
     for (uint32_t k = 0; k < sums->count; k++)
         for (uint32_t at = sums->start[k]; at < sums->start[k + 1u]; at++) {
             const size_t row = run->inputs + k, input = sums->dof[at];
-            const pzs_real value = -run->solver->scale[row] * sums->value[at];
+            const pzs_real value = -run->solver->scale[row] * rows_coefficient(run, k, at);
             tableau->tableau[row * width + input] = tableau->tableau[input * width + row] = value;
         }
     for (uint32_t k = 0; k < run->count; k++)
@@ -251,7 +213,7 @@ static uint32_t next_pivot(const rows_run *run)
     pzs_real most = run->solver->least_curvature > 0 ? 0 : LEAST_CURVATURE * stiffest_of(run);
     uint32_t next = run->inputs;
     for (uint32_t i = 0; i < run->inputs; i++) {
-        if (is_free(run, i) || !(run->tableau->pivot[i] > most))
+        if (rows_is_free(run, i) || !(run->tableau->pivot[i] > most))
             continue;
         most = run->tableau->pivot[i];
         next = i;
@@ -352,7 +314,7 @@ static void load_bounds(const rows_run *run)
  * Compute the present values of all voltages and scaled sums of limit rows (limits of sums of
  * voltages).
  */
-static void load_values(const rows_run *run)
+void pzs_rows_load_values(const rows_run *run)
 {
     pzs_real *value = run->tableau->voltage;
     memcpy(value, run->optimiser->voltage, run->inputs * sizeof *value);
@@ -369,15 +331,16 @@ static void load_values(const rows_run *run)
  * voltages): scaled coefficients times multiplier. Returns the largest absolute contribution, which
  * scales the rounding error (m2/V).
  */
-static pzs_real subtract_rows(const rows_run *run, pzs_real *gradient)
+pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient)
 {
     const pzs_rows *sums = &run->rows->sums;
     pzs_real largest = 0;
     for (uint32_t k = 0; k < sums->count; k++) {
         const uint32_t row = run->inputs + k;
         const pzs_real multiplier = run->solver->scale[row] * run->tableau->direction[row];
-        for (uint32_t at = sums->start[k]; at < sums->start[k + 1u] && !is_free(run, row); at++) {
-            const pzs_real force = sums->value[at] * multiplier;
+        for (uint32_t at = sums->start[k]; at < sums->start[k + 1u] && !rows_is_free(run, row);
+             at++) {
+            const pzs_real force = rows_coefficient(run, k, at) * multiplier;
             gradient[sums->dof[at]] -= force;
             if (!(number_absolute(force) <= largest))
                 largest = number_absolute(force);
@@ -410,12 +373,12 @@ static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
  * distance of half the objective from its minimum, in solver->gap. reduced [inputs] in  gradient
  * minus the contributions of the active limit rows (m2/V)
  */
-static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
+pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 {
     const pzs_optimiser *tableau = run->tableau;
     pzs_real largest = 0, gap = 0;
     for (uint32_t k = 0; k < run->count; k++) {
-        if (k >= run->inputs && is_free(run, k))
+        if (k >= run->inputs && rows_is_free(run, k))
             continue;
         const pzs_real multiplier = k < run->inputs ? reduced[k] : tableau->direction[k];
         const pzs_real room = multiplier > 0 ? tableau->voltage[k] - tableau->lower[k]
@@ -431,6 +394,21 @@ static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
 }
 
 /*
+ * Return the largest violation of the optimality (KKT) conditions (m2/V), also of those that let a
+ * voltage change its sign where sums of absolute values are limited, and store the duality gap in
+ * solver->gap. reduced [inputs] in  gradient minus the contributions of the active limit rows
+ * (m2/V)
+ */
+static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
+{
+    const pzs_real largest = pzs_rows_violation(run, reduced);
+    if (run->rows->absolute_count == 0)
+        return largest;
+    const pzs_real crossing = run->rows->absolute_call->violation(run->control, reduced);
+    return crossing > largest ? crossing : largest;
+}
+
+/*
  * Compute the violation of the optimality (KKT) conditions at the start of a round of iterations,
  * and its rounding-error bound. The bound never falls below the bound in the first round of the
  * control step, so that an optimum with zero gradient counts as found. The array `scratch` of the
@@ -442,8 +420,8 @@ static void measure_violation(const rows_run *run)
     pzs_optimiser *optimiser = run->optimiser;
     pzs_real *reduced = optimiser->scratch;
     memcpy(reduced, optimiser->gradient, optimiser->width * sizeof *reduced);
-    const pzs_real forces = subtract_rows(run, reduced);
-    optimiser->kkt_violation = largest_violation(run, reduced);
+    const pzs_real forces = pzs_rows_subtract(run, reduced);
+    optimiser->kkt_violation = total_violation(run, reduced);
     const pzs_real bound = ROUNDING_FACTOR * (optimiser->target_rounding +
                                               optimiser->model_rounding + 4 * PZS_EPSILON * forces);
     run->solver->least_rounding =
@@ -473,7 +451,7 @@ static void predict_step(const rows_run *run)
     pzs_optimiser *tableau = run->tableau;
     pzs_real *reduced = run->optimiser->scratch, *next = tableau->next_voltage;
     for (uint32_t i = 0; i < run->inputs; i++) {
-        if (is_free(run, i))
+        if (rows_is_free(run, i))
             continue;
         tableau->direction[i] = reduced[i];
         reduced[i] = 0;
@@ -510,9 +488,10 @@ static bool project_row(const rows_run *run, uint32_t k)
         square += scale * sums->value[at] * scale * sums->value[at];
     for (uint32_t at = sums->start[k]; square > 0 && at < sums->start[k + 1u]; at++) {
         const uint16_t input = sums->dof[at];
-        const pzs_real next = optimiser->voltage[input] - off * scale * sums->value[at] / square;
+        const pzs_real next =
+            optimiser->voltage[input] - off * scale * rows_coefficient(run, k, at) / square;
         optimiser->voltage[input] =
-            number_clamp(next, optimiser->lower[input], optimiser->upper[input]);
+            number_clamp(next, tableau->lower[input], tableau->upper[input]);
     }
     return true;
 }
@@ -577,8 +556,8 @@ static void correct_active(const rows_run *run)
     for (uint32_t i = 0; i < run->inputs; i++)
         if (number_is_finite(tableau->next_voltage[i]))
             optimiser->voltage[i] =
-                number_clamp(tableau->next_voltage[i], optimiser->lower[i], optimiser->upper[i]);
-    load_values(run);
+                number_clamp(tableau->next_voltage[i], tableau->lower[i], tableau->upper[i]);
+    pzs_rows_load_values(run);
 }
 
 /*
@@ -605,7 +584,7 @@ static void take_voltages(const rows_run *run, bool is_complete)
                                     ? number_clamp(next, optimiser->lower[i], optimiser->upper[i])
                                     : optimiser->start_voltage[i];
     }
-    load_values(run);
+    pzs_rows_load_values(run);
     for (uint32_t k = 0; k < CORRECTIONS && is_complete && is_away_from_bound(run); k++)
         correct_active(run);
     if (are_rows_inside(run)) {
@@ -693,6 +672,18 @@ static bool is_acceptable(const rows_run *run)
 }
 
 /*
+ * Choose the signs that the voltages keep in a round of iterations, where the voltage problem
+ * limits sums of absolute values.
+ *   may_cross in  whether a voltage at 0 V may get the other sign
+ * Returns whether a sign has changed.
+ */
+static bool choose_signs(const rows_run *run, bool may_cross)
+{
+    return run->rows->absolute_count > 0 &&
+           run->rows->absolute_call->choose_signs(run->control, may_cross);
+}
+
+/*
  * Make the step to the minimum over the free quantities (voltages and limited sums) and the
  * iterations of the dual method, and take the voltages that they reach, as far as these are inside
  * bounds and limit rows.
@@ -731,7 +722,7 @@ static bool has_increased(const rows_run *run, pzs_real change)
     const pzs_real length = PZS_SQRT(pzs_product_dot(way, way, optimiser->width));
     pzs_real allowed = 16 * PZS_EPSILON * optimiser->target_energy;
     for (uint32_t row = run->inputs; row < run->count; row++)
-        if (!is_free(run, row))
+        if (!rows_is_free(run, row))
             allowed += 4 * run->solver->margin[row] * number_absolute(run->tableau->direction[row]);
     return !(change <= allowed + length * optimiser->rounding_bound);
 }
@@ -744,12 +735,16 @@ static bool has_increased(const rows_run *run, pzs_real change)
 static bool make_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
-    load_values(run);
+    (void)choose_signs(run, false);
+    pzs_rows_load_values(run);
     measure_violation(run);
     optimiser->is_optimal = is_converged(run);
     if (optimiser->is_optimal)
         return false;
-    const bool is_stuck = run->solver->gap * 4 > run->solver->last_gap;
+    const bool has_crossed = choose_signs(run, true);
+    if (has_crossed)
+        measure_violation(run);
+    const bool is_stuck = !has_crossed && run->solver->gap * 4 > run->solver->last_gap;
     optimiser->is_optimal = is_stuck && is_acceptable(run);
     if (optimiser->is_optimal)
         return false;
@@ -775,7 +770,8 @@ static bool make_round(const rows_run *run)
 static bool may_make_round(const rows_run *run)
 {
     const uint64_t active = run->tableau->active_count, width = run->tableau->width;
-    const uint64_t work = (run->inputs + active + PZS_ROUND_LOOPS) * width + active * active;
+    const uint64_t work = (run->inputs + active + PZS_ROUND_LOOPS) * width + active * active +
+                          absolute_row_work(run->problem);
     const bool is_complete = !run->tableau->is_rebuilding || complete_tableau(run);
     run->optimiser->is_cut = !is_complete || remaining_work(run) < work;
     if (run->optimiser->is_cut)
@@ -792,7 +788,7 @@ static void check_active_set(const rows_run *run)
 {
     uint32_t active = 0;
     for (uint32_t k = 0; k < run->count; k++)
-        active += is_free(run, k) ? 0u : 1u;
+        active += rows_is_free(run, k) ? 0u : 1u;
     if (active != run->tableau->active_count)
         pzs_dual_free_all(run->tableau);
     pzs_check_active_dual(run->tableau);
@@ -800,7 +796,7 @@ static void check_active_set(const rows_run *run)
 
 void pzs_optimise_rows(pzs_control *control)
 {
-    const rows_run run = run_of(control);
+    const rows_run run = rows_run_of(control);
     pzs_optimiser *optimiser = run.optimiser;
     bool again = true;
     optimiser->is_optimal = optimiser->is_cut = false;
@@ -826,15 +822,17 @@ void pzs_optimise_rows(pzs_control *control)
 
 pzs_real pzs_violation_rows(pzs_control *control, const pzs_real *gradient, uint16_t *active)
 {
-    const rows_run run = run_of(control);
+    const rows_run run = rows_run_of(control);
     pzs_real *reduced = control->state.optimiser.scratch;
+    if (!run.tableau->is_rebuilding)
+        (void)choose_signs(&run, false);
     memcpy(reduced, gradient, run.inputs * sizeof *reduced);
-    load_values(&run);
-    (void)subtract_rows(&run, reduced);
+    pzs_rows_load_values(&run);
+    (void)pzs_rows_subtract(&run, reduced);
     *active = 0;
     for (uint32_t row = run.inputs; row < run.count; row++)
-        *active = (uint16_t)(*active + !is_free(&run, row));
-    return largest_violation(&run, reduced);
+        *active = (uint16_t)(*active + !rows_is_free(&run, row));
+    return total_violation(&run, reduced);
 }
 
 /* ---- state of the optimiser --------------------------------------------- */
@@ -868,10 +866,12 @@ void pzs_arrange_rows(pzs_control *control, uint8_t *work)
 
 void pzs_prepare_rows(pzs_control *control)
 {
-    const rows_run run = run_of(control);
+    const rows_run run = rows_run_of(control);
     control->state.optimiser.work = 0;
     control->state.optimiser.work_limit = UINT64_MAX;
     set_scales(&run);
+    for (uint32_t i = 0; i < run.inputs; i++)
+        run.solver->scale[i] = 1;
     run.solver->least_curvature = 0;
     reset_tableau(&run);
     (void)complete_tableau(&run);
@@ -879,7 +879,7 @@ void pzs_prepare_rows(pzs_control *control)
 
 void pzs_repair_rows(pzs_control *control)
 {
-    const rows_run run = run_of(control);
+    const rows_run run = rows_run_of(control);
     const size_t width = run.tableau->width;
     guard_repair_bool(&run.tableau->is_rebuilding);
     if (!(run.solver->least_curvature >= 0 && run.solver->least_curvature <= MOST_CURVATURE))

@@ -80,6 +80,13 @@ static void add_difference(rig *r, unsigned left, unsigned right, double limit)
     add_entry(r, right, -1);
 }
 
+/* Limit the weighted sum of the absolute values of the inputs that add_entry names. */
+static void begin_absolute(rig *r, double limit)
+{
+    begin_row(r, -HUGE_VAL, limit);
+    r->rows.absolute_count++;
+}
+
 /* Limit the differences of consecutive inputs. */
 static void add_chain(rig *r, double limit)
 {
@@ -92,6 +99,7 @@ static pzs_status open_rig(rig *r)
 {
     pzs_problem *problem = &r->b.problem;
     r->rows.call = &pzs_limit_rows_calls;
+    r->rows.absolute_call = r->rows.absolute_count > 0 ? &pzs_absolute_rows_calls : NULL;
     r->rows.sums.start = r->start;
     r->rows.sums.dof = r->input;
     r->rows.sums.value = r->value;
@@ -178,6 +186,27 @@ static void random_problem(rig *r, uint64_t seed)
     random_rows(r, limit);
 }
 
+/*
+ * Limits of sums of absolute values: of all inputs, of a part, or of two parts that share inputs;
+ * from a limit that never binds to one that keeps most voltages at 0 V.
+ */
+static void random_absolutes(rig *r, uint64_t seed)
+{
+    random_problem(r, seed);
+    const unsigned n = r->b.problem.inputs, count = 1 + below(&r->b, 3);
+    for (unsigned k = 0; k < count; k++) {
+        double most = 0;
+        const bool is_weighted = chance(&r->b, .5);
+        begin_absolute(r, 0);
+        for (unsigned j = k > 0 ? below(&r->b, n) : 0; j < n && j < 60; j++) {
+            const double weight = is_weighted ? uniform(&r->b, .01, 3) : 1;
+            add_entry(r, j, weight);
+            most += weight * (double)r->b.upper[j];
+        }
+        r->high[r->rows.sums.count - 1] = (pzs_real)(.001 + most * pow(10, uniform(&r->b, -2, .1)));
+    }
+}
+
 /* ---- checks ---------------------------------------------------------------- */
 
 /* Assert that the voltages are inside all bounds and rows to the last bit. */
@@ -191,13 +220,29 @@ static void assert_inside(const rig *r)
 }
 
 /*
+ * Twice the largest value, over the voltages x inside the bounds of input j, of
+ * gradient (voltage - x) + force (|voltage| - |x|). It is reached at a bound or at 0 V.
+ */
+static wide gap_of_input(const rig *r, unsigned j, wide voltage, wide gradient, wide force)
+{
+    const wide low = r->b.lower_bound[j], high = r->b.upper_bound[j];
+    const wide place[] = {low, high, clip(0, low, high)};
+    wide most = 0;
+    for (unsigned k = 0; k < 3; k++)
+        most = fmaxl(most,
+                     gradient * (voltage - place[k]) + force * (fabsl(voltage) - fabsl(place[k])));
+    return 2 * most;
+}
+
+/*
  * Upper bound of objective minus optimum, by duality: for any multipliers of the right sign, it is
- * at most 2 max over the box of (gradient - A' multipliers) . (v - x) + 2 |multipliers| . slack.
+ * at most 2 max over the box of (gradient - A' multipliers) . (v - x) + 2 |multipliers| . slack,
+ * and for the multiplier of a sum of absolute values with |v| - |x| in place of v - x.
  */
 static wide duality_gap(const rig *r)
 {
     const pzs_row_solver *solver = r->b.control.state.row_solver;
-    wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], gap = 0;
+    wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], force[MOST_INPUTS] = {0}, gap = 0;
     const unsigned n = r->b.problem.inputs;
     for (unsigned j = 0; j < n; j++)
         voltage[j] = r->b.control.info.voltage[j];
@@ -213,10 +258,13 @@ static wide duality_gap(const rig *r)
             gap += 2 * multiplier * (sum - (wide)r->low[k]);
         else if (multiplier < 0)
             gap -= 2 * multiplier * ((wide)r->high[k] - sum);
+        wide *into = limit_row_is_absolute(&r->rows, k) ? force : gradient;
         for (uint32_t at = r->start[k]; at < r->start[k + 1]; at++)
-            gradient[r->input[at]] -= (wide)r->value[at] * multiplier;
+            into[r->input[at]] -= (wide)r->value[at] * multiplier;
     }
-    return gap + gap_of(&r->b, voltage, gradient);
+    for (unsigned j = 0; j < n; j++)
+        gap += gap_of_input(r, j, voltage[j], gradient[j], force[j]);
+    return gap;
 }
 
 /* Objective at which the tolerance is measured. */
@@ -233,13 +281,16 @@ static void write_reals(const pzs_real *x, unsigned count)
     }
 }
 
-/* Write inputs, outputs, rows, regularisation, arrays, dense rows, limits and voltages as doubles.
+/*
+ * Write inputs, outputs, rows, rows of absolute values, regularisation, arrays, dense rows, limits
+ * and voltages as doubles.
  */
 static void write_problem(const rig *r)
 {
     const unsigned n = r->b.problem.inputs, m = r->b.problem.outputs, count = r->rows.sums.count;
-    const double head[] = {n, m, count, (double)r->b.problem.regularisation};
-    fwrite(head, sizeof *head, 4, dump);
+    const double head[] = {n, m, count, r->rows.absolute_count,
+                           (double)r->b.problem.regularisation};
+    fwrite(head, sizeof *head, 5, dump);
     write_reals(r->b.influence, n * m);
     write_reals(r->b.weight, m);
     write_reals(r->b.error, m);
@@ -257,6 +308,14 @@ static void write_problem(const rig *r)
     write_reals(r->b.control.info.voltage, n);
 }
 
+/* Return the smallest work limit of a step (multiply-adds). */
+static uint64_t least_work(const rig *r)
+{
+    const unsigned n = r->b.problem.inputs, rows = r->rows.sums.count;
+    return PZS_LIMIT_ROW_WORK_LEAST(n, rows) +
+           PZS_ABSOLUTE_ROW_WORK(n, rows, r->rows.absolute_count);
+}
+
 /* ---- laws ------------------------------------------------------------------ */
 
 /*
@@ -264,13 +323,12 @@ static void write_problem(const rig *r)
  * chains, pairs and sums, repeated and zero rows, rows equal to bounds, deficient rank, step
  * limits, and targets that jump between warm steps.
  */
-static void test_random_problems(void **state)
+static void check_random(unsigned count, void make(rig *, uint64_t))
 {
-    (void)state;
     unsigned most = 0, steps = 0, iterations = 0, active = 0, missed = 0;
     wide worst = 0;
-    for (unsigned k = 0; k < RANDOM_PROBLEMS; k++) {
-        random_problem(&one, k);
+    for (unsigned k = 0; k < count; k++) {
+        make(&one, k);
         assert_int_equal(open_rig(&one), PZS_OK);
         for (unsigned left = 1 + below(&one.b, 4); left > 0; left--, steps++) {
             note_limits(&one.b);
@@ -295,33 +353,44 @@ static void test_random_problems(void **state)
     print_message(
         "%d problems, %u steps: gap at most %.2Lg of what is allowed, missed in %u steps, "
         "%.1f rows bind, %.1f iterations a step, at most %u\n",
-        RANDOM_PROBLEMS, steps, worst, missed, (double)active / steps, (double)iterations / steps,
-        most);
+        count, steps, worst, missed, (double)active / steps, (double)iterations / steps, most);
     assert_true(missed <= MISSED_PART * steps);
+}
+
+static void test_random_problems(void **state)
+{
+    (void)state;
+    check_random(RANDOM_PROBLEMS, random_problem);
+}
+
+/* Law: the same with limits of sums of absolute values beside those of sums. */
+static void test_random_absolutes(void **state)
+{
+    (void)state;
+    check_random(RANDOM_PROBLEMS / 2, random_absolutes);
 }
 
 /*
  * Law: wherever the work limit cuts a step, the voltages are inside all limits and no worse than
  * before, and the work is within the limit; with enough work the step ends at the optimum.
  */
-static void test_cuts(void **state)
+static void check_cuts(unsigned count, void make(rig *, uint64_t))
 {
-    (void)state;
     unsigned cuts = 0, missed = 0;
-    for (unsigned k = 0; k < 250; k++) {
-        random_problem(&one, 50000 + k);
+    for (unsigned k = 0; k < count; k++) {
+        make(&one, 50000 + k);
         assert_int_equal(open_rig(&one), PZS_OK);
         (void)pzs_step(&one.b.control, one.b.error);
         random_error(&one);
         memcpy(&copy, &one, sizeof copy);
         const wide first = objective_at(&one.b, one.b.control.info.voltage);
         const unsigned n = one.b.problem.inputs, rows = one.rows.sums.count;
+        const uint64_t least = least_work(&one);
         pzs_status status = PZS_W_ITERATIONS;
         for (unsigned allowed = 0; status == PZS_W_ITERATIONS; allowed++, cuts++) {
             memcpy(&one, &copy, sizeof one);
             note_limits(&one.b);
-            one.b.control.settings.work_limit =
-                PZS_LIMIT_ROW_WORK_LEAST(n, rows) + allowed * PZS_ITERATION_WORK(n + rows);
+            one.b.control.settings.work_limit = least + allowed * PZS_ITERATION_WORK(n + rows);
             status = pzs_step(&one.b.control, one.b.error);
             assert_inside(&one);
             assert_true(one.b.control.info.work <= one.b.control.settings.work_limit);
@@ -331,8 +400,48 @@ static void test_cuts(void **state)
         }
         missed += duality_gap(&one) > ROW_TOLERANCE * scale_of(&one);
     }
-    print_message("%u cuts, %u of 250 ends above the optimum\n", cuts, missed);
-    assert_true(missed <= 10 * MISSED_PART * 250);
+    print_message("%u cuts, %u of %u ends above the optimum\n", cuts, missed, count);
+    assert_true(missed <= 10 * MISSED_PART * count);
+}
+
+static void test_cuts(void **state)
+{
+    (void)state;
+    check_cuts(250, random_problem);
+    check_cuts(60, random_absolutes);
+}
+
+/*
+ * Law: steps with the least work limit, repeated for one target, reach the optimum.
+ */
+static void check_least(unsigned count, void make(rig *, uint64_t))
+{
+    unsigned most = 0, missed = 0;
+    for (unsigned k = 0; k < count; k++) {
+        make(&one, 70000 + k);
+        for (unsigned j = 0; j < one.b.problem.inputs; j++)
+            one.b.step_limit[j] = (pzs_real)HUGE_VAL;
+        assert_int_equal(open_rig(&one), PZS_OK);
+        one.b.control.settings.work_limit = least_work(&one);
+        note_limits(&one.b);
+        unsigned steps = 1;
+        while (pzs_step(&one.b.control, one.b.error) == PZS_W_ITERATIONS && steps < 2000) {
+            assert_inside(&one);
+            steps++;
+        }
+        most = steps > most ? steps : most;
+        missed += steps == 2000 || duality_gap(&one) > ROW_TOLERANCE * scale_of(&one);
+    }
+    print_message("least work: at most %u steps to the optimum, %u of %u above it\n", most, missed,
+                  count);
+    assert_true(missed <= 10 * MISSED_PART * count);
+}
+
+static void test_least_work(void **state)
+{
+    (void)state;
+    check_least(150, random_problem);
+    check_least(150, random_absolutes);
 }
 
 /* A chain of 8 inputs within 100 V, neighbours within `limit`, 12 outputs. */
@@ -549,7 +658,9 @@ static void test_gate(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_random_problems),
+                                       cmocka_unit_test(test_random_absolutes),
                                        cmocka_unit_test(test_cuts),
+                                       cmocka_unit_test(test_least_work),
                                        cmocka_unit_test(test_degenerate),
                                        cmocka_unit_test(test_hold),
                                        cmocka_unit_test(test_start),

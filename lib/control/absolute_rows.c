@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Limits of weighted sums of absolute values of voltages, for example of the current that a common
+ * supply gives:
+ *
+ *   sum over the entries of a limit row of (weight * |voltage|) <= upper limit.
+ *
+ * While no voltage changes its sign, such a limit is a limit of a weighted sum, whose coefficients
+ * are the weights with the signs of the voltages. Therefore the optimiser chooses a sign for each
+ * input, bounds each voltage at 0 V as well, and solves this problem with limit rows
+ * (row_solver.c). At its optimum some voltages are at 0 V. A voltage at 0 V whose change of sign
+ * lowers the objective gets the other sign, and the optimiser solves the next problem. The voltages
+ * always obey the bounds of the problem that is solved next, so that the objective never rises. It
+ * falls with each problem, so that no choice of signs occurs twice and their number is finite.
+ *
+ * The response matrix of the optimiser has a row for each limit row. Changed signs change the rows
+ * of the limits of absolute values, which are sums of the rows of the inputs, and nothing else.
+ */
+#include <string.h>
+#include "row_solver.h"
+#include "boxls_dual.h"
+#include "../core/numbers.h"
+#include "../core/product.h"
+
+/* Return the number of the first limit row that limits a sum of absolute values of voltages. */
+static uint32_t first_absolute(const rows_run *run)
+{
+    return run->rows->sums.count - run->rows->absolute_count;
+}
+
+/*
+ * Compute for each input the absolute value of the contribution of all active limits of sums of
+ * absolute values to its gradient, or -1 for an input that occurs in no such limit.
+ *   force [inputs] out  contributions (m2/V)
+ */
+static void add_forces(const rows_run *run, pzs_real *force)
+{
+    const pzs_rows *sums = &run->rows->sums;
+    for (uint32_t i = 0; i < run->inputs; i++)
+        force[i] = -1;
+    for (uint32_t k = first_absolute(run); k < sums->count; k++) {
+        const uint32_t row = run->inputs + k;
+        const pzs_real multiplier = run->solver->scale[row] * run->tableau->direction[row];
+        for (uint32_t at = sums->start[k]; at < sums->start[k + 1u]; at++) {
+            const uint16_t i = sums->dof[at];
+            const pzs_real own = rows_is_free(run, row) ? 0 : -multiplier * sums->value[at];
+            force[i] = (force[i] > 0 ? force[i] : 0) + own;
+        }
+    }
+}
+
+/*
+ * Return the derivative of the objective by which input i, if it changed its sign at 0 V, would
+ * violate the optimality (KKT) conditions (m2/V); it is positive where the change of sign lowers
+ * the objective.
+ *   reduced in  gradient of the input minus the contributions of the active limit rows (m2/V)
+ *   force   in  contribution of the active limits of sums of absolute values to the gradient (m2/V)
+ */
+static pzs_real slope_across(const rows_run *run, uint32_t i, pzs_real reduced, pzs_real force)
+{
+    return run->solver->scale[i] * reduced - 2 * force;
+}
+
+/*
+ * Return how far the voltage of input i may go beyond 0 V if the input changes its sign (V), zero
+ * or negative if its bounds exclude this.
+ */
+static pzs_real room_across(const rows_run *run, uint32_t i)
+{
+    return run->solver->scale[i] > 0 ? -run->optimiser->lower[i] : run->optimiser->upper[i];
+}
+
+/* ---- choice of the signs ------------------------------------------------- */
+
+/*
+ * Give input i the sign 1 or -1. If its voltage is kept at the bound 0 V, this stays its bound.
+ */
+static void set_sign(const rows_run *run, uint32_t i, pzs_real sign)
+{
+    run->solver->scale[i] = sign;
+    if (!rows_is_free(run, i))
+        run->tableau->side[i] = -sign;
+}
+
+/*
+ * Give each input whose voltage has the wrong sign the sign of its voltage. Returns whether a sign
+ * has changed. Numbers that damaged memory has changed become 1 or -1 again.
+ */
+static bool follow_voltages(const rows_run *run)
+{
+    bool has_changed = false;
+    for (uint32_t i = 0; i < run->inputs; i++) {
+        const pzs_real sign = run->solver->scale[i] < 0 ? (pzs_real)-1 : (pzs_real)1;
+        const bool is_wrong = run->optimiser->voltage[i] * sign < 0;
+        run->solver->scale[i] = sign;
+        if (is_wrong)
+            set_sign(run, i, -sign);
+        has_changed |= is_wrong;
+    }
+    return has_changed;
+}
+
+/*
+ * Give the other sign to each input at 0 V for which this may lower the objective more than all
+ * changes of the voltages without a change of signs may. Returns whether a sign has changed.
+ */
+static bool cross_zero(const rows_run *run)
+{
+    const pzs_optimiser *optimiser = run->optimiser;
+    const pzs_real *reduced = optimiser->scratch, gap = run->solver->gap;
+    pzs_real *force = run->tableau->scratch;
+    bool has_changed = false;
+    (void)pzs_rows_violation(run, reduced);
+    add_forces(run, force);
+    for (uint32_t i = 0; i < run->inputs; i++) {
+        const pzs_real slope = slope_across(run, i, reduced[i], force[i]);
+        if (force[i] < 0 || number_absolute(optimiser->voltage[i]) > 0 ||
+            !(slope > optimiser->rounding_bound && slope * room_across(run, i) > run->solver->gap))
+            continue;
+        set_sign(run, i, -run->solver->scale[i]);
+        has_changed = true;
+    }
+    run->solver->gap = gap;
+    return has_changed;
+}
+
+/*
+ * Set the bounds of all inputs in limits of sums of absolute values: those of the voltage step, and
+ * 0 V on the side that the sign of the input excludes.
+ */
+static void split_bounds(const rows_run *run)
+{
+    const pzs_rows *sums = &run->rows->sums;
+    const pzs_optimiser *optimiser = run->optimiser;
+    for (uint32_t at = sums->start[first_absolute(run)]; at < sums->start[sums->count]; at++) {
+        const uint16_t i = sums->dof[at];
+        const bool is_positive = run->solver->scale[i] > 0;
+        const pzs_real lower = optimiser->lower[i], upper = optimiser->upper[i];
+        run->tableau->lower[i] = is_positive && lower < 0 ? 0 : lower;
+        run->tableau->upper[i] = !is_positive && upper > 0 ? 0 : upper;
+    }
+}
+
+/* ---- response matrix ------------------------------------------------------- */
+
+/*
+ * Compute anew the row and the column of limit row k, a limit of a sum of absolute values, in the
+ * response matrix, as a sum of rows of the inputs with the signs that are chosen now.
+ */
+static void renew_row(const rows_run *run, uint32_t k)
+{
+    pzs_optimiser *tableau = run->tableau;
+    const pzs_rows *sums = &run->rows->sums;
+    const size_t width = tableau->width, row = run->inputs + k;
+    pzs_real *sum = tableau->tableau + row * width, *factor = tableau->scratch;
+    memset(factor, 0, width * sizeof *factor);
+    for (uint32_t at = sums->start[k]; at < sums->start[k + 1u]; at++)
+        factor[sums->dof[at]] = run->solver->scale[row] * rows_coefficient(run, k, at);
+    pzs_product_sum_rows(sum, tableau->tableau, width, factor, run->inputs,
+                         optimiser_span(tableau));
+    sum[row] = pzs_product_dot(factor, sum, run->inputs);
+    for (uint32_t other = 0; other < run->count; other++)
+        tableau->tableau[other * width + row] = sum[other];
+    tableau->work += (uint64_t)run->inputs * width;
+}
+
+/*
+ * Compute anew what the response matrix and the Cholesky factor of the active set hold of all
+ * limits of sums of absolute values. Active limits stay active with their multipliers.
+ */
+static void renew_rows(const rows_run *run)
+{
+    pzs_optimiser *tableau = run->tableau;
+    const uint32_t first = run->inputs + first_absolute(run);
+    for (uint32_t row = first; row < run->count; row++) {
+        tableau->waiting[row] = rows_is_free(run, row) ? 0 : 1;
+        pzs_dual_free(tableau, row);
+    }
+    for (uint32_t row = first; row < run->count; row++)
+        renew_row(run, row - run->inputs);
+    for (uint32_t row = first; row < run->count; row++) {
+        const pzs_real multiplier = tableau->direction[row];
+        if (!(tableau->waiting[row] > 0))
+            continue;
+        pzs_dual_join(tableau, row, 1);
+        tableau->direction[row] = multiplier;
+    }
+}
+
+static bool choose_signs(pzs_control *control, bool may_cross)
+{
+    const rows_run run = rows_run_of(control);
+    const bool has_changed = may_cross ? cross_zero(&run) : follow_voltages(&run);
+    split_bounds(&run);
+    if (has_changed)
+        renew_rows(&run);
+    return has_changed;
+}
+
+/* ---- optimality -------------------------------------------------------------- */
+
+static pzs_real violation(pzs_control *control, const pzs_real *reduced)
+{
+    const rows_run run = rows_run_of(control);
+    pzs_real *force = run.tableau->scratch, largest = 0;
+    add_forces(&run, force);
+    for (uint32_t i = 0; i < run.inputs; i++) {
+        const pzs_real room = room_across(&run, i);
+        const pzs_real slope = slope_across(&run, i, reduced[i], force[i]);
+        if (force[i] < 0 || !(room > 0) || !(slope > 0))
+            continue;
+        run.solver->gap += room * slope;
+        if (number_absolute(run.optimiser->voltage[i]) <= run.solver->margin[i])
+            largest = slope > largest ? slope : largest;
+    }
+    return largest;
+}
+
+const struct pzs_absolute_row_calls pzs_absolute_rows_calls = {choose_signs, violation};

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * What the optimiser for limit rows (limits of weighted sums of voltages, row_solver.c) shares with
+ * the file for limits of sums of absolute values (absolute_rows.c).
+ */
+#ifndef PZS_LIB_ROW_SOLVER_H
+#define PZS_LIB_ROW_SOLVER_H
+
+#include "limit_rows.h"
+
+/*
+ * The parts of the controller on which the optimiser for limit rows (limits of sums of voltages)
+ * works.
+ */
+typedef struct rows_run {
+    pzs_control *control;
+    const pzs_problem *problem;
+    const pzs_limit_rows *rows;
+    pzs_row_solver *solver;
+    pzs_optimiser *tableau;   /* response matrix (tableau), active set, bounds and multipliers that
+                                 the optimiser uses for the inputs together with the limit rows
+                                 (limits of sums of voltages) */
+    pzs_optimiser *optimiser; /* voltages, bounds and gradients that the optimiser uses for the
+                                 inputs alone, without limit rows */
+    uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
+                               limit rows (limits of sums of voltages) */
+} rows_run;
+
+static inline rows_run rows_run_of(pzs_control *control)
+{
+    pzs_row_solver *solver = control->state.row_solver;
+    return (rows_run){.control = control,
+                      .problem = control->state.problem,
+                      .rows = control->state.problem->limit_rows,
+                      .solver = solver,
+                      .tableau = &solver->extended,
+                      .optimiser = &control->state.optimiser,
+                      .inputs = control->state.problem->inputs,
+                      .count = solver->extended.inputs};
+}
+
+/*
+ * Whether quantity k, a voltage or limit row (limit of a sum of voltages), is free, that is, not
+ * kept at a bound.
+ */
+static inline bool rows_is_free(const rows_run *run, uint32_t k)
+{
+    return run->tableau->free_set[k] > 0;
+}
+
+/*
+ * Return the coefficient of the stored entry `at` of limit row k (limit of a sum of voltages). In a
+ * limit of a sum of absolute values the coefficient has the sign that the voltage of the entry's
+ * input keeps.
+ */
+static inline pzs_real rows_coefficient(const rows_run *run, uint32_t k, uint32_t at)
+{
+    const pzs_rows *sums = &run->rows->sums;
+    const pzs_real value = sums->value[at];
+    return limit_row_is_absolute(run->rows, k) ? value * run->solver->scale[sums->dof[at]] : value;
+}
+
+/*
+ * Compute the present values of all voltages and scaled sums of limit rows (limits of sums of
+ * voltages).
+ */
+void pzs_rows_load_values(const rows_run *run);
+
+/*
+ * Subtract from a gradient [inputs] the contributions of the active limit rows (limits of sums of
+ * voltages): scaled coefficients times multiplier. Returns the largest absolute contribution, which
+ * scales the rounding error (m2/V).
+ */
+pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient);
+
+/*
+ * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limit rows
+ * and the multipliers of the active rows, where no voltage may change its sign. Also stores the
+ * duality gap, an upper bound of the distance of half the objective from its minimum, in
+ * solver->gap.
+ *   reduced [inputs] in  gradient minus the contributions of the active limit rows (m2/V)
+ */
+pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced);
+
+#endif
