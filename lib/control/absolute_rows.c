@@ -91,7 +91,7 @@ static bool follow_voltages(const rows_run *run)
     bool has_changed = false;
     for (uint32_t i = 0; i < run->inputs; i++) {
         const pzs_real sign = run->solver->scale[i] < 0 ? (pzs_real)-1 : (pzs_real)1;
-        const bool is_wrong = run->optimiser->voltage[i] * sign < 0;
+        const bool is_wrong = run->optimiser->voltage[i] * sign < -run->solver->margin[i];
         run->solver->scale[i] = sign;
         if (is_wrong)
             set_sign(run, i, -sign);
@@ -102,22 +102,29 @@ static bool follow_voltages(const rows_run *run)
 
 /*
  * Give the other sign to each input at 0 V for which this may lower the objective more than all
- * changes of the voltages without a change of signs may. Returns whether a sign has changed.
+ * changes of the voltages without a change of signs may. After a round that has not lowered the
+ * objective, a part of these inputs gets it, which differs from round to round like random numbers:
+ * where several limits meet in a point, only some choices of signs let the objective fall. Returns
+ * whether a sign has changed.
  */
 static bool cross_zero(const rows_run *run)
 {
     const pzs_optimiser *optimiser = run->optimiser;
     const pzs_real *reduced = optimiser->scratch, gap = run->solver->gap;
     pzs_real *force = run->tableau->scratch;
+    const bool may_change_all = !number_is_finite(run->solver->last_gap);
+    uint32_t random = optimiser->iterations;
     bool has_changed = false;
     (void)pzs_rows_violation(run, reduced);
     add_forces(run, force);
     for (uint32_t i = 0; i < run->inputs; i++) {
+        random = 1664525u * random + 1013904223u;
         const pzs_real slope = slope_across(run, i, reduced[i], force[i]);
-        if (force[i] < 0 || number_absolute(optimiser->voltage[i]) > 0 ||
+        if (force[i] < 0 || number_absolute(optimiser->voltage[i]) > run->solver->margin[i] ||
             !(slope > optimiser->rounding_bound && slope * room_across(run, i) > run->solver->gap))
             continue;
-        set_sign(run, i, -run->solver->scale[i]);
+        if (may_change_all || random >> 31 == 0)
+            set_sign(run, i, -run->solver->scale[i]);
         has_changed = true;
     }
     run->solver->gap = gap;
@@ -126,7 +133,8 @@ static bool cross_zero(const rows_run *run)
 
 /*
  * Set the bounds of all inputs in limits of sums of absolute values: those of the voltage step, and
- * 0 V on the side that the sign of the input excludes.
+ * 0 V on the side that the sign of the input excludes. The sums with these signs are not negative;
+ * they get a lower bound below zero, so that the duality gap stays finite.
  */
 static void split_bounds(const rows_run *run)
 {
@@ -139,6 +147,8 @@ static void split_bounds(const rows_run *run)
         run->tableau->lower[i] = is_positive && lower < 0 ? 0 : lower;
         run->tableau->upper[i] = !is_positive && upper > 0 ? 0 : upper;
     }
+    for (uint32_t row = run->inputs + first_absolute(run); row < run->count; row++)
+        run->tableau->lower[row] = -run->tableau->upper[row];
 }
 
 /* ---- response matrix ------------------------------------------------------- */

@@ -63,6 +63,11 @@
  */
 #define ROUNDS 40u
 /*
+ * Number of rounds by which limits of sums of absolute values raise the largest number of rounds in
+ * one call of the optimiser: where several limits meet in a point, some rounds find no better one.
+ */
+#define CROSSING_ROUNDS 160u
+/*
  * A violation of the optimality (KKT) conditions counts as zero if it is below this multiple of its
  * rounding-error bound.
  */
@@ -813,7 +818,8 @@ void pzs_optimise_rows(pzs_control *control)
     if (!run.tableau->is_rebuilding)
         check_active_set(&run);
     pzs_boxls_gradient(optimiser);
-    for (uint32_t round = 0; round < ROUNDS && again; round++)
+    const uint32_t most = ROUNDS + (run.rows->absolute_count > 0 ? CROSSING_ROUNDS : 0);
+    for (uint32_t round = 0; round < most && again; round++)
         again = may_make_round(&run) && make_round(&run);
     optimiser->is_optimal |= !optimiser->is_cut && is_acceptable(&run);
     optimiser->iterations += run.tableau->iterations;

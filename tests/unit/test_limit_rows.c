@@ -34,6 +34,12 @@
  */
 #define ROW_TOLERANCE PZS_BY_BITS(1e-3L, 1e-9L)
 #define MISSED_PART PZS_BY_BITS(1e-3, 0)
+/*
+ * Part of the steps with limits of sums of absolute values that may miss the tolerance: where many
+ * limits meet in a point, a step may end there above the optimum, with the status
+ * PZS_W_ITERATIONS.
+ */
+#define MISSED_ABSOLUTE PZS_BY_BITS(5e-3, 2e-4)
 
 /* A voltage problem with limit rows. */
 typedef struct rig {
@@ -323,7 +329,7 @@ static uint64_t least_work(const rig *r)
  * chains, pairs and sums, repeated and zero rows, rows equal to bounds, deficient rank, step
  * limits, and targets that jump between warm steps.
  */
-static void check_random(unsigned count, void make(rig *, uint64_t))
+static void check_random(unsigned count, double part, void make(rig *, uint64_t))
 {
     unsigned most = 0, steps = 0, iterations = 0, active = 0, missed = 0;
     wide worst = 0;
@@ -354,20 +360,20 @@ static void check_random(unsigned count, void make(rig *, uint64_t))
         "%d problems, %u steps: gap at most %.2Lg of what is allowed, missed in %u steps, "
         "%.1f rows bind, %.1f iterations a step, at most %u\n",
         count, steps, worst, missed, (double)active / steps, (double)iterations / steps, most);
-    assert_true(missed <= MISSED_PART * steps);
+    assert_true(missed <= part * steps);
 }
 
 static void test_random_problems(void **state)
 {
     (void)state;
-    check_random(RANDOM_PROBLEMS, random_problem);
+    check_random(RANDOM_PROBLEMS, MISSED_PART, random_problem);
 }
 
 /* Law: the same with limits of sums of absolute values beside those of sums. */
 static void test_random_absolutes(void **state)
 {
     (void)state;
-    check_random(RANDOM_PROBLEMS / 2, random_absolutes);
+    check_random(RANDOM_PROBLEMS / 2, MISSED_ABSOLUTE, random_absolutes);
 }
 
 /*
@@ -408,7 +414,7 @@ static void test_cuts(void **state)
 {
     (void)state;
     check_cuts(250, random_problem);
-    check_cuts(60, random_absolutes);
+    check_cuts(110, random_absolutes);
 }
 
 /*
