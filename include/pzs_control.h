@@ -160,7 +160,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
  * limit rows, absolute_count the number of those that limit sums of absolute values.
  */
 #define PZS_ABSOLUTE_ROW_WORK(inputs, rows, absolute_count)                                        \
-    (8u * (absolute_count)*PZS_PRODUCT_WORK((inputs) + (rows)))
+    ((uint64_t)(absolute_count) * ((inputs) + 8u) * PZS_PRODUCT_WORK((inputs) + (rows)))
 
 /*
  * Upper bound of the multiply-adds of a control tick, for a work_limit of at least PZS_WORK_LEAST.

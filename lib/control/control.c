@@ -615,7 +615,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     const size_t need = pzs_control_bytes(problem);
     const uint32_t rows = limit_row_count(problem);
     const uint64_t work_limit = rows > 0 ? PZS_LIMIT_ROW_WORK_LIMIT(problem->inputs, rows) +
-                                               16u * absolute_row_work(problem)
+                                               2u * absolute_row_work(problem)
                                          : PZS_WORK_LIMIT(problem->inputs);
     *control = (pzs_control){.state.problem = problem,
                              .state.influence = use,

@@ -63,6 +63,11 @@
  */
 #define ROUNDS 40u
 /*
+ * Number of products of the whole response matrix with a vector whose work exceeds that of a change
+ * of signs for one limit of a sum of absolute values, once before and once in a round.
+ */
+#define SIGN_PRODUCTS 8u
+/*
  * Number of rounds by which limits of sums of absolute values raise the largest number of rounds in
  * one call of the optimiser: where several limits meet in a point, some rounds find no better one.
  */
@@ -746,7 +751,7 @@ static bool make_round(const rows_run *run)
     optimiser->is_optimal = is_converged(run);
     if (optimiser->is_optimal)
         return false;
-    const bool has_crossed = choose_signs(run, true);
+    const bool has_crossed = !run->tableau->is_cut && choose_signs(run, true);
     if (has_crossed)
         measure_violation(run);
     const bool is_stuck = !has_crossed && run->solver->gap * 4 > run->solver->last_gap;
@@ -776,7 +781,7 @@ static bool may_make_round(const rows_run *run)
 {
     const uint64_t active = run->tableau->active_count, width = run->tableau->width;
     const uint64_t work = (run->inputs + active + PZS_ROUND_LOOPS) * width + active * active +
-                          absolute_row_work(run->problem);
+                          SIGN_PRODUCTS * run->rows->absolute_count * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = !run->tableau->is_rebuilding || complete_tableau(run);
     run->optimiser->is_cut = !is_complete || remaining_work(run) < work;
     if (run->optimiser->is_cut)
@@ -879,6 +884,7 @@ void pzs_prepare_rows(pzs_control *control)
     for (uint32_t i = 0; i < run.inputs; i++)
         run.solver->scale[i] = 1;
     run.solver->least_curvature = 0;
+    run.tableau->is_cut = false;
     reset_tableau(&run);
     (void)complete_tableau(&run);
 }
@@ -890,7 +896,8 @@ void pzs_repair_rows(pzs_control *control)
     guard_repair_bool(&run.tableau->is_rebuilding);
     if (!(run.solver->least_curvature >= 0 && run.solver->least_curvature <= MOST_CURVATURE))
         run.solver->least_curvature = 0;
-    run.tableau->is_predicted = run.tableau->is_cut = false;
+    guard_repair_bool(&run.tableau->is_cut);
+    run.tableau->is_predicted = false;
     run.tableau->pending_count = 0;
     for (uint32_t k = 0; k < run.count; k++)
         run.tableau->free_set[k] = run.tableau->free_set[k] > 0 ? 1 : 0;
