@@ -17,6 +17,7 @@ struct pzs_amplifier;
 struct pzs_block;
 struct pzs_limit_row_calls;
 struct pzs_dual_calls;
+struct pzs_absolute_row_calls;
 
 /*
  * Value of the member dual_method of a voltage problem: the dual active-set method for at least

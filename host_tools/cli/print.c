@@ -629,7 +629,8 @@ static void print_rows(const design *design, const voltages *best)
     int named = 0;
     if (design->limits.rows == 0)
         return;
-    printf("\n  limits between amplifiers (difference, sum): %d of %d bind", best->active_rows,
+    printf("\n  limits between amplifiers (difference, sum%s): %d of %d bind",
+           design->limits.absolute_rows > 0 ? ", absolute sum" : "", best->active_rows,
            design->limits.rows);
     for (int k = 0; k < design->limits.rows; k++) {
         char name[4 * SCENE_LABEL];

@@ -221,16 +221,16 @@ static int allocate_control(design *design)
  */
 static int check_park_rows(const design *design, char *error)
 {
-    char name[4 * SCENE_LABEL];
+    char name[4 * SCENE_LABEL], range[64];
     const int violated = design_rows_violated(design, design->park);
     if (violated < 0)
         return 0;
-    const scene_limit_row *row = &design->limits.row[violated];
     design_row_name(design, violated, name, sizeof name);
+    design_row_range(design, violated, range, sizeof range);
     return scene_fault(design->scene->safety.at, error,
-                       "park: with all amplifiers at %g V, %s leaves its limits, %g to %g; write "
+                       "park: with all amplifiers at %g V, %s leaves its limits, %s; write "
                        "another voltage, or leave park out",
-                       design->scene->safety.park, name, row->lower, row->upper);
+                       design->scene->safety.park, name, range);
 }
 
 /*

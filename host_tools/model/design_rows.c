@@ -31,9 +31,38 @@ static double safe_margin(const design *design, int k)
 static double row_sum(const scene_limit_row *row, const double *voltage)
 {
     double sum = 0;
-    for (int i = 0; i < row->count; i++)
-        sum += row->factor[i] * voltage[row->amplifier[i]];
+    for (int i = 0; i < row->count; i++) {
+        const double one = voltage[row->amplifier[i]];
+        sum += row->factor[i] * (row->is_absolute ? fabs(one) : one);
+    }
     return sum;
+}
+
+/*
+ * Move voltages [amplifiers] by the shortest distance to where a weighted sum of their absolute
+ * values is at most `limit` (V). Each absolute value falls by its weight times one common number,
+ * but not below zero. The number rises with each repetition, which leaves out the voltages at 0 V,
+ * until no further voltage reaches 0 V.
+ */
+static void shrink(const scene_limit_row *row, double limit, double *voltage)
+{
+    double common = 0;
+    for (int repetition = 0; repetition <= row->count; repetition++) {
+        double sum = 0, square = 0;
+        for (int i = 0; i < row->count; i++) {
+            const double size = fabs(voltage[row->amplifier[i]]), weight = row->factor[i];
+            sum += size > common * weight ? weight * size : 0;
+            square += size > common * weight ? weight * weight : 0;
+        }
+        const double next = square > 0 ? (sum - limit) / square : common;
+        if (next <= common)
+            break;
+        common = next;
+    }
+    for (int i = 0; i < row->count; i++) {
+        double *one = &voltage[row->amplifier[i]];
+        *one = copysign(fmax(fabs(*one) - common * row->factor[i], 0), *one);
+    }
 }
 
 /*
@@ -48,9 +77,11 @@ static double project(const design *design, int k, double *voltage)
     const double sum = row_sum(row, voltage);
     const double off = sum - fmin(fmax(sum, row->lower + margin), row->upper - margin);
     double square = 0;
+    if (row->is_absolute)
+        shrink(row, row->upper - margin, voltage);
     for (int i = 0; i < row->count; i++)
         square += row->factor[i] * row->factor[i];
-    for (int i = 0; i < row->count; i++)
+    for (int i = 0; i < row->count && !row->is_absolute; i++)
         voltage[row->amplifier[i]] -= off * row->factor[i] / square;
     return fmax(fabs(off) - margin / 2, 0);
 }
@@ -91,10 +122,21 @@ void design_row_name(const design *design, int k, char *text, size_t size)
         const bool is_left_out = i == 3 && row->count > 4;
         const char *sign = row->factor[i] < 0 ? " - " : " + ";
         const char *name = is_left_out ? "..." : design->amplifier_name[row->amplifier[i]];
-        const int more = snprintf(text + length, size - length, "%s%s", i > 0 ? sign : "", name);
+        const char *bar = row->is_absolute && !is_left_out ? "|" : "";
+        const int more =
+            snprintf(text + length, size - length, "%s%s%s%s", i > 0 ? sign : "", bar, name, bar);
         length += more > 0 ? (size_t)more : 0;
         i = is_left_out ? row->count - 2 : i;
     }
+}
+
+void design_row_range(const design *design, int k, char *text, size_t size)
+{
+    const scene_limit_row *row = &design->limits.row[k];
+    if (row->is_absolute)
+        snprintf(text, size, "up to %g", row->upper);
+    else
+        snprintf(text, size, "from %g to %g", row->lower, row->upper);
 }
 
 /*
@@ -106,13 +148,13 @@ static void name_clash(const design *design, const bool *is_used, char *text, si
     size_t length = 0;
     int named = 0;
     for (int k = 0; k < design->limits.rows && length + 1 < size; k++) {
-        char name[4 * SCENE_LABEL];
+        char name[4 * SCENE_LABEL], range[64];
         if (!is_used[k] || named++ >= MOST_NAMED)
             continue;
         design_row_name(design, k, name, sizeof name);
+        design_row_range(design, k, range, sizeof range);
         const int more =
-            snprintf(text + length, size - length, "%s%s from %g to %g", length > 0 ? "; " : "",
-                     name, design->limits.row[k].lower, design->limits.row[k].upper);
+            snprintf(text + length, size - length, "%s%s %s", length > 0 ? "; " : "", name, range);
         length += more > 0 ? (size_t)more : 0;
     }
     if (named > MOST_NAMED && length + 1 < size)
@@ -204,6 +246,11 @@ static int check_width(const design *design, char *error)
     for (int k = 0; k < design->limits.rows; k++) {
         const scene_limit_row *row = &design->limits.row[k];
         const double least = 4 * safe_margin(design, k);
+        if (row->is_absolute && row->upper < least)
+            return scene_fault(row->at, error,
+                               "the limit %g is below the rounding errors of a float device, %g; "
+                               "raise it",
+                               row->upper, least);
         if (row->upper - row->lower < least)
             return scene_fault(
                 row->at, error,
@@ -238,7 +285,9 @@ static void copy_rows(design *design)
         .sums = {(uint16_t)design->limits.rows, rows->start, rows->input, rows->value},
         .lower = rows->lower,
         .upper = rows->upper,
-        .safe = rows->safe};
+        .safe = rows->safe,
+        .absolute_count = (uint16_t)design->limits.absolute_rows,
+        .absolute_call = design->limits.absolute_rows > 0 ? &pzs_absolute_rows_calls : NULL};
 }
 
 static bool allocate_rows(design *design)

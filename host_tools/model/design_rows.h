@@ -40,6 +40,12 @@ int design_rows_violated(const design *design, const double *voltage);
 void design_row_name(const design *design, int k, char *text, size_t size);
 
 /*
+ * Write the limits of limit row k (limit of a weighted sum of voltages), such as `from -1 to 1`, or
+ * `up to 1` for a sum of absolute values, to `text` of `size` bytes.
+ */
+void design_row_range(const design *design, int k, char *text, size_t size);
+
+/*
  * Return whether voltages [amplifiers] reach the lower or upper limit of limit row k (limit of a
  * weighted sum of voltages), except for rounding errors.
  */

@@ -77,7 +77,7 @@ static void write_verdict(const shape_page *shape)
         best->amplifiers);
     if (shape->page.design->limits.rows > 0)
         put(shape->page.file,
-            "<p>Limits between amplifiers (difference, sum): %d of %d active.</p>\n",
+            "<p>Limits between amplifiers (difference, sum, absolute sum): %d of %d active.</p>\n",
             best->active_rows, shape->page.design->limits.rows);
 }
 

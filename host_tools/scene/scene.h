@@ -570,6 +570,7 @@ typedef struct scene_limit_row {
     int *amplifier; /* [count] numbers of the amplifiers whose voltages occur in the limited sum */
     double *factor; /* [count] factor of the voltage of each amplifier in the limited sum (1) */
     double lower, upper; /* lower and upper limit of a weighted sum of voltages (V) */
+    bool is_absolute;    /* whether the sum of the absolute values of the voltages is limited */
     scene_at at;
 } scene_limit_row;
 
@@ -585,6 +586,7 @@ typedef struct scene_limits {
     scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
                           common limits */
     int rows;
+    int absolute_rows;    /* number of limits of sums of absolute values, the last ones in `row` */
     scene_limit_row *row; /* [rows] limits of differences and of weighted sums of voltages */
     scene_at at;
 } scene_limits;

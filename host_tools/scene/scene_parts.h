@@ -152,8 +152,8 @@ int read_amplifier_names(reader *reader, int node, int **list, int *count);
  * Functions that read the limits of differences and of weighted sums of voltages (scene_rows.c),
  * and descriptions of the permitted values.
  */
-field_read read_difference, read_sum;
-extern const form difference_form, sum_form;
+field_read read_difference, read_sum, read_absolute_sum;
+extern const form difference_form, sum_form, absolute_sum_form;
 
 /*
  * Refuse a scene file that has limits of sums or differences of voltages together with a function

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Keys limits.difference and limits.sum: limits of differences and of weighted sums of voltages. */
+/*
+ * Keys limits.difference, limits.sum and limits.absolute_sum: limits of differences, of sums and of
+ * weighted sums of absolute values of voltages.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,16 +10,17 @@
 #include "scene_parts.h"
 
 /*
- * Append a limit of a weighted sum of `count` voltages to the limits of the scene. Returns the new
- * limit, whose coefficients are 1 and whose amplifiers the caller has to fill in, or NULL after
- * writing the error message of the YAML tree.
+ * Append a limit of a weighted sum of `count` voltages to the limits of the scene, before those of
+ * sums of absolute values. Returns the new limit, whose coefficients are 1 and whose amplifiers the
+ * caller has to fill in, or NULL after writing the error message of the YAML tree.
  */
 static scene_limit_row *add_row(reader *reader, int node, int count, double lower, double upper)
 {
     scene_limits *limits = &reader->s->limits;
     scene_limit_row *rows = realloc(limits->row, ((size_t)limits->rows + 1) * sizeof *limits->row);
     limits->row = rows ? rows : limits->row;
-    scene_limit_row *row = rows ? &rows[limits->rows] : NULL;
+    const int place = limits->rows - limits->absolute_rows;
+    scene_limit_row *row = rows ? &rows[place] : NULL;
     int *amplifier = malloc(((size_t)count + 1) * sizeof *amplifier);
     double *factor = malloc(((size_t)count + 1) * sizeof *factor);
     if (!row || !amplifier || !factor) {
@@ -27,6 +31,7 @@ static scene_limit_row *add_row(reader *reader, int node, int count, double lowe
     }
     for (int i = 0; i < count; i++)
         factor[i] = 1;
+    memmove(row + 1, row, (size_t)limits->absolute_rows * sizeof *row);
     *row = (scene_limit_row){.count = count,
                              .amplifier = amplifier,
                              .factor = factor,
@@ -199,6 +204,98 @@ int read_sum(reader *reader, int node, void *to, const void *rule)
     return row ? 0 : -1;
 }
 
+/* ---- limits of sums of absolute values of voltages ------------------------------- */
+
+typedef struct absolute_text {
+    double limit;
+    int *list;      /* [count] indices of the amplifiers in the limited sum of absolute values */
+    double *weight; /* [weights] weight of each amplifier in the limited sum of absolute values */
+    int count, weights;
+} absolute_text;
+
+static int read_absolute_names(reader *reader, int node, void *to, const void *rule)
+{
+    absolute_text *text = to;
+    (void)rule;
+    return read_amplifier_names(reader, node, &text->list, &text->count);
+}
+
+static int read_weight(reader *reader, int node, void *item)
+{
+    static const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
+    return read_real(reader, node, item, &above_zero);
+}
+
+static int read_weights(reader *reader, int node, void *to, const void *rule)
+{
+    absolute_text *text = to;
+    (void)rule;
+    text->weight = new_items(reader, node, TREE_LIST, sizeof *text->weight, &text->weights);
+    return read_items(reader, node, text->weight, sizeof *text->weight, read_weight, NULL);
+}
+
+static const form weights_form = {.type = FORM_LIST, .item = &above_zero_form, .least = 1};
+
+static const field absolute_fields[] = {
+    {"limit", read_real, offsetof(absolute_text, limit), &above_nothing, 1, .of = OF_VOLTAGE,
+     .form = &limit_form, .help = "Largest weighted sum of the absolute values of the voltages."},
+    {"actuators", read_absolute_names, .form = &labels_form,
+     .help = "Actuators or amplifiers of the sum; default: all."},
+    {"weights", read_weights, .form = &weights_form,
+     .help = "Weight of each of these amplifiers, in their order; default: 1."},
+    {.key = NULL}};
+static const form one_absolute_form = {.type = FORM_MAP, .fields = absolute_fields};
+static const form absolutes_form = {.type = FORM_LIST, .item = &one_absolute_form, .least = 1};
+static const form *const absolute_forms[] = {&one_absolute_form, &absolutes_form, NULL};
+const form absolute_sum_form = {.type = FORM_ANY, .any = absolute_forms};
+
+/* Add the limit of a sum of absolute values that a YAML node describes to the scene. */
+static int add_absolute(reader *reader, int node, const absolute_text *text)
+{
+    const int count = text->list ? text->count : reader->s->amplifiers;
+    if (text->weight && text->weights != count)
+        return tree_fault(reader->t, node, "%d weights for %d amplifiers; give one weight for each",
+                          text->weights, count);
+    scene_limit_row *row = add_row(reader, node, count, -HUGE_VAL, text->limit);
+    if (!row)
+        return -1;
+    for (int i = 0; i < count; i++) {
+        row->amplifier[i] = text->list ? text->list[i] : i;
+        row->factor[i] = text->weight ? text->weight[i] : 1;
+    }
+    row->is_absolute = true;
+    return 0;
+}
+
+static int read_one_absolute(reader *reader, int node)
+{
+    absolute_text text;
+    memset(&text, 0, sizeof text);
+    int failed = read_map(reader, node, absolute_fields, &text);
+    if (failed == 0)
+        failed = add_absolute(reader, node, &text);
+    free(text.list);
+    free(text.weight);
+    return failed;
+}
+
+int read_absolute_sum(reader *reader, int node, void *to, const void *rule)
+{
+    scene_limits *limits = &reader->s->limits;
+    const tree_node *item = &reader->t->node[node];
+    const int before = limits->rows;
+    int failed = 0;
+    (void)to;
+    (void)rule;
+    if (item->kind != TREE_LIST)
+        failed = read_one_absolute(reader, node);
+    for (int i = item->kind == TREE_LIST ? item->first : 0; i && failed == 0;
+         i = reader->t->node[i].next)
+        failed = read_one_absolute(reader, i);
+    limits->absolute_rows = limits->rows - before;
+    return failed;
+}
+
 /* ---- blocks of the control loop that cannot keep limits between amplifiers ----- */
 
 int scene_check_rows(const scene *scene, char *error)
@@ -216,8 +313,8 @@ int scene_check_rows(const scene *scene, char *error)
     for (size_t k = 0; k < sizeof other / sizeof *other && scene->limits.rows > 0; k++)
         if (other[k].is_given)
             return scene_fault(scene->limits.row[0].at, error,
-                               "limits.difference and limits.sum do not go together with %s, which "
-                               "%s; leave one of them out",
+                               "limits.difference, limits.sum and limits.absolute_sum do not go "
+                               "together with %s, which %s; leave one of them out",
                                other[k].key, other[k].reason);
     return 0;
 }

@@ -442,6 +442,9 @@ static const field limits_fields[] = {
      .help = "Largest difference of the voltages of neighbours."},
     {"sum", read_sum, .of = OF_LIMIT, .form = &sum_form,
      .help = "Limits of the sum of several voltages."},
+    {"absolute_sum", read_absolute_sum, .of = OF_LIMIT, .form = &absolute_sum_form,
+     .help = "Largest weighted sum of the absolute values of voltages, or a list of such limits: "
+             "what a common supply gives."},
     {.key = NULL}};
 
 static const form_case limits_cases[] = {{"?step_limit", NULL}, {"rate_limit", NULL}, {NULL, NULL}};

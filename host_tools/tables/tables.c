@@ -343,12 +343,17 @@ static void write_limit_rows(emitter *emitter, const design *design)
     emit_limits(emitter, "row_upper", rows->upper, count, 1, "highest value of each sum (V)");
     emit_reals(emitter, "safe", rows->safe, (size_t)design->amplifiers,
                "voltages inside all limits (V)");
+    emitter->crc32 =
+        pzs_guard_crc(emitter->crc32, &rows->absolute_count, sizeof rows->absolute_count);
+    emit_comment(emitter, "limits between amplifiers; the number before the last member counts "
+                          "those of sums of absolute values, which are the last ones");
     fprintf(emitter->file,
             "static const pzs_limit_rows %s_limit_rows = {\n    &pzs_limit_rows_calls,\n",
             emitter->prefix);
     name_rows(emitter, "limit_row", count);
-    fprintf(emitter->file, "    %s_row_lower, %s_row_upper, %s_safe,\n};\n\n", emitter->prefix,
-            emitter->prefix, emitter->prefix);
+    fprintf(emitter->file, "    %s_row_lower, %s_row_upper, %s_safe, %u, %s,\n};\n\n",
+            emitter->prefix, emitter->prefix, emitter->prefix, rows->absolute_count,
+            rows->absolute_count > 0 ? "&pzs_absolute_rows_calls" : "NULL");
 }
 
 /* Write the C struct of the voltage problem (pzs_problem), after the arrays to which it points. */
@@ -649,6 +654,26 @@ int tables_allow_float(const analysis *analysis)
     return analysis->model.info.condition < TABLES_FLOAT_CONDITION;
 }
 
+/*
+ * Write the macros with the numbers of inputs, outputs and limit rows (limits of sums of voltages)
+ * and with the size of the workspace of the controller.
+ */
+static void write_sizes(const emitter *emitter, const design *design)
+{
+    FILE *file = emitter->file;
+    const char *upper = emitter->upper;
+    const int inputs = design->amplifiers, outputs = design->targets, rows = design->limits.rows;
+    fprintf(file, "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n", upper, inputs, upper, outputs);
+    if (rows > 0)
+        fprintf(file,
+                "#define %s_ROWS %d\n#define %s_CONTROL_BYTES (PZS_CONTROL_BYTES(%d, %d) + "
+                "PZS_LIMIT_ROW_BYTES(%d, %d))\n\n",
+                upper, rows, upper, inputs, outputs, inputs, rows);
+    else
+        fprintf(file, "#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n", upper, inputs,
+                outputs);
+}
+
 int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,
                  tables_size *size)
 {
@@ -662,19 +687,7 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
     if (image == TABLES_NONLINEAR)
         write_demands(&emitter, analysis);
     if (controlled)
-        fprintf(file,
-                "#define %s_INPUTS %d\n#define %s_OUTPUTS %d\n"
-                "#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
-                emitter.upper, analysis->design.amplifiers, emitter.upper, analysis->design.targets,
-                emitter.upper, analysis->design.amplifiers, analysis->design.targets);
-    if (controlled && analysis->design.limits.rows > 0)
-        fprintf(file,
-                "#undef %s_CONTROL_BYTES\n#define %s_ROWS %d\n"
-                "#define %s_CONTROL_BYTES (PZS_CONTROL_BYTES(%d, %d) + PZS_LIMIT_ROW_BYTES(%d, "
-                "%d))\n\n",
-                emitter.upper, emitter.upper, analysis->design.limits.rows, emitter.upper,
-                analysis->design.amplifiers, analysis->design.targets, analysis->design.amplifiers,
-                analysis->design.limits.rows);
+        write_sizes(&emitter, &analysis->design);
     if (image == TABLES_NONLINEAR) {
         status = write_nonlinear(&emitter, analysis);
     } else if (image == TABLES_LINEAR) {

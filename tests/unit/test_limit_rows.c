@@ -37,8 +37,10 @@
 /*
  * Part of the steps with limits of sums of absolute values that may miss the tolerance: where many
  * limits meet in a point, a step may end there above the optimum, with the status
- * PZS_W_ITERATIONS.
+ * PZS_W_ITERATIONS. MISSED_LEAST is the part of the problems that steps with the least work limit
+ * may never solve: in float a step without progress starts anew, for which this work is too small.
  */
+#define MISSED_LEAST PZS_BY_BITS(.03, 0)
 #define MISSED_ABSOLUTE PZS_BY_BITS(5e-3, 2e-4)
 
 /* A voltage problem with limit rows. */
@@ -440,7 +442,7 @@ static void check_least(unsigned count, void make(rig *, uint64_t))
     }
     print_message("least work: at most %u steps to the optimum, %u of %u above it\n", most, missed,
                   count);
-    assert_true(missed <= 10 * MISSED_PART * count);
+    assert_true(missed <= MISSED_LEAST * count);
 }
 
 static void test_least_work(void **state)
