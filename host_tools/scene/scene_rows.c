@@ -160,6 +160,22 @@ int read_difference(reader *reader, int node, void *to, const void *rule)
     return failed;
 }
 
+/*
+ * Check that no amplifier occurs twice in a list [count] of amplifiers whose voltages form a sum.
+ * Returns 0, or -1 after writing the error message.
+ */
+static int refuse_repeated(reader *reader, int node, const int *list, int count)
+{
+    for (int i = 1; list && i < count; i++)
+        for (int k = 0; k < i; k++)
+            if (list[k] == list[i])
+                return tree_fault(reader->t, node,
+                                  "item %d of 'actuators' repeats an amplifier of the sum; name "
+                                  "each once",
+                                  i + 1);
+    return 0;
+}
+
 /* ---- limits of sums of voltages ------------------------------------------------ */
 
 typedef struct sum_text {
@@ -195,6 +211,8 @@ int read_sum(reader *reader, int node, void *to, const void *rule)
     if (failed == 0 && text.voltage[0] >= text.voltage[1])
         failed = tree_fault(reader->t, node, "sum from %g to %g is empty; write [lowest, highest]",
                             text.voltage[0], text.voltage[1]);
+    if (failed == 0)
+        failed = refuse_repeated(reader, node, text.list, text.count);
     const int count = text.list ? text.count : reader->s->amplifiers;
     scene_limit_row *row =
         failed == 0 ? add_row(reader, node, count, text.voltage[0], text.voltage[1]) : NULL;
@@ -273,6 +291,8 @@ static int read_one_absolute(reader *reader, int node)
     memset(&text, 0, sizeof text);
     int failed = read_map(reader, node, absolute_fields, &text);
     if (failed == 0)
+        failed = refuse_repeated(reader, node, text.list, text.count);
+    if (failed == 0)
         failed = add_absolute(reader, node, &text);
     free(text.list);
     free(text.weight);
@@ -289,6 +309,8 @@ int read_absolute_sum(reader *reader, int node, void *to, const void *rule)
     (void)rule;
     if (item->kind != TREE_LIST)
         failed = read_one_absolute(reader, node);
+    else if (!item->first)
+        failed = tree_fault(reader->t, node, "an empty list; leave the key out");
     for (int i = item->kind == TREE_LIST ? item->first : 0; i && failed == 0;
          i = reader->t->node[i].next)
         failed = read_one_absolute(reader, i);

@@ -149,6 +149,15 @@ run 2 shape "$dir/measured.yaml" --set "$rows" --set 'limits.each=[{actuator: e1
 check 'limits between amplifiers that clash are named' $?
 run 2 check "$dir/measured.yaml" --set "$rows" --set 'safety={selftest: {amplitude: 5}}' && says 'do not go together with safety.selftest'
 check 'limits between amplifiers beside a self-test' $?
+absolute='limits.absolute_sum={limit: 20, actuators: [e1, e2, e3], weights: [1, 2, 1]}'
+run 0 shape "$dir/measured.yaml" --set "$absolute" --set "$rows" && grep -q 'absolute sum): [1-9] of 7 bind: .*|e1| + |e2| + |e3|' "$dir/out" &&
+    run 0 simulate "$dir/measured.yaml" --set "$absolute" && grep -q '^ *0 limits between amplifiers violated$' "$dir/out" && run 0 tables "$dir/measured.yaml" --set "$absolute" -o "$dir/rows.h" &&
+    grep -q ' 1, &pzs_absolute_rows_calls,' "$dir/rows.h" && gcc -std=c99 -Wall -Wextra -Werror -Iinclude -x c -fsyntax-only -Wno-unused "$dir/rows.h"
+check 'shape, simulate and tables with a limit of a sum of absolute values' $?
+run 2 shape "$dir/measured.yaml" --set 'limits.absolute_sum={limit: 20}' --set 'limits.each=[{actuator: e1, hold: 30}]' && says '|centre| + |e1| + |e2| + ... + |e6| up to 20; widen' &&
+    run 2 shape "$dir/measured.yaml" --set 'limits.absolute_sum={limit: 20, weights: [1, 2]}' && says '2 weights for 7 amplifiers' &&
+    run 2 shape "$dir/measured.yaml" --set 'limits.sum={voltage: [-5, 5], actuators: [e1, e1]}' && says "item 2 of 'actuators' repeats an amplifier"
+check 'limits of sums of absolute values that are wrong or clash' $?
 mkdir "$dir/odd*" && cp "$dir/measured-matrix.csv" "$dir/odd*/" &&
     run 0 tables "$dir/measured.yaml" --set 'influence.file=odd*/measured-matrix.csv' -o "$dir/odd.h" && gcc -std=c99 -Wall -Werror -Iinclude -x c -fsyntax-only -Wno-unused "$dir/odd.h"
 check 'tables: a file name that holds the end of a comment does not end the comment' $?
@@ -557,7 +566,7 @@ says 'cause: the readings stayed too far from the shapes that the tables predict
 check 'safety: simulate names the cause for which control was taken away' $?
 run 2 check plate-closed-loop --set 'safety={timeout: -1}' && grep -q 'must be from 0 to 60000 ticks' "$dir/err"; check 'safety: a negative time-out is refused' $?
 run 2 check plate-closed-loop --set 'safety={park: 400}' && says 'park: 400 V is outside the limits of v_1_1, -300 to 300; write' &&
-    run 2 tables plate-closed-loop $quick --set 'safety={park: 100}' --set 'limits.sum={voltage: [-500, 500]}' -o "$dir/park.h" && says 'with all amplifiers at 100 V, v_1_1 + v_1_2 + v_1_3 + ... + v_5_5 leaves its limits, -500 to 500' && [ ! -f "$dir/park.h" ]
+    run 2 tables plate-closed-loop $quick --set 'safety={park: 100}' --set 'limits.sum={voltage: [-500, 500]}' -o "$dir/park.h" && says 'with all amplifiers at 100 V, v_1_1 + v_1_2 + v_1_3 + ... + v_5_5 leaves its limits, from -500 to 500' && [ ! -f "$dir/park.h" ]
 check 'safety: park voltages outside the limits are refused' $?
 run 0 tables plate-50-patches --quasi-static --set 'safety={arm: command}' --set 'limits={voltage: [20, 60], sum: {voltage: [600, 700]}}' --prefix high -o "$dir/high.h" &&
     awk '/high_park\[/ {on = 1; next} /};/ {on = 0} on' "$dir/high.h" | grep -o '(.*)' | tr -d '(),' | tr -s ' ' '\n' | sed 's/PZS_R//' | awk '$1 < 20 || $1 > 60 {bad = 1} {sum += $1} END {exit bad || sum < 600 || sum > 700}'

@@ -95,6 +95,14 @@ static void begin_absolute(rig *r, double limit)
     r->rows.absolute_count++;
 }
 
+/* Limit the sum of the absolute values of all inputs. */
+static void add_absolute(rig *r, double limit)
+{
+    begin_absolute(r, limit);
+    for (unsigned j = 0; j < r->b.problem.inputs; j++)
+        add_entry(r, j, 1);
+}
+
 /* Limit the differences of consecutive inputs. */
 static void add_chain(rig *r, double limit)
 {
@@ -568,11 +576,12 @@ static void test_start(void **state)
 {
     (void)state;
     open_chain(&one, 6, 30, 10);
+    add_absolute(&one, 100);
     assert_int_equal(open_rig(&one), PZS_OK);
     const pzs_real given[8] = {100, -100, 100, -100, 90, 80, -80, 0};
     assert_int_equal(pzs_control_start(&one.b.control, given), PZS_OK);
     double last = largest_excess(&one, one.b.control.info.voltage);
-    assert_true(last >= 170);
+    assert_true(last >= 540);
     for (unsigned t = 0; last > 0; t++) {
         (void)pzs_step(&one.b.control, one.b.error);
         const double now = largest_excess(&one, one.b.control.info.voltage);
@@ -606,6 +615,14 @@ static void test_refusals(void **state)
     one.safe[1] = 31;
     assert_int_equal(open_rig(&one), PZS_E_LIMITS);
     assert_int_equal(one.b.control.info.where, -1);
+    for (unsigned k = 0; k < 3; k++) { /* a negative weight, a lower limit, an upper limit of 0 */
+        open_chain(&one, 7, 30, 10);
+        add_absolute(&one, k == 2 ? 0 : 200);
+        one.value[2 * 7 + 1] = k == 0 ? -1 : 1;
+        one.low[7] = k == 1 ? -200 : -(pzs_real)HUGE_VAL;
+        assert_int_equal(open_rig(&one), PZS_E_LIMITS);
+        assert_int_equal(one.b.control.info.where, 8 + 7);
+    }
     open_chain(&one, 7, 30, 10);
     assert_int_equal(open_rig(&one), PZS_OK);
     one.high[0] = 31;
@@ -630,6 +647,8 @@ static void test_gate(void **state)
     const pzs_amplifier amplifier = {.step = 0.75, .dead_band = 0.125};
     for (unsigned kind = 0; kind < 2; kind++) {
         open_chain(&one, 9 + kind, 30, 10);
+        if (kind == 1)
+            add_absolute(&one, 120);
         assert_int_equal(open_rig(&one), PZS_OK);
         const pzs_block blocks[] = {{&pzs_step_block, &one.b.problem},
                                     {&pzs_amplifier_block, &amplifier},
