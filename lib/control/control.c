@@ -184,10 +184,9 @@ static const pzs_real *expected_measurements(const pzs_control *control)
 static uint64_t work_limit(const pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
-    const uint32_t rows = limit_row_count(problem);
-    const uint64_t least =
-        rows > 0 ? PZS_LIMIT_ROW_WORK_LEAST(problem->inputs, rows) + absolute_row_work(problem)
-                 : PZS_WORK_LEAST(problem->inputs);
+    const uint64_t least = problem->limit_rows != NULL
+                               ? problem->limit_rows->call->least_work(problem)
+                               : PZS_WORK_LEAST(problem->inputs);
     return control->settings.work_limit > least ? control->settings.work_limit : least;
 }
 
@@ -603,6 +602,15 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
     (void)pzs_tableau_rebuild(optimiser);
 }
 
+/* Return the default of the work limit of the optimiser in one voltage step (multiply-adds). */
+static uint64_t usual_work(const pzs_problem *problem)
+{
+    if (problem->work_limit > 0)
+        return problem->work_limit;
+    return problem->limit_rows != NULL ? problem->limit_rows->call->usual_work(problem)
+                                       : PZS_WORK_LIMIT(problem->inputs);
+}
+
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
                             const pzs_real *influence, void *work, size_t bytes)
 {
@@ -613,18 +621,11 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
         return PZS_E_ARGUMENT;
     const pzs_real *use = influence != NULL ? influence : problem->influence;
     const size_t need = pzs_control_bytes(problem);
-    const uint32_t rows = limit_row_count(problem);
-    const uint64_t work_limit = rows > 0 ? PZS_LIMIT_ROW_WORK_LIMIT(problem->inputs, rows) +
-                                               2u * absolute_row_work(problem)
-                                         : PZS_WORK_LIMIT(problem->inputs);
-    *control = (pzs_control){.state.problem = problem,
-                             .state.influence = use,
-                             .info.where = -1,
-                             .settings.work_limit =
-                                 problem->work_limit > 0 ? problem->work_limit : work_limit};
+    *control = (pzs_control){.state.problem = problem, .state.influence = use, .info.where = -1};
     const pzs_status status = pzs_control_check_problem(problem, use, &control->info.where);
     if (status != PZS_OK)
         return status;
+    control->settings.work_limit = usual_work(problem);
     const int32_t lacking = guard_missing_bytes(work, bytes, need);
     if (lacking >= 0)
         return finish(control, PZS_E_WORKSPACE, lacking);

@@ -154,6 +154,28 @@ static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
     return sum;
 }
 
+/*
+ * Return the number of multiply-adds by which limits of sums of absolute values of voltages raise
+ * the smallest work limit of the optimiser.
+ */
+static uint64_t absolute_work(const pzs_problem *problem)
+{
+    return PZS_ABSOLUTE_ROW_WORK(problem->inputs, limit_row_count(problem),
+                                 problem->limit_rows->absolute_count);
+}
+
+static uint64_t least_work(const pzs_problem *problem)
+{
+    return PZS_LIMIT_ROW_WORK_LEAST(problem->inputs, limit_row_count(problem)) +
+           absolute_work(problem);
+}
+
+static uint64_t usual_work(const pzs_problem *problem)
+{
+    return PZS_LIMIT_ROW_WORK_LIMIT(problem->inputs, limit_row_count(problem)) +
+           2u * absolute_work(problem);
+}
+
 /* ---- return of voltages to the limits ----------------------------------- */
 
 /*
@@ -288,6 +310,6 @@ static bool bring_inside(pzs_control *control, int32_t *where)
 }
 
 const struct pzs_limit_row_calls pzs_limit_rows_calls = {
-    check_rows,          pzs_satisfy_rows,  pzs_arrange_rows, pzs_prepare_rows,
-    pzs_repair_rows,     pzs_optimise_rows, bring_inside,     pzs_violation_rows,
-    pzs_scale_back_rows, take_back,         add_row_limits};
+    check_rows,        pzs_satisfy_rows, pzs_arrange_rows,   pzs_prepare_rows,    pzs_repair_rows,
+    pzs_optimise_rows, bring_inside,     pzs_violation_rows, pzs_scale_back_rows, take_back,
+    add_row_limits,    least_work,       usual_work};

@@ -78,6 +78,12 @@ struct pzs_limit_row_calls {
      * voltages). Returns the new checksum.
      */
     uint32_t (*add_row_limits)(uint32_t sum, const pzs_problem *problem);
+    /*
+     * Return the smallest and the default work limit of the optimiser in a voltage step for a
+     * problem with limit rows (multiply-adds).
+     */
+    uint64_t (*least_work)(const pzs_problem *problem);
+    uint64_t (*usual_work)(const pzs_problem *problem);
 };
 
 /*
@@ -108,16 +114,6 @@ struct pzs_absolute_row_calls {
 static inline uint32_t limit_row_count(const pzs_problem *problem)
 {
     return problem->limit_rows != NULL ? problem->limit_rows->sums.count : 0;
-}
-
-/*
- * Return the number of multiply-adds by which limits of sums of absolute values of voltages raise
- * the smallest work limit of the optimiser, for a voltage problem with limit rows.
- */
-static inline uint64_t absolute_row_work(const pzs_problem *problem)
-{
-    return PZS_ABSOLUTE_ROW_WORK(problem->inputs, limit_row_count(problem),
-                                 problem->limit_rows->absolute_count);
 }
 
 /* Whether limit row k limits a weighted sum of absolute values of voltages. */
