@@ -259,7 +259,7 @@ static const field absolute_fields[] = {
      .form = &limit_form, .help = "Largest weighted sum of the absolute values of the voltages."},
     {"actuators", read_absolute_names, .form = &labels_form,
      .help = "Actuators or amplifiers of the sum; default: all."},
-    {"weights", read_weights, .form = &weights_form,
+    {"weights", read_weights, .of = OF_NUMBER, .form = &weights_form,
      .help = "Weight of each of these amplifiers, in their order; default: 1."},
     {.key = NULL}};
 static const form one_absolute_form = {.type = FORM_MAP, .fields = absolute_fields};
