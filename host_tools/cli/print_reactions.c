@@ -33,6 +33,9 @@ static void print_balance(const analysis *analysis)
     if (analysis->design.contact.given)
         print_row("contact", &reactions->contact);
     print_row("sum", &reactions->sum);
+    if (!analysis->design.mesh.formulation.cartesian)
+        puts("  element: published strains under rigid motion on a curved shell, so that the sum "
+             "vanishes\n  with the size of the elements alone; element: improved balances exactly");
 }
 
 void print_reactions(const analysis *analysis)

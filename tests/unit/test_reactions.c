@@ -58,8 +58,8 @@ static void test_cantilever(void **state)
 }
 
 /*
- * Law: two thirds and one third. A beam on two hinges with a load at a third of its length divides
- * the load as the lever says.
+ * Law: two hinges at the ends of a beam carry two thirds and one third of a load that acts at a
+ * third of the length of the beam.
  */
 static void test_lever(void **state)
 {
