@@ -121,7 +121,7 @@ static int fit_meridian(reader *reader, int node, surface_text *text)
 /* ---- surface fitted to points ---- */
 
 static const range cell_count = {1, BICUBIC_CELLS, 0, "must be from 1 to 64"};
-static const form cell_form = {.type = FORM_NUMBER, .range = &cell_count};
+static const form cell_form = {.type = FORM_WHOLE, .range = &cell_count};
 static const form cells_form = {.type = FORM_LIST, .item = &cell_form, .least = 2, .most = 2};
 
 static int fit_points(reader *reader, int node, surface_text *text)

@@ -37,6 +37,8 @@ BEYOND_SCHEMA = [
     # sections and materials that need each other
     "or a mesh file: mesh", "has no piezoelectric constants", "has no permittivity", "d31 or e31", "no contact in this scene", "needs readings",
     "moves nothing; give", "but the outputs have none",
+    "is not bare; add", "need a direction; add", "some modes have a response", "in the order of their frequencies", "weights for .* amplifiers",
+    "its axis belong together",
     # meshes from files
     "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is no unit of length", "brings its own surface",
     "of the rim is more than", "lies outside the rim", "list circles from", "needs a target", "needs kinematics", "no finite position", "the coordinate lines meet", "acts along or across its edge",
