@@ -102,9 +102,17 @@ static void rig_open(rig *r, unsigned seed)
         r->upper[k] = 100;
         r->slew[k] = 15;
     }
-    const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
-                                 r->influence,     NULL,      r->weight, r->lower, r->upper,
-                                 r->slew,          r->prefer, 0,         0,        NULL};
+    const pzs_problem problem = {.format = PZS_TABLE_FORMAT,
+                                 .scene = 1,
+                                 .inputs = N,
+                                 .outputs = M,
+                                 .influence = r->influence,
+                                 .weight = r->weight,
+                                 .lower = r->lower,
+                                 .upper = r->upper,
+                                 .step_limit = r->slew,
+                                 .reference_voltage = r->prefer,
+                                 .dual_method = PZS_DUAL_METHOD(N)};
     const pzs_estimator e = {PZS_TABLE_FORMAT, 1, 0, N, M, K, r->direct, r->gain};
     const pzs_feed_forward_table known = {PZS_TABLE_FORMAT, 1, 0, LOADS, M, r->per};
     r->problem = problem;

@@ -95,9 +95,17 @@ static void rig_open(rig *r, unsigned seed)
         r->strength[k] = 0.8 / 1.1 * uniform(&r->seed, 0.9, 1.1);
     }
     r->noise = 1e-7;
-    const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
-                                 r->influence,     NULL,      r->weight, r->lower, r->upper,
-                                 r->slew,          r->prefer, 0,         0,        NULL};
+    const pzs_problem problem = {.format = PZS_TABLE_FORMAT,
+                                 .scene = 1,
+                                 .inputs = N,
+                                 .outputs = M,
+                                 .influence = r->influence,
+                                 .weight = r->weight,
+                                 .lower = r->lower,
+                                 .upper = r->upper,
+                                 .step_limit = r->slew,
+                                 .reference_voltage = r->prefer,
+                                 .dual_method = PZS_DUAL_METHOD(N)};
     r->problem = problem;
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
     assert_non_null(r->work);

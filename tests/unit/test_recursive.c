@@ -556,8 +556,11 @@ static void test_limit_rows(void **state)
         value[2 * row] = 1;
         value[2 * row + 1] = -1;
     }
-    const pzs_limit_rows rows = {
-        &pzs_limit_rows_calls, {ROWS, start_of, input, value}, low, high, safe};
+    const pzs_limit_rows rows = {.call = &pzs_limit_rows_calls,
+                                 .sums = {ROWS, start_of, input, value},
+                                 .lower = low,
+                                 .upper = high,
+                                 .safe = safe};
     open_rig(&r, 37, N, 3);
     r.problem.limit_rows = &rows;
     start(&r);
