@@ -219,8 +219,12 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
     text_append(
         text, CERTIFICATE_TEXT,
         "\nStorms (stress tests: targets jump faster than the voltages can follow, then the last "
-        "one stands;\nin a third of them 5 %% of the ticks are missed%s):",
+        "one stands;\nin a third of them 5 %% of the ticks are missed%s",
         loop->less_hysteresis > 0 ? ", in another the ceramic has half the hysteresis" : "");
+    if (loop->bandwidth > 0)
+        text_append(text, CERTIFICATE_TEXT, "; the amplifiers lag, with a corner of %g Hz",
+                    loop->bandwidth);
+    text_append(text, CERTIFICATE_TEXT, "):");
     if (loop->storms == 0) {
         text_append(text, CERTIFICATE_TEXT, " none was run.");
         return;

@@ -100,6 +100,8 @@ typedef struct certificate_loop {
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */
     int delay;              /* age of the readings that the scene file states (ticks) */
+    double bandwidth;       /* corner frequency of the first-order lag of the amplifiers that the
+                               scene file states (Hz); 0: no lag */
     int older; /* largest number of ticks by which all readings may be older than the scene file
                   states; vibrations decay, and the shape settles after fast target jumps, with
                   every number up to it */

@@ -160,10 +160,6 @@ static const struct rule {
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest; without safety: none the loop parks the voltages "
      "when it swings"},
-    {"amplifier_lag", SUBJECT_LOOP, measure_lag, -HUGE_VAL, 0, "ticks",
-     "tables and certificate know no lag of the amplifiers, with which the loop may swing; "
-     "simulate it, take faster amplifiers, or make the tables with the lag added to "
-     "simulate.sensors.delay"},
     {"sensor_noise", SUBJECT_LOOP, measure_noise, 0, 0.3, "times the target",
      "readings then tell little of the shape, and the supervisor takes as much for healthy; "
      "compare the number with units.length"},

@@ -131,10 +131,10 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
 
 /*
  * Functions that measure, for a stable control loop, by how many ticks the sensor readings may be
- * older than stated, by how many ticks the amplifiers lag beyond that, and how many thicknesses the
- * target displaces the structure (plausible_result.c).
+ * older than stated, and how many thicknesses the target displaces the structure
+ * (plausible_result.c).
  */
-measure measure_age, measure_lag, measure_noise, measure_amplitude, measure_amplitude_certified,
+measure measure_age, measure_noise, measure_amplitude, measure_amplitude_certified,
     measure_amplitude_at_target;
 
 /*

@@ -247,21 +247,6 @@ int measure_age(const subject *of, int k, measured *found)
     return k == 0;
 }
 
-int measure_lag(const subject *of, int k, measured *found)
-{
-    static const double two_pi = 6.283185307179586;
-    const double bandwidth = of->scene->simulate.imperfections.bandwidth;
-    const double ticks = of->scene->control.rate / (two_pi * bandwidth);
-    if (k > 0 || !(bandwidth > 0))
-        return 0;
-    found->value = ticks - of->older;
-    found->at = of->scene->simulate.at;
-    snprintf(found->what, WHAT,
-             "amplifiers of %g Hz lag by %.3g ticks, and readings may be older by %d: difference",
-             bandwidth, ticks, of->older);
-    return 1;
-}
-
 int measure_noise(const subject *of, int k, measured *found)
 {
     found->value = of->noise;

@@ -398,6 +398,7 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
         loop->observed_to = trial->damper.frequency[loop->observed - 1];
     }
     loop->delay = trial->analysis->design.simulate.delay;
+    loop->bandwidth = trial->analysis->design.simulate.imperfections.bandwidth;
     loop->less_hysteresis = trial->blocks.compensation.is_used ? less_hysteresis : 0;
     return loop->is_stable ? try_neighbouring_ages(trial, loop, error) : 0;
 }
@@ -718,8 +719,14 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
 {
     const certificate_loop *loop = &certificate->loop;
     const certificate_target *target = &loop->target;
+    text[0] = '\0';
+    if (loop->bandwidth > 0)
+        snprintf(text, SCENE_ERROR, "with amplifiers of %g Hz, which may be too slow, ",
+                 loop->bandwidth);
+    char *rest = text + strlen(text);
+    const size_t room = SCENE_ERROR - strlen(text);
     if (target->is_made && !target->is_stable)
-        snprintf(text, SCENE_ERROR,
+        snprintf(rest, room,
                  "about the shape of its target, %.3g thicknesses, at gain %g, frequency %g of the "
                  "deformed structure, vibration changes %.5g times a tick and %d of %d storms do "
                  "not settle; write simulate: {influence: target}, or make the target smaller",
@@ -727,12 +734,12 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
                  target->failed, target->storms);
     else if (loop->failed > 0)
         snprintf(
-            text, SCENE_ERROR,
+            rest, room,
             "after a storm of targets at gain %g, frequency %g, step limit x %g the shape ends "
             "%.3g of the target from the best one (allowed: %g); %d of %d storms do not settle",
             loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst,
             CERTIFICATE_TOLERANCE, loop->failed, loop->storms);
     else
-        snprintf(text, SCENE_ERROR, "at gain %g, frequency %g vibration grows %.5g times a tick",
+        snprintf(rest, room, "at gain %g, frequency %g vibration grows %.5g times a tick",
                  loop->at_gain, loop->at_frequency, loop->radius);
 }

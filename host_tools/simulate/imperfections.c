@@ -16,6 +16,14 @@ static bool has_bandwidth(const imperfection_tables *tables)
     return tables->bandwidth > 0;
 }
 
+double amplifier_lag(double *output, double command, double bandwidth, double interval)
+{
+    const double times = 2 * 3.14159265358979323846 * bandwidth * interval;
+    const double behind = *output - command;
+    *output = command + behind * exp(-times);
+    return command + (times > 0 ? -behind * expm1(-times) / times : behind);
+}
+
 /*
  * Apply the first-order lag of the amplifiers to their voltages. The result is the mean voltage
  * over a time interval.
@@ -23,13 +31,9 @@ static bool has_bandwidth(const imperfection_tables *tables)
  */
 static void apply_lag(const imperfections *on, double *voltage, double interval)
 {
-    const double times = 2 * 3.14159265358979323846 * on->tables.bandwidth * interval;
-    for (int k = 0; k < on->tables.amplifiers; k++) {
-        electrode *electrode = &on->electrode[k];
-        const double behind = electrode->output - voltage[k];
-        electrode->output = voltage[k] + behind * exp(-times);
-        voltage[k] += times > 0 ? -behind * expm1(-times) / times : behind;
-    }
+    for (int k = 0; k < on->tables.amplifiers; k++)
+        voltage[k] =
+            amplifier_lag(&on->electrode[k].output, voltage[k], on->tables.bandwidth, interval);
 }
 
 static bool has_swaps(const imperfection_tables *tables)

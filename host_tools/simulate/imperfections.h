@@ -92,6 +92,16 @@ typedef struct imperfections {
 } imperfections;
 
 /*
+ * Advance the first-order lag of an amplifier by a time interval with a constant command. Returns
+ * the mean output voltage over the interval, or the present one for an interval of length 0 (V).
+ *   output    in/out  output voltage of the amplifier (V)
+ *   command   in      commanded output voltage (V)
+ *   bandwidth in      corner frequency of the lag (Hz)
+ *   interval  in      length of the interval (s)
+ */
+double amplifier_lag(double *output, double command, double bandwidth, double interval);
+
+/*
  * Return whether the voltages on the ceramic vary between two ticks, because the amplifiers have a
  * first-order lag.
  */

@@ -7,6 +7,7 @@
 #include "../../lib/control/control.h"
 #include "../../lib/control/hysteresis.h"
 #include "../../lib/core/product.h"
+#include "imperfections.h"
 #include "random.h"
 #include "../model/mass.h"
 
@@ -159,6 +160,7 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     rig->analysis = analysis;
     rig->estimator = estimator;
     rig->interval = 1 / design->control.rate;
+    rig->bandwidth = design->simulate.imperfections.bandwidth;
     rig->targets = (size_t)design->targets;
     rig->amplifiers = (size_t)design->amplifiers;
     rig->sensors = estimator ? (size_t)estimator->sensors : rig->targets;
@@ -217,6 +219,11 @@ typedef struct storm {
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
     double *voltage; /* [amplifiers] voltages of the amplifiers in the present tick (V) */
+    double *output;  /* [amplifiers] output voltages of the amplifiers, which follow the voltages of
+                        the control loop with a first-order lag where the scene file states their
+                        bandwidth (V) */
+    double *driven;  /* [amplifiers] mean output voltages of the amplifiers in the coming interval
+                        (V) */
     double *acting;  /* [amplifiers] voltages that act on the ceramic of the electrodes, after
                         hysteresis and creep (V) */
     double *stroke; /* [2][amplifiers] stroke of the electrodes: voltages that act on the ceramic at
@@ -245,14 +252,16 @@ static bool take_run_memory(storm *storm)
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets,
                  k = storm->rig->sensors;
     const size_t kept = (size_t)storm->history_ticks;
-    double *at = storm->memory =
-        calloc((8 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers + 5 * targets + k + kept * k + 1,
-               sizeof *storm->memory);
+    double *at = storm->memory = calloc((10 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers +
+                                            5 * targets + k + kept * k + 1,
+                                        sizeof *storm->memory);
     if (!at || !inertia_open(&storm->inertia, &storm->rig->modal))
         return false;
     storm->limits = at, at += 3 * amplifiers;
     storm->voltage = at, at += amplifiers;
     storm->previous_voltage = at, at += amplifiers;
+    storm->output = at, at += amplifiers;
+    storm->driven = at, at += amplifiers;
     storm->acting = at, at += amplifiers;
     storm->stroke = at, at += 2 * amplifiers;
     storm->play = at, at += PZS_PLAY_LIMIT * amplifiers;
@@ -348,10 +357,20 @@ static void start_ceramic(storm *storm)
     }
 }
 
+/* Advance the output voltages of the amplifiers by one interval. */
+static void drive_amplifiers(storm *storm)
+{
+    const double bandwidth = storm->rig->bandwidth;
+    for (size_t k = 0; k < storm->rig->amplifiers; k++)
+        storm->driven[k] = bandwidth > 0 ? amplifier_lag(&storm->output[k], storm->voltage[k],
+                                                         bandwidth, storm->rig->interval)
+                                         : storm->voltage[k];
+}
+
 /*
- * Effect (V) that the voltage of electrode k would have on a ceramic without hysteresis: linear in
- * the voltage, and equal to the stroke of the electrode (voltages that can act on the ceramic) at
- * both voltage limits.
+ * Effect (V) that the mean output voltage of the amplifier of electrode k would have on a ceramic
+ * without hysteresis: linear in the voltage, and equal to the stroke of the electrode (voltages
+ * that can act on the ceramic) at both voltage limits.
  */
 static double straight_effect(const storm *storm, size_t k)
 {
@@ -359,26 +378,30 @@ static double straight_effect(const storm *storm, size_t k)
     const pzs_problem *problem = &storm->rig->analysis->design.problem;
     const double low = storm->stroke[k], high = storm->stroke[amplifiers + k];
     const double range = problem->upper[k] - problem->lower[k];
-    const double part = range > 0 ? (storm->voltage[k] - problem->lower[k]) / range : 0;
+    const double part = range > 0 ? (storm->driven[k] - problem->lower[k]) / range : 0;
     return low + part * (high - low);
 }
 
-/* Advance the hysteresis and creep of the ceramic by one interval under the present voltages. */
+/*
+ * Advance the amplifiers, and the hysteresis and creep of the ceramic, by one interval under the
+ * present voltages.
+ */
 static void advance_ceramic(storm *storm)
 {
     const storm_ceramic *ceramic = storm->plant->ceramic;
-    memcpy(storm->acting, storm->voltage, storm->rig->amplifiers * sizeof *storm->acting);
+    drive_amplifiers(storm);
+    memcpy(storm->acting, storm->driven, storm->rig->amplifiers * sizeof *storm->acting);
     if (ceramic) {
-        ceramic->act(ceramic->state, storm->voltage, storm->acting);
+        ceramic->act(ceramic->state, storm->driven, storm->acting);
         return;
     }
     for (size_t k = 0; k < storm->rig->amplifiers && storm->hysteresis; k++) {
         const hysteresis_memory memory = memory_of(storm, k);
         const double straight = straight_effect(storm, k);
         const double bent =
-            pzs_hysteresis_effect(storm->hysteresis, (uint32_t)k, memory, storm->voltage[k]);
+            pzs_hysteresis_effect(storm->hysteresis, (uint32_t)k, memory, storm->driven[k]);
         storm->acting[k] = bent + storm->plant->less_hysteresis * (straight - bent);
-        pzs_hysteresis_remember(storm->hysteresis, (uint32_t)k, memory, storm->voltage[k], 1);
+        pzs_hysteresis_remember(storm->hysteresis, (uint32_t)k, memory, storm->driven[k], 1);
     }
 }
 
@@ -560,6 +583,7 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     if (PZS_IS_ERROR(status))
         return explain(storm, status, error);
     memcpy(storm->voltage, storm->loop.info.voltage, rig->amplifiers * sizeof *storm->voltage);
+    memcpy(storm->output, storm->voltage, rig->amplifiers * sizeof *storm->output);
     advance_ceramic(storm);
     inertia_rest(&storm->inertia, storm->acting);
     return 0;

@@ -68,7 +68,9 @@ typedef struct storm_rig {
     int blocks;
     int delay; /* age of the sensor readings when the control loop receives them, as the scene file
                   states it (ticks) */
-    double interval; /* time between control ticks (s) */
+    double interval;  /* time between control ticks (s) */
+    double bandwidth; /* corner frequency of the first-order lag of the amplifiers (Hz); 0: no lag
+                       */
     size_t sensors, targets, amplifiers;
     compensation ceramic; /* hysteresis and creep of the ceramic as the scene file describes them */
     vibration vibration;
