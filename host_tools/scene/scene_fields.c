@@ -109,27 +109,30 @@ int require_kind(reader *reader, int node, tree_kind kind)
  *   depth               in   number of keys from the form to the key; 1: a key of the form itself
  *   path   [LIST_ROOM]  out  keys of the mappings that contain the key, joined by points
  *   length              in   length of the path to the form
+ *   left         in/out  number of such keys to pass over before one is found
  * Returns whether there is such a key.
  */
-static bool find_key(const form *form, const char *key, int depth, char *path, int length)
+static bool find_key(const form *form, const char *key, int depth, char *path, int length,
+                     int *left)
 {
     if (!form || depth == 0)
         return false;
     for (const struct form *const *any = form->type == FORM_ANY ? form->any : NULL; any && *any;
          any++)
-        if (find_key(*any, key, depth, path, length))
+        if (find_key(*any, key, depth, path, length, left))
             return true;
     if (form->type == FORM_LIST || form->type == FORM_NAMED)
-        return find_key(form->item, key, depth, path, length);
+        return find_key(form->item, key, depth, path, length, left);
     for (const field *field = form->type == FORM_MAP ? form->fields : NULL; field && field->key;
          field++) {
-        if (depth == 1 && strcmp(field->key, key) == 0) {
+        if (depth == 1 && strcmp(field->key, key) == 0 && (*left)-- == 0) {
             path[length] = '\0';
             return true;
         }
         const int more = snprintf(path + length, (size_t)(LIST_ROOM - length), "%s%s",
                                   length ? "." : "", field->key);
-        if (length + more < LIST_ROOM && find_key(field->form, key, depth - 1, path, length + more))
+        if (length + more < LIST_ROOM &&
+            find_key(field->form, key, depth - 1, path, length + more, left))
             return true;
     }
     return false;
@@ -137,22 +140,25 @@ static bool find_key(const form *form, const char *key, int depth, char *path, i
 
 /*
  * Write where else in a scene file an unknown key is known, as "it is a key of simulate.sensors; ".
+ * A key that the items of the section have is not sought elsewhere: the list around it is missing.
  *   section            in   name of the mapping that has the unknown key
- *   advice [LIST_ROOM] out  the advice; empty where the key is known nowhere
+ *   advice [LIST_ROOM] out  the advice; empty where the key is known nowhere else
  */
 static void point_to_section(const char *key, const char *section, char advice[LIST_ROOM])
 {
     enum { DEEPEST = 4, FRAME = 30 };
-    char path[LIST_ROOM];
-    int depth = 2;
+    char first[LIST_ROOM] = "", path[LIST_ROOM];
     *advice = '\0';
-    while (depth <= DEEPEST && !find_key(&scene_form, key, depth, path, 0))
-        depth++;
-    if (depth > DEEPEST)
-        return;
-    const char *last = strrchr(path, '.');
-    if (strcmp(last ? last + 1 : path, section) != 0)
-        snprintf(advice, LIST_ROOM, "it is a key of %.*s; ", LIST_ROOM - FRAME, path);
+    for (int depth = 2; depth <= DEEPEST; depth++)
+        for (int k = 0; find_key(&scene_form, key, depth, path, 0, &(int){k}); k++) {
+            const char *last = strrchr(path, '.');
+            if (strcmp(last ? last + 1 : path, section) == 0)
+                return;
+            if (!*first)
+                memcpy(first, path, sizeof path);
+        }
+    if (*first)
+        snprintf(advice, LIST_ROOM, "it is a key of %.*s; ", LIST_ROOM - FRAME, first);
 }
 
 /*

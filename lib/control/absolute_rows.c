@@ -209,7 +209,7 @@ static bool choose_signs(pzs_control *control, bool may_cross)
 
 /* ---- optimality -------------------------------------------------------------- */
 
-static pzs_real violation(pzs_control *control, const pzs_real *reduced)
+static pzs_real crossing_violation(pzs_control *control, const pzs_real *reduced)
 {
     const rows_run run = rows_run_of(control);
     pzs_real *force = run.tableau->scratch, largest = 0;
@@ -226,4 +226,4 @@ static pzs_real violation(pzs_control *control, const pzs_real *reduced)
     return largest;
 }
 
-const struct pzs_absolute_row_calls pzs_absolute_rows_calls = {choose_signs, violation};
+const struct pzs_absolute_row_calls pzs_absolute_rows_calls = {choose_signs, crossing_violation};

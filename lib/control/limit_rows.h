@@ -107,7 +107,7 @@ struct pzs_absolute_row_calls {
      * of the distance of half the objective from its minimum, what a change of signs may gain.
      *   reduced [inputs] in  gradient minus the contributions of the active limit rows (m2/V)
      */
-    pzs_real (*violation)(pzs_control *control, const pzs_real *reduced);
+    pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);
 };
 
 /* Return the number of limit rows (limits of sums of voltages) of a voltage problem. */

@@ -414,7 +414,7 @@ static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
     const pzs_real largest = pzs_rows_violation(run, reduced);
     if (run->rows->absolute_count == 0)
         return largest;
-    const pzs_real crossing = run->rows->absolute_call->violation(run->control, reduced);
+    const pzs_real crossing = run->rows->absolute_call->crossing_violation(run->control, reduced);
     return crossing > largest ? crossing : largest;
 }
 
