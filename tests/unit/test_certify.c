@@ -124,16 +124,11 @@ static void close_loop(panel_loop *loop)
 }
 
 /*
- * Law: storms and the growth of small vibrations are simulated, too, where differences of the
- * voltages are limited. Limits so wide that they never bind leave every result as it is without
- * them; the growth is measured without any limits.
+ * Run a storm (a simulation with fast jumps of the target) and measure the growth of small
+ * vibrations on the panel with each of three changes of its scene.
  */
-static void test_limits_between_amplifiers(void **state)
+static void run_storms(const char *const changes[3], storm_result storm[3], storm_result growth[3])
 {
-    static const char *const changes[] = {"", "limits.difference={limit: 1e4}",
-                                          "limits.difference={limit: 30}"};
-    storm_result storm[3], growth[3];
-    (void)state;
     for (int i = 0; i < 3; i++) {
         const storm_plant jumping = {.gain = 1, .frequency = 1, .step_limit = 1, .seed = 1},
                           ringing = {.gain = 1, .frequency = 1, .step_limit = HUGE_VAL, .seed = 1};
@@ -144,6 +139,20 @@ static void test_limits_between_amplifiers(void **state)
             fail_msg("%s: %s", changes[i], loop.run.error);
         close_loop(&loop);
     }
+}
+
+/*
+ * Law: storms and the growth of small vibrations are simulated, too, where differences of the
+ * voltages are limited. Limits so wide that they never bind leave every result as it is without
+ * them; the growth is measured without any limits.
+ */
+static void test_limits_between_amplifiers(void **state)
+{
+    static const char *const changes[] = {"", "limits.difference={limit: 1e4}",
+                                          "limits.difference={limit: 30}"};
+    storm_result storm[3], growth[3];
+    (void)state;
+    run_storms(changes, storm, growth);
     assert_true(storm[0].passed && storm[1].passed && storm[2].passed);
     assert_int_equal(storm[1].ticks, storm[0].ticks);
     assert_true(fabs(storm[1].end - storm[0].end) < 1e-3);
@@ -171,16 +180,7 @@ static void test_amplifier_lag(void **state)
     assert_true(fabs(once - (10 - 7 * exp(-0.4 * acos(-1)))) < 1e-13);
     assert_true(fabs(once - twice) < 1e-13 && fabs(whole - (first + second) / 2) < 1e-13);
     assert_true(first < second && amplifier_lag(&once, 20, 50, 0) == once);
-    for (int i = 0; i < 3; i++) {
-        const storm_plant jumping = {.gain = 1, .frequency = 1, .step_limit = 1, .seed = 1},
-                          ringing = {.gain = 1, .frequency = 1, .step_limit = HUGE_VAL, .seed = 1};
-        panel_loop loop;
-        open_loop(&loop, changes[i]);
-        if (storm_run(&loop.rig, &jumping, &storm[i], loop.run.error) < 0 ||
-            storm_growth(&loop.rig, &ringing, 400, &growth[i], loop.run.error) < 0)
-            fail_msg("%s: %s", changes[i], loop.run.error);
-        close_loop(&loop);
-    }
+    run_storms(changes, storm, growth);
     print_message("    ends %.4g, %.4g, %.4g; growth %.6f, %.6f, %.6f\n", storm[0].end,
                   storm[1].end, storm[2].end, growth[0].growth, growth[1].growth, growth[2].growth);
     assert_true(storm[0].passed && storm[1].passed && !storm[2].passed);
