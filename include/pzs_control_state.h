@@ -269,8 +269,8 @@ typedef struct pzs_scrub {
 } pzs_scrub;
 
 /*
- * Results of the controller that are out of date because voltages were changed outside a voltage
- * step.
+ * Results of the controller that are out of date because voltages were changed otherwise than by
+ * pzs_step.
  */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,

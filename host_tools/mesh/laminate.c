@@ -825,8 +825,9 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the value of a field at the middle of a ply: 1 for a voltage or a temperature of this ply,
- * the temperature of all plies (K), or the electric field along the surface (V/m).
+ * Return the value at the middle of a ply of the field that loads a laminate: a unit voltage or
+ * unit temperature of one ply (1), a temperature of all plies (K), or an electric field along the
+ * surface (V/m).
  */
 static double field_mean(const laminate *laminate, const laminate_field *field,
                          const laminate_ply *ply)

@@ -45,7 +45,8 @@ int clipped_open(clipped *clipped, const design *design, const double *lower, co
 void clipped_close(clipped *clipped);
 
 /*
- * Compute the clipped voltages for one regularisation parameter lambda >= 0.
+ * Compute the voltages that minimise the squared error of the shape plus lambda >= 0 times the
+ * squared voltages, without limits, and clip each to its limits.
  *   voltage [amplifiers] out  voltages found (V)
  * Returns whether all voltages are finite.
  */

@@ -22,8 +22,8 @@ typedef struct matrix_modes {
                   that the mode shapes explain more of the matrix */
     int swapped[2]; /* indices, counted from 0, of the two outputs (rows of the influence matrix)
                        that were swapped first */
-    double random_rest; /* mean share of the influence matrix that the mode shapes would not explain
-                           with their outputs in random order */
+    double random_rest; /* share of the squared norm of the influence matrix outside the span of the
+                           mode shapes, if the rows of the shapes stood in random order (mean) */
     double rest; /* share of the influence matrix outside the span of the mode shapes, which no
                     static responses explain */
     double swapped_rest; /* share of the influence matrix that the mode shapes do not explain after

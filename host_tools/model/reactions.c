@@ -512,7 +512,10 @@ static int open_all(all_dof *all, const reaction_state *state, double *internal)
     return add_springs(all);
 }
 
-/* Sum the reactions at all nodes. Returns 0, or -1 where memory runs out. */
+/*
+ * Compute the reaction at every node, the force and moment of every support, and their sum over all
+ * supports. Returns 0, or -1 where memory runs out.
+ */
 static int add_reactions(const all_dof *all, reactions *reactions)
 {
     const design *design = all->state->design;

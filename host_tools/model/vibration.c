@@ -376,8 +376,8 @@ static int have_converged(const search *search, size_t number)
 }
 
 /*
- * Number of vibration modes to check: the required ones, and those whose frequencies cannot be
- * distinguished from the last required one.
+ * Number of vibration modes whose convergence is checked: the modes that were asked for, and those
+ * whose frequencies cannot be distinguished from that of the last mode that was asked for.
  */
 static size_t cluster_end(const search *search, size_t number)
 {

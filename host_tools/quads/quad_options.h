@@ -21,7 +21,8 @@ typedef struct quad_warnings {
                            sharp */
     int64_t sharp[2];   /* numbers of the two elements at the sharpest edge */
     size_t slits;       /* number of pairs of nodes that lie at one place without being joined */
-    int64_t slit[2];    /* numbers of the first pair of nodes that are not joined */
+    int64_t slit[2];    /* numbers of the first two nodes that lie at one place without being joined
+                           (that are not the same node of the mesh) */
 } quad_warnings;
 
 #endif

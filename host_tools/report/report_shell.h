@@ -81,10 +81,10 @@ void shell_close(shell *shell);
 
 /*
  * shell_place computes the coordinates of a point with its displacement, and shell_at its pixel
- * coordinates. In space the points are the nodes of the mesh. shell_inside computes the pixel
- * coordinates of a point inside a cell (quadrilateral).
- *   share [2]  in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
- *                  corner 0 to corner 3
+ * coordinates. In a picture of the shell in space the points are the nodes of the mesh.
+ * shell_inside computes the pixel coordinates of a point inside a cell (quadrilateral). share [2]
+ * in  from 0 to 1; the first increases from corner 0 to corner 1, the second from corner 0 to
+ * corner 3
  */
 void shell_place(const shell *shell, int point, double place[3]);
 void shell_at(const shell *shell, int point, double at[2]);

@@ -313,7 +313,8 @@ typedef struct scene_spring {
     scene_face face;       /* face of the shell to which the springs are attached */
     double stiffness; /* stiffness of a spring: force per elongation, also per length or area; for a
                          torsional spring moment per angle (rad) */
-    int per;          /* quantity that the stiffness of a spring refers to, a value of scene_per */
+    int per;          /* whether `stiffness` is that of one spring, or per length or area: a value
+                                of scene_per */
     double force; /* blocked force (force without elongation) of a stack actuator per volt (or other
                      unit) of its input */
     double stroke; /* free stroke (elongation without load) of a stack actuator per volt (or other

@@ -48,7 +48,8 @@ extern const form row_function_form, place_function_form, list_form, list_file_f
  */
 typedef struct scene_numbers {
     int count;
-    double *value; /* [count] values of the numbers, in the unit of the scene */
+    double *value; /* [count] numbers of the list or of the column of the file, in the units that
+                      the scene file states */
 } scene_numbers;
 int scene_numbers_read(reader *reader, int node, scene_numbers *numbers);
 extern const form numbers_form;

@@ -34,7 +34,8 @@ static double *entry(double *band, int i, int j)
 /*
  * Solve a banded linear system with two right-hand sides by Gaussian elimination with row
  * exchanges.
- *   band      in/out            matrix, destroyed
+ *   band      in/out            matrix of BAND entries on each side of the diagonal, with room in
+ *                               each row of ROW entries for the row exchanges; overwritten
  *   solution  [rows][2] in/out  right-hand sides, replaced by the solutions
  */
 static void solve_band(double *band, double (*solution)[2], int rows)

@@ -238,13 +238,14 @@ typedef struct storm {
     double *previous_voltage; /* [amplifiers] voltages of the amplifiers before the last control
                                  tick (V) */
     double *target;           /* [targets] target shape in the present tick */
-    double *last_target;      /* [targets] last target of the simulation: the target of the scene */
-    double *best_shape; /* [targets] best shape for the last target that the limits allow on the
-                           simulated structure */
-    double *shape;      /* [targets] shape of the simulated structure in the present tick */
-    double *part;       /* [targets] work array for a part of the shape of the structure */
-    double *sensed;     /* [sensors] readings that the control loop receives in the present tick */
-    double *reading;    /* [history_ticks][sensors] noise-free readings of the last ticks */
+    double *last_target; /* [targets] target displacements (m) at the end of the simulation: the
+                        target of the scene file */
+    double *best_shape;  /* [targets] best shape for the last target that the limits allow on the
+                            simulated structure */
+    double *shape;       /* [targets] shape of the simulated structure in the present tick */
+    double *part;        /* [targets] work array for a part of the shape of the structure */
+    double *sensed;      /* [sensors] readings that the control loop receives in the present tick */
+    double *reading;     /* [history_ticks][sensors] noise-free readings of the last ticks */
 } storm;
 
 static bool take_run_memory(storm *storm)

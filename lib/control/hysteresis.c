@@ -189,7 +189,8 @@ typedef struct electrode {
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     const pzs_real *above; /* [plays] weight of each play (element with backlash) in the effect
-                              (voltage without hysteresis) above the middle (1) */
+                              (voltage without hysteresis) of voltages above the middle of the
+                              range (1) */
     const pzs_real *below; /* [plays] weight of each play (element with backlash) in the effect
                               (voltage without hysteresis) below the middle (1) */
     const pzs_real *creep; /* [creeps] final value of each creep term of an electrode's effect,

@@ -148,8 +148,8 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
     if (!(ticks < (pzs_real)MOST_TICKS))
         return UINT32_MAX;
     /*
-     * a number of ticks slightly above that computed from the step limit covers the rounding errors
-     * of the voltages of a ramp
+     * one tick more than the way over the step limit, and a margin for rounding errors of the
+     * voltages of the ramp
      */
     return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
 }

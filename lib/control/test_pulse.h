@@ -43,9 +43,9 @@ static inline pzs_real test_pulse_even(pzs_real place)
 }
 
 /*
- * Return the odd weight of a reading at a place from -1 (start) to 1 (end) within a test pulse. It
- * is proportional to the derivative of the even weight and serves to measure the amplitude of a
- * vibration.
+ * Return the weight, an odd function, of a reading at a place from -1 (start) to 1 (end) within a
+ * test pulse. It is proportional to the derivative of the even weight function that measures the
+ * response to the pulse, and serves to measure the amplitude of a vibration.
  */
 static inline pzs_real test_pulse_odd(pzs_real place)
 {

@@ -54,9 +54,10 @@ static shape undeformed_shape(const pzs_element_type *type, int corner)
 }
 
 /*
- * Compute the derivatives of the displacement at one corner of an element. In each direction the
- * coupling matrices of the element type multiply the displacement of the corner itself and that of
- * its neighbour, for the mean and for the difference of the two faces.
+ * Compute the derivatives by theta1 and theta2 of the displacement at one corner of an element, for
+ * the mean and for the difference of the displacements of the two faces of the shell. Along each
+ * side, matrices that the element type holds multiply the displacement of the corner and that of
+ * its neighbour.
  */
 static shell_corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
                                        const pzs_real *displacement, int corner)
