@@ -71,15 +71,14 @@ typedef struct pzs_calibration {
 
 /*
  * Start a calibration without any record.
- *   problem                     in  voltage problem with the limits; must outlive the calibration
- *   influence [outputs][inputs] in  matrix for inputs that the records do not determine (m/V), must
- *                                   outlive the calibration; NULL: that of the voltage problem
- *   voltage   [inputs]          in  voltages that the amplifiers give, around which the test
- *                                   voltages lie after clamping to the limits (V); NULL: the
- *                                   reference voltages of the problem
- *   work                        in  memory of the caller, aligned for pzs_real
- *   bytes                       in  size of the workspace, at least PZS_CALIBRATION_BYTES
- * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS, PZS_E_NONFINITE.
+ *   problem                     in  voltage optimisation problem with the limits; must outlive the
+ * calibration influence [outputs][inputs] in  matrix for inputs that the records do not determine
+ * (m/V), must outlive the calibration; NULL: that of the voltage optimisation problem voltage
+ * [inputs]          in  voltages that the amplifiers give, around which the test voltages lie after
+ * clamping to the limits (V); NULL: the reference voltages of the problem work in  memory of the
+ * caller, aligned for pzs_real bytes                       in  size of the workspace, at least
+ * PZS_CALIBRATION_BYTES Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE,
+ * PZS_E_LIMITS, PZS_E_NONFINITE.
  */
 pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem *problem,
                                 const pzs_real *influence, const pzs_real *voltage, void *work,

@@ -42,12 +42,14 @@ extern "C" {
 /* Functions of the optimiser for many inputs (PZS_DUAL_METHOD). */
 extern const struct pzs_dual_calls pzs_dual_method;
 
-/* The voltage problem: influence matrix, weights and limits. All arrays may stay in flash. */
+/* The voltage optimisation problem: influence matrix, weights and limits. All arrays may stay in
+ * flash. */
 typedef struct pzs_problem {
-    uint32_t format; /* format number of the tables of the voltage problem, PZS_TABLE_FORMAT */
+    uint32_t format; /* format number of the tables of the voltage optimisation problem,
+                        PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc; /* checksum of the following members of the voltage problem and of their arrays,
-                     computed by pzs_problem_seal */
+    uint32_t crc;    /* checksum of the following members of the voltage optimisation problem and of
+                        their arrays,    computed by pzs_problem_seal */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output
                                   per volt on each input (m/V); NULL: given to pzs_control_init */
@@ -61,7 +63,7 @@ typedef struct pzs_problem {
                                           the solution (V) */
     pzs_real regularisation; /* regularisation weight: factor of the squared distance of the
                                 voltages from the reference voltages in the objective (m2/V2) */
-    uint64_t work_limit;     /* default of the optimiser's work limit in one voltage step
+    uint64_t work_limit;     /* default of the optimiser's work limit in one optimisation step
                                 (multiply-adds); 0: PZS_WORK_LIMIT */
     const pzs_limit_rows *limit_rows; /* limits of weighted sums of voltages, for inputs with finite
                                          voltage limits; NULL: no sum is limited */
@@ -71,12 +73,13 @@ typedef struct pzs_problem {
 } pzs_problem;
 
 /*
- * Write the format number and the checksum into a voltage problem that a firmware has built or
- * changed itself. Errors: PZS_E_ARGUMENT for NULL or for a problem without inputs or outputs.
+ * Write the format number and the checksum into a voltage optimisation problem that a firmware has
+ * built or changed itself. Errors: PZS_E_ARGUMENT for NULL or for a problem without inputs or
+ * outputs.
  */
 pzs_status pzs_problem_seal(pzs_problem *problem);
 
-/* Largest number of inputs of a voltage problem. */
+/* Largest number of inputs of a voltage optimisation problem. */
 #define PZS_INPUT_LIMIT 4096
 
 /*
@@ -89,7 +92,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 
 /*
  * Smallest useful work limit of the optimiser (member work_limit of the controller settings, in
- * multiply-adds): with it a voltage step makes at least one iteration.
+ * multiply-adds): with it an optimisation step makes at least one iteration.
  */
 #define PZS_WORK_LEAST(inputs)                                                                     \
     (((size_t)(inputs) < PZS_DUAL_INPUTS ? 4u : 14u) * PZS_PRODUCT_WORK(inputs) +                  \
@@ -97,8 +100,8 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 
 /*
  * Default of the optimiser's work limit (member work_limit of pzs_control_settings): number of
- * multiply-adds that the optimiser may use in one voltage step. Practical problems need fewer; only
- * problems that are constructed to take many iterations reach the limit.
+ * multiply-adds that the optimiser may use in one optimisation step. Practical problems need fewer;
+ * only problems that are constructed to take many iterations reach the limit.
  */
 #define PZS_WORK_LIMIT(inputs)                                                                     \
     (40u * PZS_ROUND_WORK(inputs) + (8u * (uint64_t)(inputs) + 100u) * PZS_ITERATION_WORK(inputs))
@@ -114,8 +117,9 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 
 /* Settings of the controller that a program may change after pzs_control_init. */
 typedef struct pzs_control_settings {
-    uint64_t work_limit; /* largest number of multiply-adds of the optimiser in one voltage step, at
-                            least PZS_WORK_LEAST; default: work_limit of the voltage problem */
+    uint64_t work_limit; /* largest number of multiply-adds of the optimiser in one optimisation
+                            step, at least PZS_WORK_LEAST; default: work_limit of the voltage
+                            optimisation problem */
 } pzs_control_settings;
 
 /* Results of the controller that a program may read. */
@@ -130,10 +134,10 @@ typedef struct pzs_control_info {
                                       input that pzs_hold keeps at a voltage, both limits are this
                                       voltage (V) */
     int32_t where;       /* index of the input or output to which the last status refers, or -1 */
-    uint16_t iterations; /* number of iterations of the optimiser in the last voltage step */
-    uint16_t iterations_most; /* largest number of iterations in any voltage step so far */
-    uint64_t work;      /* number of multiply-adds of the optimiser in the last voltage step */
-    uint64_t work_most; /* largest number of multiply-adds in a voltage step so far */
+    uint16_t iterations; /* number of iterations of the optimiser in the last optimisation step */
+    uint16_t iterations_most; /* largest number of iterations in any optimisation step so far */
+    uint64_t work;      /* number of multiply-adds of the optimiser in the last optimisation step */
+    uint64_t work_most; /* largest number of multiply-adds in an optimisation step so far */
 } pzs_control_info;
 
 typedef struct pzs_control {
@@ -149,25 +153,21 @@ typedef struct pzs_control {
      (size_t)(inputs) + (size_t)(outputs))
 
 /*
- * Return the size of the workspace of a controller for a voltage problem, including the memory of
- * limit rows (bytes).
+ * Return the size of the workspace of a controller for a voltage optimisation problem, including
+ * the memory of limit rows (bytes).
  */
 size_t pzs_control_bytes(const pzs_problem *problem);
 
 /*
- * Check a voltage problem and initialise a controller in the workspace. The voltages start at the
- * reference voltages, clamped to the limits.
- *   problem                     in  must outlive the controller
- *   influence [outputs][inputs] in  influence matrix computed on the device (m/V), read in every
- *                                   step; NULL: that of the problem
- *   work                        in  memory of the caller, aligned for pzs_real; the controller uses
- *                                   it from now on
- *   bytes                       in  size of the workspace, at least PZS_CONTROL_BYTES, with
- *                                   limit rows also PZS_LIMIT_ROW_BYTES
- * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS (also for a
- * negative step limit; for limit row k, info.where is the number of inputs plus k),
- * PZS_E_NONFINITE. After an error the controller cannot be used, even if it
- * was valid before.
+ * Check a voltage optimisation problem and initialise a controller in the workspace. The voltages
+ * start at the reference voltages, clamped to the limits. problem                     in  must
+ * outlive the controller influence [outputs][inputs] in  influence matrix computed on the device
+ * (m/V), read in every step; NULL: that of the problem work                        in  memory of
+ * the caller, aligned for pzs_real; the controller uses it from now on bytes in  size of the
+ * workspace, at least PZS_CONTROL_BYTES, with limit rows also PZS_LIMIT_ROW_BYTES Errors:
+ * PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS (also for a negative step
+ * limit; for limit row k, info.where is the number of inputs plus k), PZS_E_NONFINITE. After an
+ * error the controller cannot be used, even if it was valid before.
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
                             const pzs_real *influence, void *work, size_t bytes);
@@ -196,7 +196,7 @@ pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
 
 /*
- * Make one voltage step from the last voltages, without measurements.
+ * Make one optimisation step from the last voltages, without measurements.
  *   error [outputs] in  target shape minus the shape at zero voltage (m)
  * The result, info.voltage, is inside every limit to the last bit. Its objective is not larger than
  * that of the last voltages clamped to the limits, and it is the optimum unless a warning says

@@ -20,8 +20,8 @@ struct pzs_dual_calls;
 struct pzs_absolute_row_calls;
 
 /*
- * Value of the member dual_method of a voltage problem: the dual active-set method for at least
- * PZS_DUAL_INPUTS inputs, NULL for fewer.
+ * Value of the member dual_method of a voltage optimisation problem: the dual active-set method for
+ * at least PZS_DUAL_INPUTS inputs, NULL for fewer.
  */
 #define PZS_DUAL_METHOD(inputs) ((size_t)(inputs) >= PZS_DUAL_INPUTS ? &pzs_dual_method : NULL)
 
@@ -91,7 +91,7 @@ typedef struct pzs_optimiser {
     uint32_t inputs, width;
     uint32_t iterations;
     uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this
-                                  voltage step, and the largest number that it may use */
+                                  optimisation step, and the largest number that it may use */
     pzs_real *hessian; /* [inputs][width >= inputs] Hessian H of the objective that the optimiser
                           minimises (m2/V2) */
     pzs_real *tableau; /* [inputs][width >= inputs] tableau: the Hessian after one pivot exchange
@@ -117,7 +117,7 @@ typedef struct pzs_optimiser {
                           Cholesky factor `factor` belongs */
     pzs_real *voltage; /* [width >= inputs] present voltages of the optimiser (V) */
     pzs_real *lower, *upper; /* [width >= inputs] lower and upper bounds of the voltages in the
-                                present voltage step (V) */
+                                present optimisation step (V) */
     pzs_real *free_set; /* [width >= inputs] 1 for an input of the free set, 0 for one of the active
                            set; real numbers, because vector loops multiply by them */
     pzs_real *base; /* [width >= inputs] base voltages: the optimiser computes the gradient of the
@@ -194,14 +194,15 @@ typedef struct pzs_optimiser {
     uint32_t exchanges; /* number of pivot exchanges (moves of an input between free and active set)
                            since the tableau (pivoted Hessian) was last computed from the Hessian */
     uint32_t rebuilds;  /* number of times that the tableau (pivoted Hessian) was computed anew from
-                           the Hessian in this voltage step */
+                           the Hessian in this optimisation step */
     pzs_exchange collected[PZS_PENDING];
     bool is_rebuilding; /* whether the tableau (pivoted Hessian) is incomplete, because some inputs
                            that are to join the free set again are not yet exchanged */
     bool is_predicted; /* whether model_gradient was predicted by the tableau (pivoted Hessian), not
                           computed from the Hessian; during a round of iterations: whether it was
                           predicted at the start of the round */
-    bool is_cut;   /* whether the last voltage step stopped at its work limit before the optimum */
+    bool is_cut; /* whether the last optimisation step stopped at its work limit before the optimum
+                  */
     bool is_fresh; /* whether the tableau (pivoted Hessian) has been computed anew from the Hessian
                       since the last round of iterations that ended at the optimum */
     bool is_verified; /* whether the last round of iterations with the present tableau (pivoted
@@ -213,9 +214,9 @@ typedef struct pzs_optimiser {
 } pzs_optimiser;
 
 /*
- * Optimiser for a voltage problem with limit rows (limits of weighted sums of voltages). Each
- * vector has one entry for each input, followed by one for each limit row, and is padded to the
- * length `width`.
+ * Optimiser for a voltage optimisation problem with limit rows (limits of weighted sums of
+ * voltages). Each vector has one entry for each input, followed by one for each limit row, and is
+ * padded to the length `width`.
  */
 typedef struct pzs_row_solver {
     pzs_optimiser extended; /* state of the active-set optimiser, in whose matrices and vectors the
@@ -236,10 +237,10 @@ typedef struct pzs_row_solver {
                                  its diagonal by the optimiser, relative to its largest diagonal
                                  entry (1); 0: the Hessian is not shifted */
     pzs_real least_rounding;  /* rounding-error bound of the violation of the optimality (KKT)
-                                 conditions at the start of the voltage step (m2/V); 0: not yet
+                                 conditions at the start of the optimisation step (m2/V); 0: not yet
                                  computed */
-    uint32_t failures; /* number of rounds of iterations in this voltage step that did not lower the
-                          objective */
+    uint32_t failures; /* number of rounds of iterations in this optimisation step that did not
+                          lower the objective */
 } pzs_row_solver;
 
 /*
@@ -275,16 +276,17 @@ typedef struct pzs_scrub {
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
     PZS_BEHIND_PREDICTION, /* the predicted shape, info.predicted of the controller, is out of date,
-                              because voltages were changed outside a voltage step */
+                              because voltages were changed outside an optimisation step */
     PZS_BEHIND_GRADIENT /* the predicted shape, info.predicted of the controller, and the gradient
                            of its optimiser are out of date, because voltages were changed outside a
-                           voltage step */
+                           optimisation step */
 } pzs_control_behind;
 
 typedef struct pzs_control_state {
     const struct pzs_problem *problem;
     const pzs_real *influence; /* [outputs][inputs] influence matrix in use, passed to
-                                  pzs_control_init or taken from the voltage problem (m/V) */
+                                  pzs_control_init or taken from the voltage optimisation problem
+                                  (m/V) */
     pzs_optimiser optimiser;
     pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables, narrowed by
                                 pzs_hold (V) */
@@ -296,7 +298,7 @@ typedef struct pzs_control_state {
     pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
     pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
     pzs_real *step_limit;  /* [inputs] step limits: largest change of the voltage on each input in
-                              one voltage step of the controller (V) */
+                              one optimisation step of the controller (V) */
     pzs_real *weighted; /* [2][outputs] first row: work array for the squared output weights times
                            (target shape - expected shape) (m); second row: expected measurements,
                            the predicted shape plus the last difference between measured and
@@ -323,10 +325,11 @@ typedef struct pzs_control_state {
                              the voltage limits of its input */
     pzs_control_behind behind;
     uint16_t scrub_row; /* index of the row of the Hessian that the next tick checks for damage
-                           against the voltage problem */
+                           against the voltage optimisation problem */
     void *work;         /* workspace (memory of the caller) that was passed to pzs_control_init */
-    pzs_row_solver *row_solver; /* optimiser for voltage problems with limit rows (limits of
-                                   weighted sums of voltages); NULL: the problem has no limit rows
+    pzs_row_solver *row_solver; /* optimiser for voltage optimisation problems with limit rows
+                                   (limits of weighted sums of voltages); NULL: the problem has no
+                                   limit rows
                                  */
     uint8_t stage;
 } pzs_control_state;
@@ -587,8 +590,8 @@ typedef struct pzs_supervisor_core {
     uint32_t obeyed; /* last command of the program that the supervisor has carried out: 256 times a
                         command counter plus the command */
     uint32_t is_flat;   /* end of the ramps on which the supervisor moves the voltages; 1:
-                           reference voltages of the voltage problem; 0: park voltages, the safe
-                           voltages of the amplifiers in the tables */
+                           reference voltages of the voltage optimisation problem; 0: park voltages,
+                           the safe   voltages of the amplifiers in the tables */
     uint32_t remaining; /* number of ticks until the end of the ramp on which the supervisor moves
                            the voltages; 0: no ramp */
     uint32_t silent;    /* number of consecutive ticks without usable readings */

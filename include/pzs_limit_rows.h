@@ -21,8 +21,8 @@ extern "C" {
  * The last absolute_count rows limit weighted sums of absolute values of voltages, for example the
  * current that a common supply gives: there the absolute value takes the place of the voltage.
  * All voltages that the controller gives obey the limit rows without any rounding error: the
- * optimiser narrows each row by the rounding error of its sum. A program whose voltage problem has
- * no limit rows does not link their code.
+ * optimiser narrows each row by the rounding error of its sum. A program whose voltage optimisation
+ * problem has no limit rows does not link their code.
  */
 typedef struct pzs_limit_rows {
     const struct pzs_limit_row_calls *call; /* pointer to the functions that implement limit rows:

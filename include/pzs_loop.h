@@ -50,8 +50,8 @@ typedef enum pzs_block_phase {
                              before the control step uses them */
     PZS_PHASE_SHAPE, /* phase in which a block computes the measured shape from the sensor readings;
                         a list has at most one such block */
-    PZS_PHASE_STEP,  /* phase in which a block, whose tables are a voltage problem (pzs_problem),
-                        chooses the voltages; a list has exactly one such block */
+    PZS_PHASE_STEP,  /* phase in which a block, whose tables are a voltage optimisation problem
+                        (pzs_problem),  chooses the voltages; a list has exactly one such block */
     PZS_PHASE_VOLTAGE, /* phase in which a block changes the chosen voltages in the way in which the
                           amplifiers will change them */
     PZS_PHASE_OBSERVE, /* phase in which a block compares voltages and measured shape to detect
@@ -116,7 +116,7 @@ typedef struct pzs_block_type {
     pzs_block_phase phase;
     /*
      * Return the size of the memory that a block of the loop needs (bytes), which may depend only
-     * on the sizes in its tables and in the voltage problem.
+     * on the sizes in its tables and in the voltage optimisation problem.
      */
     size_t (*block_bytes)(const void *tables, const pzs_problem *problem);
     /*
@@ -188,7 +188,7 @@ typedef struct pzs_loop {
  *   blocks [count]              in  list in the order of the phases, each type at most once; the
  *                                   list and the tables must outlive the loop
  *   influence [outputs][inputs] in  influence matrix computed on the device (m/V); NULL: that of
- *                                   the voltage problem
+ *                                   the voltage optimisation problem
  *   work                        in  memory of the caller, aligned for pzs_real; the loop uses it
  *                                   from now on
  *   bytes                       in  size of the workspace
@@ -252,12 +252,12 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  *
  * Damaged memory: each tick derives pointers, sizes and limits again from three copies of the list,
  * of which two outvote a damaged third. It compares one row of the Hessian with its source, so that
- * all rows are compared within `inputs` ticks, and adds 64 bytes of the voltage problem and 64
- * bytes of the tables of the other blocks to checksums. PZS_E_CRC reports damaged tables, with
- * info.block unless they are those of the problem: at once where limits are damaged, otherwise
- * after at most three complete readings of the tables. Damage of the loop therefore does not reach
- * the amplifiers beyond voltage limits and step limits, except between the end of a tick and the
- * moment at which info.voltage is read.
+ * all rows are compared within `inputs` ticks, and adds 64 bytes of the voltage optimisation
+ * problem and 64 bytes of the tables of the other blocks to checksums. PZS_E_CRC reports damaged
+ * tables, with info.block unless they are those of the problem: at once where limits are damaged,
+ * otherwise after at most three complete readings of the tables. Damage of the loop therefore does
+ * not reach the amplifiers beyond voltage limits and step limits, except between the end of a tick
+ * and the moment at which info.voltage is read.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
@@ -298,7 +298,7 @@ extern const pzs_block_type pzs_step_block;
 typedef struct pzs_estimator {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
-                               the voltage problem */
+                               the voltage optimisation problem */
     uint32_t crc; /* checksum of the following members of the estimator tables and of their arrays,
                      computed by pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
@@ -362,7 +362,7 @@ extern const pzs_block_type pzs_estimator_block;
 typedef struct pzs_reading_delay {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
-                               the voltage problem */
+                               the voltage optimisation problem */
     uint32_t crc; /* checksum of the following members of the tables of late readings and of their
                      arrays, computed by pzs_reading_delay_seal */
     uint16_t inputs, sensors;
@@ -453,8 +453,8 @@ typedef enum pzs_supervisor_command {
                          initialisation */
     PZS_COMMAND_PARK, /* supervisor command: ramp to the park voltages (safe voltages of the
                          amplifiers, set in the tables) and stay there */
-    PZS_COMMAND_FLAT, /* supervisor command: ramp to the reference voltages of the voltage problem
-                         and stay there */
+    PZS_COMMAND_FLAT, /* supervisor command: ramp to the reference voltages of the voltage
+                         optimisation problem and stay there */
     PZS_COMMAND_RESUME, /* supervisor command: return from the park or reference voltages to control
                          */
     PZS_COMMAND_STOP    /* supervisor command: emergency stop, which ramps to the park voltages and
@@ -487,7 +487,7 @@ typedef enum pzs_supervisor_event {
 typedef struct pzs_supervision {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
-                               the voltage problem */
+                               the voltage optimisation problem */
     uint32_t crc; /* checksum of the following members of the supervisor tables and of their arrays,
                      computed by pzs_supervision_seal */
     uint16_t inputs;
@@ -581,7 +581,7 @@ extern const pzs_block_type pzs_supervisor_block;
 typedef struct pzs_vibration {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
-                               the voltage problem */
+                               the voltage optimisation problem */
     uint32_t crc; /* checksum of the following members of the vibration tables and of their arrays,
                      computed by pzs_vibration_seal */
     uint16_t inputs, outputs, sensors, modes;
@@ -849,7 +849,7 @@ extern const pzs_block_type pzs_feed_forward_block;
 typedef struct pzs_hysteresis {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
-                               the voltage problem */
+                               the voltage optimisation problem */
     uint32_t crc; /* checksum of the following members of the hysteresis tables and of their arrays,
                      computed by pzs_hysteresis_seal */
     uint16_t inputs;
@@ -1140,7 +1140,7 @@ typedef struct pzs_wiring {
 typedef struct pzs_selftest_tables {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
-                               the voltage problem */
+                               the voltage optimisation problem */
     uint32_t crc; /* checksum of the following members of the self-test tables and of their arrays,
                      computed by pzs_selftest_seal */
     uint16_t inputs, sensors;

@@ -49,9 +49,9 @@ static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
 
 /*
- * Smallest regularisation of the voltage problem (least squares for the voltages) relative to the
- * mean diagonal entry of its Hessian. The regularisation keeps the Hessian positive definite where
- * amplifiers have equal effects.
+ * Smallest regularisation of the voltage optimisation problem (least squares for the voltages)
+ * relative to the mean diagonal entry of its Hessian. The regularisation keeps the Hessian positive
+ * definite where amplifiers have equal effects.
  */
 static const double least_regularisation = 1e-12;
 
@@ -107,12 +107,12 @@ typedef struct gains {
     size_t *amplifier;    /* [moving] indices of the amplifiers that are not held at one voltage;
                              `moving` is their number */
     double *factor; /* [moving][moving] Cholesky factor of the regularised Hessian of the voltage
-                       problem, for the amplifiers that are not held at one voltage */
+                       optimisation problem, for the amplifiers that are not held at one voltage */
     double *shape;  /* [targets] shape of one vibration mode at the target nodes, as the controller
                        measures or estimates it */
-    double *gradient; /* [moving] right-hand side of the normal equations of the voltage problem for
-                         one vibration mode, then the voltages of the amplifiers that are not held,
-                         which solve them */
+    double *gradient;       /* [moving] right-hand side of the normal equations of the voltage
+                               optimisation problem for one vibration mode, then the voltages of the
+                               amplifiers that are not held, which solve them */
     double *modal_response; /* [modes][moving] static coordinate of each vibration mode per volt of
                                each amplifier that is not held at one voltage */
     double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of vibration
@@ -349,7 +349,8 @@ static void assess(certificate *certificate, const analysis *analysis)
                               &certificate->assumes_measured);
     if (!loop) {
         snprintf(certificate->reason, sizeof certificate->reason,
-                 "the voltage problem is singular; add a regularisation, limits.regularisation");
+                 "the optimisation of the voltages is singular; add a regularisation, "
+                 "limits.regularisation");
         return;
     }
     double *damping = loop_damping(certificate, design);

@@ -19,8 +19,9 @@ typedef struct clipped {
                                     amplifier (V) */
     const double *wanted; /* [targets] displacements of the target nodes that the voltages are to
                              cause */
-    pzs_problem problem;  /* voltage problem (least squares with voltage limits) in the library's
-                             format; amplifiers held at one voltage have columns of zeros */
+    pzs_problem problem;  /* voltage optimisation problem (least squares with voltage limits) in the
+                             library's  format; amplifiers held at one voltage have columns of zeros
+                           */
     double scale;   /* unit of the regularisation parameter lambda: trace(B'W^2 B) divided by the
                        number of amplifiers (m2/V2), with influence matrix B and weights W */
     double *arrays; /* one allocation that holds the arrays `influence`, `required` and `shape` */

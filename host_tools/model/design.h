@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A scene prepared for the library: its structure with inputs as columns of nodal forces, outputs
- * as rows of weights of the dof and, once the influence matrix is known, its voltage problem. All
- * arrays are in double precision.
+ * as rows of weights of the dof and, once the influence matrix is known, its voltage optimisation
+ * problem. All arrays are in double precision.
  */
 #ifndef DESIGN_H
 #define DESIGN_H
@@ -34,8 +34,8 @@ typedef struct common_limits {
 } common_limits;
 
 /*
- * Arrays of the limit rows of a voltage problem (limits of weighted sums of voltages), and the
- * tables made from them.
+ * Arrays of the limit rows of a voltage optimisation problem (limits of weighted sums of voltages),
+ * and the tables made from them.
  */
 typedef struct design_rows {
     uint32_t *start; /* [rows + 1] index of the first entry of each limit row (limit of a sum of
@@ -109,8 +109,8 @@ typedef struct design {
     double *park; /* [amplifiers] park voltages: voltages of rest, to which the supervisor ramps by
                      command or after a fault (V) */
     pzs_problem problem;
-    design_rows rows; /* limit rows of the voltage problem (limits of weighted sums of voltages);
-                         empty if the scene has none */
+    design_rows rows; /* limit rows of the voltage optimisation problem (limits of weighted sums of
+                         voltages); empty if the scene has none */
 
     const char *name, *about, *path; /* name, purpose (may be NULL) and file of the scene */
     scene_at at, at_layers; /* positions in the scene file for error messages about the structure
@@ -165,10 +165,9 @@ int design_structure(design *design, char *error);
 int design_measured(design *design, char *error);
 
 /*
- * Build the voltage problem of the design: the least-squares problem for the voltages within their
- * limits.
- *   influence [outputs][inputs] in  influence matrix of the whole structure, from pzs_influence
- * Returns 0, or -1 with error filled.
+ * Build the voltage optimisation problem of the design: the least-squares problem for the voltages
+ * within their limits. influence [outputs][inputs] in  influence matrix of the whole structure,
+ * from pzs_influence Returns 0, or -1 with error filled.
  */
 int design_control(design *design, const double *influence, char *error);
 
@@ -329,11 +328,11 @@ double design_misfit(const design *design, const double *shape, const double *wa
 void design_take_free(const design *design, double *shape);
 
 /*
- * Influence matrix for the voltage problem: the part along the free functions (shapes that may be
- * added to the target at no cost) is removed, and rows on constrained dof are set to 0.
+ * Influence matrix for the voltage optimisation problem: the part along the free functions (shapes
+ * that may be added to the target at no cost) is removed, and rows on constrained dof are set to 0.
  *   influence [outputs][stride]     in   influence matrix, the amplifiers' columns first
  *   column    [targets]             out  work array
- *   out       [targets][amplifiers] out  influence matrix for the voltage problem
+ *   out       [targets][amplifiers] out  influence matrix for the voltage optimisation problem
  */
 void design_influence_free(const design *design, const double *influence, size_t stride,
                            double *column, double *out);

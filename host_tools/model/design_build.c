@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Construction of the design of a scene, its structure, inputs, outputs and voltage problem
- * (design_build.h).
+ * Construction of the design of a scene, its structure, inputs, outputs and voltage optimisation
+ * problem (design_build.h).
  */
 #include "design_build.h"
 #include <stdlib.h>

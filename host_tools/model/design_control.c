@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Voltage problem of a scene: Hessian, voltage limits, step limits, reference voltages (design.h).
+ * Voltage optimisation problem of a scene: Hessian, voltage limits, step limits, reference voltages
+ * (design.h).
  */
 #include "design.h"
 #include "design_rows.h"
@@ -198,7 +199,7 @@ design_inputs design_inputs_of(const design *design)
     return (design_inputs){"voltage", "Voltage", design->units.voltage};
 }
 
-/* ---- voltage problem -------------------------------------------------- */
+/* ---- voltage optimisation problem -------------------------------------------------- */
 
 static int allocate_control(design *design)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits of sums and differences of voltages as limit rows of the voltage problem (design_rows.h).
+ * Limits of sums and differences of voltages as limit rows of the voltage optimisation problem
+ * (design_rows.h).
  */
 #include "design_rows.h"
 #include <math.h>

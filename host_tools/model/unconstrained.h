@@ -14,8 +14,8 @@
 #include "pzs_control.h"
 
 typedef struct unconstrained {
-    const pzs_problem *problem; /* voltage problem, from which influence matrix, weights and
-                                   reference voltages are read */
+    const pzs_problem *problem; /* voltage optimisation problem, from which influence matrix,
+                                   weights and reference voltages are read */
     double regularisation; /* regularisation weight with which the Cholesky factor of the normal
                               matrix was computed (m2/V2) */
     int rank; /* number of inputs whose columns of the influence matrix are linearly independent */
@@ -33,7 +33,7 @@ typedef struct unconstrained {
 
 /*
  * Allocate the arrays of the solver, form the normal matrix B'W^2 B of influence matrix B and
- * weights W, and factor it with the regularisation of the voltage problem.
+ * weights W, and factor it with the regularisation of the voltage optimisation problem.
  *   problem in  with its influence matrix; it must outlive *solver
  * Returns whether memory sufficed; call unconstrained_close in either case.
  */

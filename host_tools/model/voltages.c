@@ -17,7 +17,7 @@
 
 enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 
-/* ---- the voltage problem with other limits ---------------------------- */
+/* ---- the voltage optimisation problem with other limits ---------------------------- */
 
 typedef struct trial {
     pzs_problem problem;

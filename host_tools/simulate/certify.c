@@ -466,8 +466,8 @@ static int choose(trial *trial, char *error)
 }
 
 /*
- * Mean diagonal entry of the Hessian of the voltage problem, to which a relative regularisation of
- * the scene refers.
+ * Mean diagonal entry of the Hessian of the voltage optimisation problem, to which a relative
+ * regularisation of the scene refers.
  */
 static double mean_diagonal(const design *design)
 {

@@ -32,8 +32,8 @@ typedef struct disturbance {
 
 /*
  * Tables of the block with which the simulation replaces the library's step block (the block that
- * computes the voltages): the voltage problem, which the library requires first, and the loop in
- * which the block runs.
+ * computes the voltages): the voltage optimisation problem, which the library requires first, and
+ * the loop in which the block runs.
  */
 typedef struct law_tables {
     pzs_problem problem;

@@ -131,7 +131,7 @@ typedef struct simulate_count {
 typedef struct simulation {
     const analysis *nominal;
     plant plant;
-    const pzs_problem *problem; /* voltage problem of the controller, for the structure
+    const pzs_problem *problem; /* voltage optimisation problem of the controller, for the structure
                                    without the plant's differences */
     struct loop_blocks *blocks; /* list of the control blocks of the controller; the firmware of the
                                    scene has the same list */
@@ -163,7 +163,7 @@ typedef struct simulation {
                                        scene (m2/V2) */
     double regularisation;     /* regularisation parameter of regularised clipped least squares, a
                                   control law for comparison, relative to the mean diagonal entry of
-                                  the Hessian of the voltage problem */
+                                  the Hessian of the voltage optimisation problem */
     const device_board *board; /* board that runs the controller; NULL: the controller runs on the
                                   host */
     char folder[DEVICE_PATH];  /* path of the temporary folder of the firmware */

@@ -202,8 +202,8 @@ void storm_close(storm_rig *rig)
 typedef struct storm {
     const storm_rig *rig;
     const storm_plant *plant;
-    pzs_problem problem; /* voltage problem of the loop with the voltage and step limits of the
-                            simulation in place of the scene's */
+    pzs_problem problem; /* voltage optimisation problem of the loop with the voltage and step
+                            limits of the simulation in place of the scene's */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     pzs_loop loop;
@@ -292,8 +292,8 @@ static void multiply(double *product, const double *matrix, const double *vector
 }
 
 /*
- * Set the voltage and step limits of the voltage problem, which the controller solves, to the
- * limits of the simulation.
+ * Set the voltage and step limits of the voltage optimisation problem, which the controller solves,
+ * to the limits of the simulation.
  */
 static void set_limits(storm *storm)
 {
@@ -411,8 +411,8 @@ static void advance_ceramic(storm *storm)
 /*
  * Append a block of the control tick to the blocks of the simulation. The step block (the block
  * that computes the voltages) gets tables with the limits of the simulation. The tables of a
- * control law for comparison contain its memory besides the voltage problem, so that the problem is
- * replaced inside these tables.
+ * control law for comparison contain its memory besides the voltage optimisation problem, so that
+ * the problem is replaced inside these tables.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {

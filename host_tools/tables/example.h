@@ -32,7 +32,7 @@ static const pzs_real example_influence[36] = {
     PZS_R(2.4318681811351748e-05), PZS_R(2.4318681811351741e-05), PZS_R(3.4357095444863069e-06), PZS_R(3.435709544486312e-06),
     PZS_R(1.8858092208216023e-05), PZS_R(3.1258717293027056e-05), PZS_R(8.4817245196403384e-06), PZS_R(7.6169072545571234e-06),
 };
-/* Hessian B'W^2 B of the voltage problem, with influence matrix B and weights W */
+/* Hessian B'W^2 B of the voltage optimisation problem, with influence matrix B and weights W */
 static const pzs_real example_hessian[16] = {
     PZS_R(2.1721199181630145e-09), PZS_R(1.970382031161499e-09), PZS_R(4.606907291553518e-10), PZS_R(5.0895167759980819e-10),
     PZS_R(1.970382031161499e-09), PZS_R(2.1721199181630132e-09), PZS_R(5.0895167759980788e-10), PZS_R(4.606907291553519e-10),
@@ -61,7 +61,7 @@ static const pzs_real example_step_limit[4] = {
 static const pzs_real example_reference_voltage[4] = {
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
 };
-/* voltage problem; the number before its last two members limits the work of the optimiser in a tick (multiply-adds; 0: default) */
+/* voltage optimisation problem; the number before its last two members limits the work of the optimiser in a tick (multiply-adds; 0: default) */
 static const pzs_problem example_problem = {
     4u, 0xed02dedfu, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),

@@ -161,8 +161,8 @@ static const void *governor_tables(loop_blocks *blocks)
 static uint64_t work_limit(const loop_blocks *blocks);
 
 /*
- * Return the voltage problem of the design, in which the optimiser's work limit is what the
- * processor clock of the scene file allows.
+ * Return the voltage optimisation problem of the design, in which the optimiser's work limit is
+ * what the processor clock of the scene file allows.
  */
 static const void *problem_tables(loop_blocks *blocks)
 {

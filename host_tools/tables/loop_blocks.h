@@ -33,8 +33,8 @@ typedef struct loop_blocks {
     pzs_fault_detection detection;
     pzs_supervision supervision;
     compensation compensation;
-    pzs_problem problem; /* voltage problem of the design, with the limit of the optimiser's work
-                            that the clock of the scene's processor allows */
+    pzs_problem problem; /* voltage optimisation problem of the design, with the limit of the
+                            optimiser's work that the clock of the scene's processor allows */
     pzs_block block[PZS_BLOCK_LIMIT];
     int count;
 } loop_blocks;
@@ -83,7 +83,7 @@ bool loop_supervises(const design *design, bool is_damped);
 /*
  * Fill the list of the blocks of a scene's control loop, in the order in which a tick runs them.
  * The list refers to *blocks, the design, the estimator and the damper, which must outlive it.
- *   design    in  design whose voltage problem is computed
+ *   design    in  design whose voltage optimisation problem is computed
  *   estimator in  shape estimator with its gains; all zero where the scene has neither an estimator
  *                 nor feed-forward
  *   damper    in  tables of the vibration damper
@@ -103,7 +103,7 @@ void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiri
 /*
  * Write the blocks of a control loop as C source: their tables, the list PREFIX_blocks and the
  * macro PREFIX_LOOP_BYTES (memory of the loop). The tables of the estimator, the feed-forward and
- * the voltage problem must be written before.
+ * the voltage optimisation problem must be written before.
  */
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
@@ -128,9 +128,8 @@ void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop
 
 /*
  * Make the list of the blocks of a scene's control loop with everything that it refers to.
- *   analysis in  analysis whose voltage problem and stability certificate are computed; must
- *                outlive the parts
- * Returns 0, or -1 with error filled and nothing to close.
+ *   analysis in  analysis whose voltage optimisation problem and stability certificate are
+ * computed; must outlive the parts Returns 0, or -1 with error filled and nothing to close.
  */
 int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error);
 void loop_parts_close(loop_parts *parts);

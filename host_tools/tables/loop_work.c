@@ -92,7 +92,7 @@ double loop_work_estimator(const block_counts *of, const loop_processor *on)
 
 /*
  * Return the number of instructions of the optimiser of the voltages, and of those program loops of
- * a voltage step whose length is the number of inputs.
+ * an optimisation step whose length is the number of inputs.
  */
 static double optimisation(const block_counts *of, const loop_processor *on)
 {
@@ -100,8 +100,8 @@ static double optimisation(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the reference governor, which solves a second voltage problem
- * and predicts a shape.
+ * Upper bound of the instructions of the reference governor, which solves a second voltage
+ * optimisation problem and predicts a shape.
  */
 double loop_work_governor(const block_counts *of, const loop_processor *on)
 {

@@ -293,9 +293,9 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
     return tables_nonlinear(emitter, analysis);
 }
 
-/* ---- voltage problem -------------------------------------------------- */
+/* ---- voltage optimisation problem -------------------------------------------------- */
 
-/* Write the influence matrix and the Hessian of the voltage problem. */
+/* Write the influence matrix and the Hessian of the voltage optimisation problem. */
 static void write_influence(emitter *emitter, const design *design)
 {
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
@@ -307,10 +307,11 @@ static void write_influence(emitter *emitter, const design *design)
                      "amplifier (column)");
     if (design->problem.hessian)
         emit_reals(emitter, "hessian", design->problem.hessian, amplifiers * amplifiers,
-                   "Hessian B'W^2 B of the voltage problem, with influence matrix B and weights W");
+                   "Hessian B'W^2 B of the voltage optimisation problem, with influence matrix B "
+                   "and weights W");
 }
 
-/* Write the weights, limits and reference voltages of the voltage problem. */
+/* Write the weights, limits and reference voltages of the voltage optimisation problem. */
 static void write_limits(emitter *emitter, const design *design)
 {
     const size_t amplifiers = (size_t)design->amplifiers;
@@ -356,15 +357,17 @@ static void write_limit_rows(emitter *emitter, const design *design)
             rows->absolute_count > 0 ? "&pzs_absolute_rows_calls" : "NULL");
 }
 
-/* Write the C struct of the voltage problem (pzs_problem), after the arrays to which it points. */
+/* Write the C struct of the voltage optimisation problem (pzs_problem), after the arrays to which
+ * it points. */
 static void write_problem_struct(const emitter *emitter, const pzs_problem *problem)
 {
     char influence_name[128], hessian_name[128], rows_name[128];
     name_or_null(emitter, problem->limit_rows != NULL, "limit_rows", rows_name);
     name_or_null(emitter, problem->influence != NULL, "influence", influence_name);
     name_or_null(emitter, problem->hessian != NULL, "hessian", hessian_name);
-    emit_comment(emitter, "voltage problem; the number before its last two members limits the "
-                          "work of the optimiser in a tick (multiply-adds; 0: default)");
+    emit_comment(emitter,
+                 "voltage optimisation problem; the number before its last two members limits the "
+                 "work of the optimiser in a tick (multiply-adds; 0: default)");
     emit_begin(emitter, "problem", "problem", problem->scene, pzs_problem_crc(problem));
     fprintf(emitter->file,
             " %u, %u,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
@@ -377,9 +380,9 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
 }
 
 /*
- * Write the voltage problem and its target.
- *   given in  voltage problem that the list of blocks of the control loop refers to, with the
- *             limit of the optimiser's work
+ * Write the voltage optimisation problem and its target.
+ *   given in  voltage optimisation problem that the list of blocks of the control loop refers to,
+ * with the limit of the optimiser's work
  */
 static void write_problem(emitter *emitter, const analysis *analysis, tables_image image,
                           const pzs_problem *given)
@@ -573,8 +576,8 @@ static void write_blocks(emitter *emitter, const analysis *analysis, const loop_
 }
 
 /*
- * Write the voltage problem and the blocks of the control loop. Returns 0, or -1 where the
- * estimator or the damping of vibration cannot be set up.
+ * Write the voltage optimisation problem and the blocks of the control loop. Returns 0, or -1 where
+ * the estimator or the damping of vibration cannot be set up.
  */
 static int write_loop(emitter *emitter, const analysis *analysis, tables_image image,
                       tables_size *size)

@@ -132,9 +132,9 @@ static bool cross_zero(const rows_run *run)
 }
 
 /*
- * Set the bounds of all inputs in limits of sums of absolute values: those of the voltage step, and
- * 0 V on the side that the sign of the input excludes. The sums with these signs are not negative;
- * they get a lower bound below zero, so that the duality gap stays finite.
+ * Set the bounds of all inputs in limits of sums of absolute values: those of the optimisation
+ * step, and 0 V on the side that the sign of the input excludes. The sums with these signs are not
+ * negative; they get a lower bound below zero, so that the duality gap stays finite.
  */
 static void split_bounds(const rows_run *run)
 {

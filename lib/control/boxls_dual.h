@@ -11,8 +11,8 @@
 #include "optimiser.h"
 
 /*
- * Functions of the dual method that the optimiser calls through the pointer in the voltage problem,
- * so that a program whose problems have few inputs does not link them.
+ * Functions of the dual method that the optimiser calls through the pointer in the voltage
+ * optimisation problem, so that a program whose problems have few inputs does not link them.
  */
 struct pzs_dual_calls {
     uint32_t (*predict_step)(pzs_optimiser *optimiser, pzs_real rounding);
@@ -28,8 +28,8 @@ struct pzs_dual_calls {
 void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * At the start of a voltage step, make all inputs free if the list of active inputs in memory is
- * damaged, or if the bound of an active input is not finite.
+ * At the start of an optimisation step, make all inputs free if the list of active inputs in memory
+ * is damaged, or if the bound of an active input is not finite.
  */
 void pzs_check_active_dual(pzs_optimiser *optimiser);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Initialisation of the controller, voltage step and control tick (pzs_control.h).
+ * Initialisation of the controller, optimisation step and control tick (pzs_control.h).
  *
  * A step solves
  *
@@ -39,11 +39,12 @@
 /* Smallest square of a displacement that loses no digits by underflow (m2). */
 #define SMALLEST_SQUARE PZS_BY_BITS(1e-31f, 1e-292)
 
-/* ---- voltage step ---------------------------------------------------- */
+/* ---- optimisation step ---------------------------------------------------- */
 
 /*
- * Compute the bounds of a voltage step: the step limits around the last voltages, clamped to the
- * voltage limits. Returns the number of inputs whose step limit and voltage limits do not overlap.
+ * Compute the bounds of an optimisation step: the step limits around the last voltages, clamped to
+ * the voltage limits. Returns the number of inputs whose step limit and voltage limits do not
+ * overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
                                 const pzs_real *restrict voltage,
@@ -82,8 +83,8 @@ static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control
 }
 
 /*
- * Set the bounds of a voltage step if step limits are in force. Returns the first input whose step
- * limit and voltage limits do not overlap, or -1.
+ * Set the bounds of an optimisation step if step limits are in force. Returns the first input whose
+ * step limit and voltage limits do not overlap, or -1.
  */
 static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -180,7 +181,7 @@ static const pzs_real *expected_measurements(const pzs_control *control)
     return sum;
 }
 
-/* Return the largest number of multiply-adds of the optimiser in a voltage step. */
+/* Return the largest number of multiply-adds of the optimiser in an optimisation step. */
 static uint64_t work_limit(const pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
@@ -236,7 +237,7 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
 }
 
 /*
- * Set the work limit of a voltage step and the rounding-error bound of its target gradient.
+ * Set the work limit of an optimisation step and the rounding-error bound of its target gradient.
  * `missed` is the weighted squared norm of the target error at the base voltages, around which the
  * gradient is computed (m2).
  */
@@ -266,8 +267,8 @@ static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
 }
 
 /*
- * Store the number of multiply-adds and the number of iterations of a voltage step in the results
- * of the controller.
+ * Store the number of multiply-adds and the number of iterations of an optimisation step in the
+ * results of the controller.
  */
 static void note_work(const pzs_optimiser *optimiser, pzs_control *control)
 {
@@ -282,8 +283,8 @@ static void note_work(const pzs_optimiser *optimiser, pzs_control *control)
 }
 
 /*
- * Write the results of a voltage step to the controller. `clash` is the first input whose step
- * limit and voltage limits do not overlap, or -1. Returns the status of the step.
+ * Write the results of an optimisation step to the controller. `clash` is the first input whose
+ * step limit and voltage limits do not overlap, or -1. Returns the status of the step.
  */
 static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
 {
@@ -294,9 +295,9 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Change a voltage step so that it also damps vibration: the gradient of the objective at the base
- * voltages, around which gradients are computed, is multiplied by state.share, a factor from 0 to
- * 1, and the damping gradient is added to the target gradient. Returns `missed`, the weighted
+ * Change an optimisation step so that it also damps vibration: the gradient of the objective at the
+ * base voltages, around which gradients are computed, is multiplied by state.share, a factor from 0
+ * to 1, and the damping gradient is added to the target gradient. Returns `missed`, the weighted
  * squared norm of the target error (m2), enlarged so that the rounding-error bound covers the
  * damping gradient too.
  *   damping [inputs] in  damping gradient (m2/V)
@@ -335,7 +336,7 @@ static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *contr
 }
 
 /*
- * Make one voltage step of the controller from the shape `shown` towards the shape `wanted`.
+ * Make one optimisation step of the controller from the shape `shown` towards the shape `wanted`.
  *   damping [inputs] in  gradient of the objective that damps vibration (m2/V); NULL: a step
  *                        without damping
  */
@@ -351,9 +352,9 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
     if (damping != NULL && control->state.is_paused)
         ignore_held_moves(optimiser, control);
     control->state.is_paused = false; /* A fault detector that measures a test pulse sets is_paused
-                                         again after each voltage step, so that the loop follows
-                                         target and loads again as soon as the detector no longer
-                                         runs. */
+                                         again after each optimisation step, so that the loop
+                                         follows target and loads again as soon as the detector no
+                                         longer runs. */
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;
@@ -556,8 +557,8 @@ size_t pzs_control_bytes(const pzs_problem *problem)
 }
 
 /*
- * Set the bounds of the voltages before the first voltage step of the controller. Without step
- * limits the bounds are the voltage limits in every voltage step.
+ * Set the bounds of the voltages before the first optimisation step of the controller. Without step
+ * limits the bounds are the voltage limits in every optimisation step.
  */
 static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -571,9 +572,9 @@ static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *cont
 }
 
 /*
- * Set the controller before its first voltage step: reference voltages clamped to the limits, and
- * all inputs whose effects are linearly independent in the free set, whose voltages the optimiser
- * may change.
+ * Set the controller before its first optimisation step: reference voltages clamped to the limits,
+ * and all inputs whose effects are linearly independent in the free set, whose voltages the
+ * optimiser may change.
  */
 static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
 {
@@ -602,7 +603,8 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
     (void)pzs_tableau_rebuild(optimiser);
 }
 
-/* Return the default of the work limit of the optimiser in one voltage step (multiply-adds). */
+/* Return the default of the work limit of the optimiser in one optimisation step (multiply-adds).
+ */
 static uint64_t usual_work(const pzs_problem *problem)
 {
     if (problem->work_limit > 0)

@@ -12,20 +12,20 @@
 #define CONTROL_READY 1u
 
 /*
- * Return the checksum of the counts and arrays of a voltage problem, which its member crc must
- * equal.
+ * Return the checksum of the counts and arrays of a voltage optimisation problem, which its member
+ * crc must equal.
  */
 uint32_t pzs_problem_crc(const pzs_problem *problem);
 
 /*
- * Return the checksum of a voltage problem, and look for numbers that are not finite in its
- * influence matrix, Hessian, output weights and reference voltages. *bad receives the index of the
- * first such number in its array, or -1. Each array is read once.
+ * Return the checksum of a voltage optimisation problem, and look for numbers that are not finite
+ * in its influence matrix, Hessian, output weights and reference voltages. *bad receives the index
+ * of the first such number in its array, or -1. Each array is read once.
  */
 uint32_t pzs_problem_check(const pzs_problem *problem, int32_t *bad);
 
 /*
- * Check the tables of a voltage problem.
+ * Check the tables of a voltage optimisation problem.
  *   influence [outputs][inputs] in   influence matrix that is used with them (m/V)
  *   where                       out  index to which the status refers, or -1
  * Returns PZS_OK or the errors of pzs_control_init.
@@ -37,8 +37,8 @@ pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real 
 void pzs_control_predict(pzs_control *control);
 
 /*
- * Tell the controller that state.voltage was changed outside a voltage step. The next step or tick
- * then starts from the new voltages.
+ * Tell the controller that state.voltage was changed outside an optimisation step. The next step or
+ * tick then starts from the new voltages.
  */
 void pzs_control_moved(pzs_control *control);
 
@@ -67,23 +67,23 @@ void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage
 /* ---- parts of the initialisation that every tick repeats ---------------- */
 
 /*
- * Set the pointers of the controller to its arrays in the workspace. The voltage problem of the
- * controller must be set before.
+ * Set the pointers of the controller to its arrays in the workspace. The voltage optimisation
+ * problem of the controller must be set before.
  */
 void pzs_control_place(pzs_control *control, void *work);
 
 /*
- * Compute row k of the Hessian: from `table`, the Hessian in the tables of the voltage problem, or,
- * if `table` is NULL, from influence matrix and output weights. The Hessian is symmetric to the
- * last bit.
+ * Compute row k of the Hessian: from `table`, the Hessian in the tables of the voltage optimisation
+ * problem, or, if `table` is NULL, from influence matrix and output weights. The Hessian is
+ * symmetric to the last bit.
  */
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
 
 /*
- * Compute all rows of the Hessian: from `table`, the Hessian in the tables of the voltage problem,
- * or, if `table` is NULL, from influence matrix and output weights. The tableau (pivoted Hessian)
- * of the optimiser is used as work array. Returns the index of the first entry of the Hessian that
- * is not finite, or -1.
+ * Compute all rows of the Hessian: from `table`, the Hessian in the tables of the voltage
+ * optimisation problem, or, if `table` is NULL, from influence matrix and output weights. The
+ * tableau (pivoted Hessian) of the optimiser is used as work array. Returns the index of the first
+ * entry of the Hessian that is not finite, or -1.
  */
 int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *table);
 
@@ -94,8 +94,8 @@ int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *tab
 void pzs_control_find_step_limits(pzs_control *control);
 
 /*
- * Let the bounds of a voltage step and the voltage limits in force share their arrays, for a
- * voltage problem without step limits, in which both are always equal.
+ * Let the bounds of an optimisation step and the voltage limits in force share their arrays, for a
+ * voltage optimisation problem without step limits, in which both are always equal.
  */
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
 

@@ -15,7 +15,7 @@
  * a share of the remaining correction. Once v_ref has arrived, the target is passed on unchanged.
  *
  * The work of a tick is zero while the target stands still and v_ref has arrived; otherwise outputs
- * * inputs multiply-adds, and a voltage step when the target has changed.
+ * * inputs multiply-adds, and an optimisation step when the target has changed.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -58,7 +58,8 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
 
 /*
  * Return the influence matrix that must be passed to pzs_control_init to initialise a second
- * controller like this one: NULL if this controller uses the matrix of the voltage problem.
+ * controller like this one: NULL if this controller uses the matrix of the voltage optimisation
+ * problem.
  */
 static const pzs_real *influence_of(const pzs_control *control)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Hessian of the voltage problem: B'W^2 B + regularisation I, with the influence matrix B and the
- * output weights W (control.h).
+ * Hessian of the voltage optimisation problem: B'W^2 B + regularisation I, with the influence
+ * matrix B and the output weights W (control.h).
  */
 #include <string.h>
 #include "control.h"

@@ -2,7 +2,8 @@
 /*
  * Limit rows: limits of weighted sums of voltages (pzs_limit_rows). The controller, the loop and
  * the last check before the amplifiers call the functions for limit rows through one table of
- * pointers, so that a program whose voltage problem has no limit rows does not link them.
+ * pointers, so that a program whose voltage optimisation problem has no limit rows does not link
+ * them.
  */
 #ifndef PZS_LIB_LIMIT_ROWS_H
 #define PZS_LIB_LIMIT_ROWS_H
@@ -10,14 +11,15 @@
 #include "pzs_control.h"
 
 /*
- * Number of arrays of limit rows (limits of sums of voltages) in the checksum of a voltage problem.
+ * Number of arrays of limit rows (limits of sums of voltages) in the checksum of a voltage
+ * optimisation problem.
  */
 #define LIMIT_ROW_PARTS 8u
 
 struct pzs_limit_row_calls {
     /*
-     * Check the tables of the limit rows (limits of sums of voltages) of a voltage problem. Returns
-     * PZS_OK, or an error with *where as pzs_control_init states them.
+     * Check the tables of the limit rows (limits of sums of voltages) of a voltage optimisation
+     * problem. Returns PZS_OK, or an error with *where as pzs_control_init states them.
      */
     pzs_status (*check_rows)(const pzs_problem *problem, int32_t *where);
     /* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
@@ -79,7 +81,7 @@ struct pzs_limit_row_calls {
      */
     uint32_t (*add_row_limits)(uint32_t sum, const pzs_problem *problem);
     /*
-     * Return the smallest and the default work limit of the optimiser in a voltage step for a
+     * Return the smallest and the default work limit of the optimiser in an optimisation step for a
      * problem with limit rows (multiply-adds).
      */
     uint64_t (*least_work)(const pzs_problem *problem);
@@ -110,7 +112,8 @@ struct pzs_absolute_row_calls {
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);
 };
 
-/* Return the number of limit rows (limits of sums of voltages) of a voltage problem. */
+/* Return the number of limit rows (limits of sums of voltages) of a voltage optimisation problem.
+ */
 static inline uint32_t limit_row_count(const pzs_problem *problem)
 {
     return problem->limit_rows != NULL ? problem->limit_rows->sums.count : 0;

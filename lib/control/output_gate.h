@@ -18,7 +18,7 @@ typedef struct output_gate {
                                  not yet published (V) */
 } output_gate;
 
-/* Return the checksum of the voltage limits and step limits of a voltage problem. */
+/* Return the checksum of the voltage limits and step limits of a voltage optimisation problem. */
 uint32_t pzs_output_limit_sum(const pzs_problem *problem);
 
 /*

@@ -122,9 +122,9 @@ static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k,
 }
 
 /*
- * Compare row k of the Hessian with its source: the Hessian in the tables of the voltage problem
- * or, if they contain none, the mirrored entries across the diagonal. Returns whether the row had
- * to be repaired.
+ * Compare row k of the Hessian with its source: the Hessian in the tables of the voltage
+ * optimisation problem or, if they contain none, the mirrored entries across the diagonal. Returns
+ * whether the row had to be repaired.
  */
 static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -168,8 +168,8 @@ static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
 }
 
 /*
- * Let the next voltage step compute the tableau (pivoted Hessian) of the optimiser anew, and that
- * for limit rows (limits of sums of voltages), if the problem has limit rows.
+ * Let the next optimisation step compute the tableau (pivoted Hessian) of the optimiser anew, and
+ * that for limit rows (limits of sums of voltages), if the problem has limit rows.
  */
 static void reset_tableaux(pzs_control *control)
 {

@@ -682,10 +682,9 @@ static bool is_acceptable(const rows_run *run)
 }
 
 /*
- * Choose the signs that the voltages keep in a round of iterations, where the voltage problem
- * limits sums of absolute values.
- *   may_cross in  whether a voltage at 0 V may get the other sign
- * Returns whether a sign has changed.
+ * Choose the signs that the voltages keep in a round of iterations, where the voltage optimisation
+ * problem limits sums of absolute values. may_cross in  whether a voltage at 0 V may get the other
+ * sign Returns whether a sign has changed.
  */
 static bool choose_signs(const rows_run *run, bool may_cross)
 {

@@ -381,8 +381,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     if (status != PZS_OK)
         return status;
     /*
-     * The self-test is refused in a voltage problem with limit rows (limits of weighted sums of
-     * voltages), because a test pulse of a single input could violate them.
+     * The self-test is refused in a voltage optimisation problem with limit rows (limits of
+     * weighted sums of voltages), because a test pulse of a single input could violate them.
      */
     if (signals->control->state.problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;

@@ -196,8 +196,8 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
 
 /*
  * Return the voltage of input i at the end of the present ramp (V): its reference voltage in the
- * voltage problem, or its park voltage, the safe voltage at which the amplifier rests, as the last
- * command demands.
+ * voltage optimisation problem, or its park voltage, the safe voltage at which the amplifier rests,
+ * as the last command demands.
  */
 static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 {
@@ -208,8 +208,8 @@ static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 }
 
 /*
- * Start a ramp from the voltages of the last tick to the reference voltages of the voltage problem,
- * or to the park voltages, the safe voltages at which the amplifiers rest.
+ * Start a ramp from the voltages of the last tick to the reference voltages of the voltage
+ * optimisation problem, or to the park voltages, the safe voltages at which the amplifiers rest.
  *   given [inputs] in  voltages of the last tick (V)
  */
 static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)

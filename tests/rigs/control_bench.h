@@ -1,7 +1,7 @@
 /*
- * A voltage problem with its own arrays and workspace, and a certificate in long double,
- * independent of the arithmetic of the library, of how far its voltages are from the optimum.
- * Include it after cmocka.h.
+ * A voltage optimisation problem with its own arrays and workspace, and a certificate in long
+ * double, independent of the arithmetic of the library, of how far its voltages are from the
+ * optimum. Include it after cmocka.h.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

@@ -45,7 +45,7 @@
 #define MISSED_LEAST PZS_BY_BITS(.03, 0)
 #define MISSED_ABSOLUTE PZS_BY_BITS(1e-2, 2e-4)
 
-/* A voltage problem with limit rows. */
+/* A voltage optimisation problem with limit rows. */
 typedef struct rig {
     bench b;
     pzs_limit_rows rows;

@@ -107,7 +107,7 @@ static void fill(pzs_real *to, size_t count, double value)
         to[k] = (pzs_real)value;
 }
 
-/* Make the voltage problem and the tables of the self-test. */
+/* Make the voltage optimisation problem and the tables of the self-test. */
 static void make_tables(structure *s)
 {
     const structure_kind *kind = s->kind;

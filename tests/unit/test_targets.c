@@ -263,8 +263,8 @@ static void test_fixed_rows(void **state)
 
 /*
  * Law: a combination of the free functions added to the target changes neither voltages nor error,
- * to rounding of the target through the condition of the voltage problem; the misfit is orthogonal
- * to each of them under the weights.
+ * to rounding of the target through the condition of the voltage optimisation problem; the misfit
+ * is orthogonal to each of them under the weights.
  */
 static void free_changes_nothing(const char *scene, const char *changes, const char *offset,
                                  double size)
