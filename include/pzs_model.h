@@ -69,6 +69,32 @@ typedef struct pzs_element_type {
     pzs_real skew[3];
 } pzs_element_type;
 
+/* One node of a shell: its place in space and its triad (local axes). */
+typedef struct pzs_node {
+    pzs_real position[3]; /* coordinates x, y, z of the node on the reference surface (m), from an
+                             origin that all nodes share */
+    pzs_real triad[3][3]; /* components along x, y, z of the unit vectors e1, e2, e3 (rows) of the
+                             local axes of the node; e3 points to the outer face of the shell */
+} pzs_node;
+
+/*
+ * One element type in compact form, for meshes on which nearly every element is a type of its own.
+ * The matrices s and t and the base vectors of pzs_element_type are left out; the library computes
+ * them, to the same bits, from the nodes of one element of this type. 104 of 293 reals remain.
+ */
+typedef struct pzs_compact_type {
+    pzs_real d[88];     /* stiffness of the four strain modes, as in pzs_element_type (N m) */
+    pzs_real thickness; /* thickness of the element (m) */
+    pzs_real middle;    /* height of the middle of the shell above the reference surface, on which
+                           the nodes lie (m) */
+    pzs_real warp[9];   /* factors of the nine strains that a warped element adds to its mean strain
+                           12, as in pzs_element_type (1) */
+    pzs_real skew[3];   /* skew and length ratio of the element, as in pzs_element_type (1) */
+    pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along
+                                   theta2 (1/m) */
+    uint16_t corner[4]; /* indices of the nodes at the corners of one element of this type */
+} pzs_compact_type;
+
 /*
  * A shell structure: mesh, supports, element matrices, inputs and outputs. All arrays are const and
  * may stay in flash.
@@ -96,10 +122,14 @@ typedef struct pzs_structure {
     const pzs_real *stiffness;    /* [types][rows * (rows + 1) / 2] stiffness matrix of each element
                                      type, a packed lower triangle of 4 dof_per_node rows; NULL:
                                      pzs_assemble computes each matrix from its element type */
-    const pzs_element_type *type; /* [types] geometry and material of each element type; NULL:
-                                     solutions of the linear equations are not refined, the
-                                     nonlinear solver cannot be used, and `stiffness` must not be
-                                     NULL */
+    const pzs_element_type *type; /* [types] geometry and material of each element type; where this
+                                     member and `compact` are NULL, solutions of the linear
+                                     equations are not refined, the nonlinear solver cannot be used,
+                                     and `stiffness` must not be NULL */
+    const pzs_compact_type *compact; /* [types] element types in compact form; not used where `type`
+                                        is not NULL */
+    const pzs_node *node;            /* [nodes] nodes of the structure, from which compact element
+                                        types are completed; NULL where `compact` is NULL */
     pzs_rows input; /* force vector on the free degrees of freedom per unit of each input (N/V, N/K,
                        N/Pa or 1) */
     pzs_rows output; /* outputs of the structure, one row for each displacement (m): coefficients of
@@ -159,6 +189,8 @@ typedef struct pzs_model_state {
     pzs_real *work; /* [6][free_dof] work array of six vectors for the linear solves of the model */
     const pzs_real *stiffness_factor; /* [types] factor of the stiffness matrix of each element
                                          type, as passed to the last pzs_assemble; NULL: all 1 */
+    pzs_element_type *rebuilt; /* element type that was last completed from compact tables; not used
+                                  where the tables are not compact */
     const uint8_t *constrained; /* [free_dof] nonzero: this degree of freedom is kept at zero in
                                    addition to those of the supports, as passed to the last
                                    pzs_assemble; NULL: none is */
@@ -173,17 +205,23 @@ typedef struct pzs_model {
 /*
  * Size of the workspace of a finite-element model (bytes). `envelope` is the number of stored
  * entries of its stiffness matrix, padding included; generated headers define it for each PZS_TILE.
+ * Where the element types of the structure are compact, PZS_COMPACT_BYTES are added.
  */
 #define PZS_MODEL_BYTES(free_dof, envelope)                                                        \
     (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(free_dof)) +                           \
      sizeof(uint32_t) * ((size_t)(free_dof) / PZS_TILE + 2u) + 2u * sizeof(pzs_real))
+
+/* Bytes of the workspace of a model in which a compact element type is completed. */
+#define PZS_COMPACT_BYTES                                                                          \
+    (sizeof(pzs_real) * (sizeof(pzs_element_type) / sizeof(((pzs_element_type *)0)->thickness)))
 
 /*
  * Check the tables of a structure and initialise a model in the workspace.
  *   model     out  the model
  *   structure in   must outlive the model
  *   work      in   memory of the caller, aligned for pzs_real; the model uses it from now on
- *   bytes     in   size of the workspace, at least PZS_MODEL_BYTES
+ *   bytes     in   size of the workspace, at least PZS_MODEL_BYTES, for compact tables
+ *                  PZS_COMPACT_BYTES more
  * Errors: PZS_E_ARGUMENT (also for an index out of range), PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE
  * (info.where = bytes needed).
  */

@@ -279,10 +279,11 @@ const option_entry option_table[OPTIONS] = {
                       "control (influence matrix), linear (element matrices) or nonlinear (and "
                       "the equilibrium solver at large rotation; "
                       "the scene needs kinematics: nonlinear); default control"},
-    [OPTION_COMPACT] = {"--compact", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_TABLES),
-                        "a linear or nonlinear image without the stiffness matrices of the element "
-                        "types, half of its tables on a mesh from a file; the device computes them "
-                        "where it assembles"},
+    [OPTION_COMPACT] =
+        {"--compact", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_TABLES),
+         "a linear or nonlinear image without the stiffness matrices and the geometry "
+         "of the element types: a fifth of its tables on a mesh from a file; the "
+         "device computes them from the nodes"},
     [OPTION_QUASI_STATIC] =
         {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL,
          BIT(COMMAND_TABLES) | BIT(COMMAND_SIMULATE) | BIT(COMMAND_FMU),

@@ -31,7 +31,7 @@ typedef struct options {
     int sets, limits;
     bool as_json, is_strict;
     int number;      /* number of vibration modes that the command line asks for; 0: not given */
-    bool is_compact; /* whether to write tables without the stiffness matrices of the element types
+    bool is_compact; /* whether to write tables without what the device can compute from the nodes
                         (option --compact) */
     bool quasi_static;
     bool follows_path;    /* whether to follow the load path through limit points */

@@ -15,6 +15,7 @@
 #include "print_springs.h"
 #include "print_stress.h"
 #include "print_vibration.h"
+#include "../model/compact_cost.h"
 #include "../model/design_rows.h"
 #include "../model/wiring_test.h"
 #include "../tables/loop_blocks.h"
@@ -191,22 +192,61 @@ void print_selftest_plan(const analysis *analysis)
     estimator_close(&estimator);
 }
 
-void print_check(const analysis *analysis, const work_report *work)
+/* Print the sizes of an image in a row of the table of images, under the given name. */
+static void print_image(const analysis *analysis, tables_image image, const char *name)
 {
     tables_size size;
     tables_memory need;
-    print_head(analysis, "at rest");
+    if (image_size(analysis, image, &size, &need) != 0)
+        return;
+    printf("  %-10s %11.1f %10.1f %11.1f %10.1f %11.1f %10.1f\n", name,
+           (double)(size.bytes + size.reals * 4) / 1024,
+           (double)(size.bytes + size.reals * 8) / 1024, (double)need.work[0] / 1024,
+           (double)need.work[1] / 1024, (double)need.stack[0] / 1024, (double)need.stack[1] / 1024);
+}
+
+/* Return the analysis with the option that makes its tables compact. */
+static analysis compact_analysis(const analysis *from)
+{
+    analysis compact = *from;
+    compact.is_compact = true;
+    return compact;
+}
+
+/* Print what compact tables cost in time, where the mesh has compact element types. */
+static void print_compact_cost(const analysis *analysis)
+{
+    compact_cost cost;
+    if (!analysis->source->has_structure || !compact_cost_measure(&analysis->design.mesh, &cost))
+        return;
+    printf(
+        "  compact (pzs tables --compact): on this computer each element takes %.2f us instead of "
+        "%.2f\n  for its force from strains, and %.1f us more for its matrix in an assembly\n",
+        1e6 * cost.compact, 1e6 * cost.full, 1e6 * cost.matrix);
+}
+
+/* Print the sizes of all images, and those with compact tables where they differ much. */
+static void print_images(const analysis *from)
+{
+    const bool is_compact = tables_are_compact(from);
+    const analysis compact = compact_analysis(from);
     printf("\n  %-10s %22s %22s %22s\n  %-10s %11s %10s %11s %10s %11s %10s\n", "image",
            "tables, flash (KB)", "workspace, RAM (KB)", "stack, at most (KB)", "", "float",
            "double", "float", "double", "float", "double");
-    for (tables_image image = 0; image < TABLES_IMAGES; image++)
-        if (image_size(analysis, image, &size, &need) == 0)
-            printf("  %-10s %11.1f %10.1f %11.1f %10.1f %11.1f %10.1f\n", tables_image_name[image],
-                   (double)(size.bytes + size.reals * 4) / 1024,
-                   (double)(size.bytes + size.reals * 8) / 1024, (double)need.work[0] / 1024,
-                   (double)need.work[1] / 1024, (double)need.stack[0] / 1024,
-                   (double)need.stack[1] / 1024);
-    puts("  RAM: with the whole control loop and all its blocks (PREFIX_LOOP_BYTES)\n");
+    for (tables_image image = 0; image < TABLES_IMAGES; image++) {
+        print_image(from, image, tables_image_name[image]);
+        if (is_compact && image != TABLES_CONTROL)
+            print_image(&compact, image, "  compact");
+    }
+    puts("  RAM: with the whole control loop and all its blocks (PREFIX_LOOP_BYTES)");
+    print_compact_cost(from);
+    puts("");
+}
+
+void print_check(const analysis *analysis, const work_report *work)
+{
+    print_head(analysis, "at rest");
+    print_images(analysis);
     print_work(work, &analysis->design);
     print_certificate(&analysis->certificate);
     print_selftest_plan(analysis);
@@ -222,27 +262,39 @@ static void json_pair(json *json, const char *key, double in_float, double in_do
     json_close(json, '}');
 }
 
-void print_check_json(const analysis *analysis, const work_report *work)
+/* Write the sizes of an image as a member of a JSON object, under the given key. */
+static void json_image(json *json, const analysis *analysis, tables_image image, const char *key)
 {
     tables_size size;
     tables_memory need;
+    if (image_size(analysis, image, &size, &need) < 0)
+        return;
+    json_open(json, key, '{');
+    json_pair(json, "flash", (double)(size.bytes + size.reals * 4),
+              (double)(size.bytes + size.reals * 8));
+    json_pair(json, "ram", (double)need.work[0], (double)need.work[1]);
+    json_pair(json, "stack", (double)need.stack[0], (double)need.stack[1]);
+    json_close(json, '}');
+}
+
+void print_check_json(const analysis *from, const work_report *work)
+{
+    static const char *const compact_key[TABLES_IMAGES] = {"control_compact", "linear_compact",
+                                                           "nonlinear_compact"};
+    const bool is_compact = tables_are_compact(from);
+    const analysis compact = compact_analysis(from);
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
-    json_head(&json, analysis);
+    json_head(&json, from);
     json_open(&json, "images", '{');
     for (tables_image image = 0; image < TABLES_IMAGES; image++) {
-        if (image_size(analysis, image, &size, &need) < 0)
-            continue;
-        json_open(&json, tables_image_name[image], '{');
-        json_pair(&json, "flash", (double)(size.bytes + size.reals * 4),
-                  (double)(size.bytes + size.reals * 8));
-        json_pair(&json, "ram", (double)need.work[0], (double)need.work[1]);
-        json_pair(&json, "stack", (double)need.stack[0], (double)need.stack[1]);
-        json_close(&json, '}');
+        json_image(&json, from, image, tables_image_name[image]);
+        if (is_compact && image != TABLES_CONTROL)
+            json_image(&json, &compact, image, compact_key[image]);
     }
     json_close(&json, '}');
     print_work_json(work, &json);
-    print_certificate_json(&json, &analysis->certificate);
+    print_certificate_json(&json, &from->certificate);
     json_close(&json, '}');
 }
 

@@ -6,6 +6,7 @@
 #include "corner_tables.h"
 #include <math.h>
 #include <string.h>
+#include "../../lib/model/compact.h"
 #include "../quads/vector.h"
 
 /*
@@ -44,10 +45,20 @@ static void local_tables(const corner_pair *pair, double own[3][3], double other
     g_diff[along] = k;
 }
 
+/* Copy position and triad (local axes) of a surface point to a node of the library. */
+static pzs_node node_of(const surface_point *point)
+{
+    pzs_node node;
+    memcpy(node.position, point->position, sizeof node.position);
+    memcpy(node.triad, point->triad, sizeof node.triad);
+    return node;
+}
+
 /*
  * Compute the corner tables (displacements of the corners to strains) of Cartesian kinematics:
  * differences of displacement vectors between neighbouring corners, in the triad (local axes) of
- * the corner itself, divided by the length of the chord or of the element.
+ * the corner itself, divided by the length of the chord or of the element. The library computes
+ * them, because a device does so where its tables are compact.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])
@@ -55,19 +66,9 @@ static void cartesian_tables(const corner_pair *pair, double own[3][3], double o
     const double length = pair->length > 0
                               ? pair->length
                               : vector_distance(pair->own->position, pair->other->position);
-    const double slope = pair->sign / length;
-    double step[3], turn[3];
-    for (int i = 0; i < 3; i++) {
-        turn[i] = pair->other->triad[2][i] - pair->own->triad[2][i];
-        step[i] = pair->other->position[i] - pair->own->position[i] + pair->middle * turn[i];
-    }
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++)
-            other[i][j] = slope * vector_dot(pair->own->triad[i], pair->other->triad[j]);
-        own[i][i] = -slope;
-        g_mean[i] = slope * vector_dot(pair->own->triad[i], step);
-        g_diff[i] = slope * vector_dot(pair->own->triad[i], turn);
-    }
+    const pzs_node corner = node_of(pair->own), neighbour = node_of(pair->other);
+    pzs_corner_tables(&corner, &neighbour, pair->sign / length, pair->middle, own, other, g_mean,
+                      g_diff);
 }
 
 void corner_tables_fill(const corner_data *data, pzs_element_type *type)

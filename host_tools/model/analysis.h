@@ -78,14 +78,15 @@ typedef struct analysis {
                   computation of a displacement (s) */
     certificate certificate; /* result of the stability tests of the control loop, filled by
                                 certificate_make */
-    bool is_compact;     /* whether to leave the stiffness matrices of the element types out of the
-                            tables; the device then computes them from the element types */
-    bool quasi_static;   /* whether to write the controller's tables even where vibration makes the
-                            control loop unstable */
-    double linear_error; /* difference between linear and nonlinear displacement relative to the
-                            nonlinear one, computed where the scene's kinematics is `auto` */
-    load_path load_path; /* equilibria on the load path to the last displacement; empty unless the
-                            user asked for them */
+    bool is_compact;   /* whether to leave out of the tables what the device can compute: stiffness
+                          matrices of the element types, and corner tables where the mesh has
+                          compact element types */
+    bool quasi_static; /* whether to write the controller's tables even where vibration makes the
+                          control loop unstable */
+    double linear_error;   /* difference between linear and nonlinear displacement relative to the
+                              nonlinear one, computed where the scene's kinematics is `auto` */
+    load_path load_path;   /* equilibria on the load path to the last displacement; empty unless the
+                              user asked for them */
     mesh_error mesh_error; /* estimated discretisation error of the results; empty unless the user
                               has asked for this estimate */
     plausible warnings; /* plausibility warnings on the scene and on the results computed so far */

@@ -12,6 +12,7 @@
 #include "../../lib/model/model.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/model/shell.h"
+#include "../mesh/compact_types.h"
 #include "../text/words.h"
 #include "loop_blocks.h"
 #include "tables_nonlinear.h"
@@ -64,6 +65,61 @@ static void write_element_types(emitter *emitter, const mesh *mesh)
         emit_nested(emitter->file, type->skew, skews, 1);
         fputs("\n}, ", emitter->file);
         emit_count_reals(emitter, (const double *)type, sizeof *type / sizeof(double));
+    }
+    fputs("\n};\n", emitter->file);
+}
+
+/* Write an array of reals as a value in braces, and count it. */
+static void write_group(emitter *emitter, const double *value, int count)
+{
+    emit_nested(emitter->file, value, &count, 1);
+    fputs(",\n    ", emitter->file);
+    emit_count_reals(emitter, value, (size_t)count);
+}
+
+/* Write a real, and count it. */
+static void write_single(emitter *emitter, double value)
+{
+    fputs("PZS_R(", emitter->file);
+    emit_real(emitter->file, value);
+    fputs("), ", emitter->file);
+    emit_count_reals(emitter, &value, 1);
+}
+
+/* Write the compact element types, member by member in the order of pzs_compact_type. */
+static void write_compact_types(emitter *emitter, const compact_types *compact, int types)
+{
+    emit_comment(emitter, "element types in compact form");
+    fprintf(emitter->file, "static const pzs_compact_type %s_compact_types[%d] = {",
+            emitter->prefix, types);
+    for (int k = 0; k < types; k++) {
+        const pzs_compact_type *type = &compact->type[k];
+        fputs("{\n    ", emitter->file);
+        write_group(emitter, type->d, 88);
+        write_single(emitter, type->thickness);
+        write_single(emitter, type->middle);
+        write_group(emitter, type->warp, 9);
+        write_group(emitter, type->skew, 3);
+        write_group(emitter, type->inverse_length, 2);
+        fprintf(emitter->file, "{%u, %u, %u, %u}\n}, ", type->corner[0], type->corner[1],
+                type->corner[2], type->corner[3]);
+        emit_count_bytes(emitter, type->corner, sizeof type->corner);
+    }
+    fputs("\n};\n", emitter->file);
+}
+
+/* Write position and triad (local axes) of each node, from which compact types are completed. */
+static void write_nodes(emitter *emitter, const pzs_node *node, int nodes)
+{
+    static const int axes[2] = {3, 3};
+    emit_comment(emitter, "position and local axes of each node");
+    fprintf(emitter->file, "static const pzs_node %s_nodes[%d] = {", emitter->prefix, nodes);
+    for (int i = 0; i < nodes; i++) {
+        fputs("{\n    ", emitter->file);
+        write_group(emitter, node[i].position, 3);
+        emit_nested(emitter->file, node[i].triad[0], axes, 2);
+        fputs("\n}, ", emitter->file);
+        emit_count_reals(emitter, node[i].triad[0], 9);
     }
     fputs("\n};\n", emitter->file);
 }
@@ -137,14 +193,20 @@ static pzs_structure controlled(const analysis *analysis)
 
 /*
  * Return the structure that the tables contain: with all inputs and outputs (`whole`), or only with
- * those of the controller. Compact tables have no stiffness matrices of the element types.
+ * those of the controller. Compact tables have no stiffness matrices of the element types, and
+ * compact element types where the mesh has them.
  */
-static pzs_structure structure_of_tables(const analysis *analysis, int whole)
+static pzs_structure structure_of_tables(const analysis *analysis, int whole,
+                                         const compact_types *compact)
 {
     pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
     if (!analysis->is_compact)
         return structure;
     structure.stiffness = NULL;
+    structure.compact = compact->type;
+    structure.node = compact->node;
+    if (compact->type)
+        structure.type = NULL;
     structure.crc = pzs_structure_crc(&structure);
     return structure;
 }
@@ -153,7 +215,8 @@ static pzs_structure structure_of_tables(const analysis *analysis, int whole)
  * Write the mesh and the element types of the structure, with their stiffness matrices unless the
  * tables are compact.
  */
-static void write_mesh(emitter *emitter, const mesh *mesh, bool is_compact)
+static void write_mesh(emitter *emitter, const mesh *mesh, const pzs_structure *structure,
+                       const compact_types *compact)
 {
     const size_t packed = SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
     write_elements(emitter, mesh);
@@ -163,10 +226,15 @@ static void write_mesh(emitter *emitter, const mesh *mesh, bool is_compact)
                 "free dof of each dof of each node, or PZS_CONSTRAINED");
     emit_shorts(emitter, "first_column", mesh->first_column, (size_t)mesh->free_dof,
                 "first column of each row of the stiffness factor");
-    if (!is_compact)
+    if (structure->stiffness)
         emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->types * packed,
                    "stiffness matrix of each element type, packed lower triangle (N/m, N)");
-    write_element_types(emitter, mesh);
+    if (structure->type) {
+        write_element_types(emitter, mesh);
+    } else {
+        write_compact_types(emitter, compact, mesh->types);
+        write_nodes(emitter, compact->node, mesh->nodes);
+    }
 }
 
 /*
@@ -191,14 +259,17 @@ static void write_turns(emitter *emitter, const mesh *mesh)
 static void write_structure_struct(const emitter *emitter, const pzs_structure *structure)
 {
     const char *prefix = emitter->prefix;
-    char stiffness[128];
+    char stiffness[128], type[128], compact[128], node[128];
     name_or_null(emitter, structure->stiffness != NULL, "stiffness", stiffness);
+    name_or_null(emitter, structure->type != NULL, "element_types", type);
+    name_or_null(emitter, structure->compact != NULL, "compact_types", compact);
+    name_or_null(emitter, structure->node != NULL, "nodes", node);
     emit_begin(emitter, "structure", "structure", structure->scene, structure->crc);
     fprintf(emitter->file,
             " %u, %u, %u, %u, %u,\n    %s_element, %s_element_type, %s_node_dof, %s_first_column, "
-            "%s, %s_element_types,\n",
+            "%s, %s, %s, %s,\n",
             structure->nodes, structure->elements, structure->types, structure->dof_per_node,
-            structure->free_dof, prefix, prefix, prefix, prefix, stiffness, prefix);
+            structure->free_dof, prefix, prefix, prefix, prefix, stiffness, type, compact, node);
     name_rows(emitter, "input", structure->input.count);
     name_rows(emitter, "output", structure->output.count);
     name_rows(emitter, "spring", structure->spring.count);
@@ -217,11 +288,14 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
 {
     const mesh *mesh = &analysis->design.mesh;
     const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
-    const pzs_structure structure = structure_of_tables(analysis, whole);
+    compact_types compact = {NULL, NULL};
+    if (analysis->is_compact)
+        compact_types_make(&compact, mesh);
+    const pzs_structure structure = structure_of_tables(analysis, whole, &compact);
     const uint16_t counts[5] = {structure.nodes, structure.elements, structure.types,
                                 structure.dof_per_node, structure.free_dof};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    write_mesh(emitter, mesh, analysis->is_compact);
+    write_mesh(emitter, mesh, &structure, &compact);
     write_rows(emitter, "input", &structure.input, structure.input.count,
                whole ? "nodal forces per unit of each amplifier, load and extra input"
                      : "nodal forces per volt of each amplifier");
@@ -236,10 +310,12 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
     write_turns(emitter, mesh);
     fprintf(emitter->file,
             "#define %s_FREE_DOF %d\n"
-            "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",
+            "#define %s_MODEL_BYTES (PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))%s)\n",
             emitter->upper, mesh->free_dof, emitter->upper, mesh->free_dof, padded_entries(mesh, 4),
-            padded_entries(mesh, 8), padded_entries(mesh, 16));
+            padded_entries(mesh, 8), padded_entries(mesh, 16),
+            structure.compact ? " + PZS_COMPACT_BYTES" : "");
     write_structure_struct(emitter, &structure);
+    compact_types_free(&compact);
 }
 
 /* ---- electrodes ------------------------------------------------------- */
@@ -422,7 +498,8 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
         need.work[k] += size->loop[k];                                                             \
         if (image != TABLES_CONTROL)                                                               \
             need.work[k] +=                                                                        \
-                PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE));     \
+                PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE)) +    \
+                (is_compact ? PZS_COMPACT_BYTES : 0);                                              \
         if (image == TABLES_LINEAR && controlled) /* workspace for the influence matrix that the   \
                                                      device computes */                            \
             need.work[k] +=                                                                        \
@@ -441,12 +518,23 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
         need.stack[k] = image == TABLES_NONLINEAR ? PZS_STACK_NONLINEAR : PZS_STACK_LINEAR;        \
     }
 
+bool tables_are_compact(const analysis *analysis)
+{
+    compact_types compact = {NULL, NULL};
+    if (analysis->source->has_structure)
+        compact_types_make(&compact, &analysis->design.mesh);
+    const bool has_types = compact.type != NULL;
+    compact_types_free(&compact);
+    return has_types;
+}
+
 tables_memory tables_need(const analysis *analysis, tables_image image, const tables_size *size)
 {
     const design *design = &analysis->design;
     const pzs_structure *structure = &design->structure;
     const int controlled = design->problem.inputs > 0;
     const uint32_t open = pzs_electrode_open_count(&design->electrodes);
+    const bool is_compact = analysis->is_compact && tables_are_compact(analysis);
     tables_memory need = {{0, 0}, {0, 0}};
     NEED(float, 0)
     NEED(double, 1)

@@ -42,6 +42,12 @@ typedef struct tables_memory {
 tables_memory tables_need(const analysis *analysis, tables_image image, const tables_size *size);
 
 /*
+ * Return whether compact tables of the structure hold compact element types, which the device
+ * completes from the nodes. They do on meshes where nearly every element is a type of its own.
+ */
+bool tables_are_compact(const analysis *analysis);
+
+/*
  * Write the tables of a firmware as a C header. A scene always gives identical bytes, because the
  * header contains no dates and no paths.
  *   analysis in   analysis of the scene, whose influence matrix is computed if the scene has a

@@ -4,6 +4,7 @@
  * influence matrix (pzs_model.h).
  */
 #include "model.h"
+#include "compact.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
 #include "shell.h"
@@ -42,9 +43,11 @@ static bool structure_complete(const pzs_structure *structure)
            structure->free_dof > 0 && structure->free_dof < PZS_CONSTRAINED && counts_fit &&
            (structure->dof_per_node == 6 || structure->dof_per_node == 7) && structure->element &&
            structure->element_type && structure->node_dof && structure->first_column &&
-           (structure->stiffness || structure->type) && rows_complete(&structure->input) &&
-           rows_complete(&structure->output) && rows_complete(&structure->spring) &&
+           (structure->stiffness || pzs_structure_has_types(structure)) &&
+           rows_complete(&structure->input) && rows_complete(&structure->output) &&
+           rows_complete(&structure->spring) &&
            (structure->spring.count == 0 || structure->spring_stiffness) &&
+           (structure->compact == NULL) == (structure->node == NULL) &&
            structure->turns <= structure->nodes &&
            (structure->turns == 0 || (structure->node_turn && structure->turn));
 }
@@ -101,6 +104,16 @@ static bool turns_in_range(const pzs_structure *structure)
     return true;
 }
 
+/* Whether the corners of all compact element types are nodes of the structure. */
+static bool corners_in_range(const pzs_structure *structure)
+{
+    for (uint32_t type = 0; structure->compact != NULL && type < structure->types; type++)
+        for (int corner = 0; corner < SHELL_NODES; corner++)
+            if (structure->compact[type].corner[corner] >= structure->nodes)
+                return false;
+    return true;
+}
+
 /*
  * Whether every index in the tables of a structure is in range. This is checked in addition to the
  * checksum, which shows only that the tables have not changed since they were generated.
@@ -126,7 +139,15 @@ static bool indices_in_range(const pzs_structure *structure)
     return rows_in_range(&structure->input, structure->free_dof) &&
            rows_in_range(&structure->output, structure->free_dof) &&
            rows_in_range(&structure->spring, structure->free_dof) &&
-           pzs_springs_in_range(structure) && turns_in_range(structure);
+           pzs_springs_in_range(structure) && turns_in_range(structure) &&
+           corners_in_range(structure);
+}
+
+/* Bytes of workspace that a model of the structure needs, whose stiffness has `entries` entries. */
+static size_t workspace_bytes(const pzs_structure *structure, uint32_t free_dof, size_t entries)
+{
+    const size_t rebuilt = structure->compact != NULL ? PZS_COMPACT_BYTES : 0;
+    return PZS_MODEL_BYTES(free_dof, entries) + rebuilt;
 }
 
 pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work,
@@ -149,7 +170,8 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
     const size_t entries = pzs_linalg_reals(structure->first_column, free_dof);
     if (entries > SIZE_MAX / 2 / sizeof(pzs_real))
         return fail(model, PZS_E_WORKSPACE, INT32_MAX);
-    const int32_t missing = guard_missing_bytes(work, bytes, PZS_MODEL_BYTES(free_dof, entries));
+    const int32_t missing =
+        guard_missing_bytes(work, bytes, workspace_bytes(structure, free_dof, entries));
     if (missing >= 0)
         return fail(model, PZS_E_WORKSPACE, missing);
 
@@ -161,7 +183,12 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
     model->state.stiffness.inverse = real + entries;
     model->state.scale = model->state.stiffness.inverse + free_dof;
     model->state.work = model->state.scale + free_dof;
-    model->state.stiffness.start = (uint32_t *)(void *)(model->state.work + 6 * (size_t)free_dof);
+    real = model->state.work + 6 * (size_t)free_dof;
+    if (structure->compact != NULL) {
+        model->state.rebuilt = (pzs_element_type *)(void *)real;
+        real += sizeof(pzs_element_type) / sizeof *real;
+    }
+    model->state.stiffness.start = (uint32_t *)(void *)real;
     pzs_linalg_layout(&model->state.stiffness);
     model->info.residual = -1;
     model->state.stage = STAGE_READY;
@@ -338,7 +365,7 @@ static uint16_t element_dof(const pzs_model *model, uint32_t element, unsigned i
 static void add_computed_matrix(pzs_model *model, uint32_t element)
 {
     const pzs_structure *structure = model->state.structure;
-    const pzs_element_type *type = &structure->type[structure->element_type[element]];
+    const pzs_element_type *type = pzs_model_element_type(model, element);
     for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
         const uint16_t row = element_dof(model, element, i);
         pzs_real force[SHELL_MAX] = {0}; /* nodal displacement of the element, which is then
@@ -425,7 +452,8 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 static pzs_real condition_limit(const pzs_model *model)
 {
     const pzs_real limit =
-        (model->state.structure->type ? (pzs_real)600 : (pzs_real)1.2) / PZS_EPSILON;
+        (pzs_structure_has_types(model->state.structure) ? (pzs_real)600 : (pzs_real)1.2) /
+        PZS_EPSILON;
     return limit < (pzs_real)1e14 ? limit : (pzs_real)1e14;
 }
 
@@ -498,7 +526,7 @@ static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *
                                                replaced by the nodal force that its stiffness causes
                                              */
         pzs_model_gather(model, structure->element[element], SHELL_NODES, vector, element_vector);
-        pzs_shell_force(&structure->type[structure->element_type[element]], structure->dof_per_node,
+        pzs_shell_force(pzs_model_element_type(model, element), structure->dof_per_node,
                         element_vector, element_vector);
         pzs_model_scatter(model, structure->element[element], SHELL_NODES,
                           pzs_model_type_factor(model, element), element_vector, force);
@@ -634,7 +662,7 @@ static void solve_scaled(pzs_model *model, pzs_real *displacement)
     model->info.refinements = 0;
     model->info.residual = -1;
     model->info.error_estimate = -1;
-    if (!model->state.structure->type) {
+    if (!pzs_structure_has_types(model->state.structure)) {
         pzs_model_backsolve(model, force, displacement);
         return;
     }

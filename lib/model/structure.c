@@ -22,6 +22,9 @@ uint32_t pzs_structure_crc(const pzs_structure *structure)
                               structure->types * (corners * (corners + 1u) / 2u),
                               sizeof structure->stiffness[0]);
     crc = pzs_guard_array_crc(crc, structure->type, structure->types, sizeof structure->type[0]);
+    crc = pzs_guard_array_crc(crc, structure->compact, structure->types,
+                              sizeof structure->compact[0]);
+    crc = pzs_guard_array_crc(crc, structure->node, structure->nodes, sizeof structure->node[0]);
     crc = pzs_guard_rows_crc(crc, &structure->input, structure->free_dof);
     crc = pzs_guard_rows_crc(crc, &structure->output, structure->free_dof);
     crc = pzs_guard_rows_crc(crc, &structure->spring, structure->free_dof);

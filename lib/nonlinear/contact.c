@@ -16,6 +16,7 @@
 #include "face.h"
 #include "../core/guard.h"
 #include "../core/vector3.h"
+#include "../model/compact.h"
 #include "../model/model.h"
 #include "nonlinear.h"
 #include "../model/shell.h"
@@ -176,7 +177,7 @@ static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver
             (solver->state.model->state.constrained && solver->state.model->state.constrained[dof]))
             continue;
         const pzs_real scale = solver->state.model->state.scale[dof] *
-                               (order[k] < 3 ? 1 : structure->type[0].thickness);
+                               (order[k] < 3 ? 1 : pzs_structure_thickness(structure));
         return 1 / (scale * scale * contact->state.face->area[node]);
     }
     return 0;
@@ -209,6 +210,7 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
     const pzs_real height = face_height(contact, solver);
     memset(contact->state.facing, 0, structure->nodes * sizeof *contact->state.facing);
     for (uint32_t element = 0; element < structure->elements; element++) {
+        const pzs_element_type *type = pzs_model_element_type(solver->state.model, element);
         pzs_real displacement[SHELL_NODES][3];
         pzs_face_gather(solver->state.model, structure->element[element], SHELL_NODES, height,
                         solver->state.displacement, displacement);
@@ -216,8 +218,7 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
             const uint16_t node = structure->element[element][corner];
             const contact_point point = find_point(contact, solver, node);
             pzs_real eta[3];
-            pzs_face_normal(&structure->type[structure->element_type[element]], height,
-                            (const pzs_real(*)[3])displacement, corner, eta);
+            pzs_face_normal(type, height, (const pzs_real(*)[3])displacement, corner, eta);
             contact->state.facing[node] += contact->state.face->face == 0
                                                ? -vector3_dot(eta, point.normal)
                                                : vector3_dot(eta, point.normal);

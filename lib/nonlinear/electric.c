@@ -10,6 +10,7 @@
 #include "../model/electrode.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
+#include "../model/compact.h"
 #include "../model/model.h"
 #include "nonlinear.h"
 #include "../model/shell.h"
@@ -38,7 +39,7 @@ static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables
         pzs_real displacement[SHELL_MAX], strain[SHELL_MODES][SHELL_STRAINS];
         pzs_model_gather(solver->state.model, structure->element[given->element[i]], SHELL_NODES,
                          solver->state.displacement, displacement);
-        pzs_shell_strains_at(&structure->type[structure->element_type[given->element[i]]],
+        pzs_shell_strains_at(pzs_model_element_type(solver->state.model, given->element[i]),
                              structure->dof_per_node, displacement, strain);
         charge -= pzs_linalg_inner(given->value[given->which[i]], strain[0], SHELL_STRAINS);
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Displacement, force, base vectors and normal of a face of the shell (face.h). */
 #include "face.h"
+#include "../model/compact.h"
 #include "../model/model.h"
 #include "../model/shell.h"
 
@@ -8,7 +9,7 @@
 
 pzs_real pzs_face_height(const pzs_structure *structure, unsigned face)
 {
-    const pzs_real half = structure->type[0].thickness / 2;
+    const pzs_real half = pzs_structure_thickness(structure) / 2;
     if (face == 0)
         return -half;
     return face == 1 ? half : 0;

@@ -14,6 +14,7 @@
  */
 #include "face.h"
 #include "../core/guard.h"
+#include "../model/compact.h"
 #include "../model/model.h"
 #include "nonlinear.h"
 #include "../model/shell.h"
@@ -98,33 +99,41 @@ static void set_base(const pzs_element_type *type, pzs_real height, unsigned cor
     }
 }
 
+/* Element on which a follower pressure acts, at its present displacement. */
+typedef struct pressed_element {
+    const pzs_element_type *type;
+    const pzs_real (*lean)[2]; /* [4] components of its base vectors along the director at each
+                                  corner, from pzs_follower.lean; NULL: not taken into account */
+    pzs_real height;           /* height of the loaded face above the middle of the shell (m) */
+    pzs_real displacement[SHELL_NODES][3]; /* displacement of the loaded face at the corners (m) */
+} pressed_element;
+
 /*
  * Compute, with their derivatives, the two directions in which a follower pressure acts at one
  * corner of an element, per undeformed area: `normal` to the loaded face, and `side` on the middle
  * surface.
- *   displacement [4][3] in   displacement of the face at the corners (m)
- *   director_at  [3]    in   director of the corner
- *   normal, side        out  directions, multiplied by the ratio of deformed to undeformed area
+ *   director_at  [3] in   director of the corner
+ *   normal, side     out  directions, multiplied by the ratio of deformed to undeformed area
  */
-static void pressure_force(const pzs_follower *load, const pzs_structure *structure, uint16_t type,
-                           const pzs_real (*displacement)[3], const pzs_real director_at[3],
-                           unsigned corner, vector_slope *normal, vector_slope *side)
+static void pressure_force(const pzs_follower *load, const pressed_element *element,
+                           const pzs_real director_at[3], unsigned corner, vector_slope *normal,
+                           vector_slope *side)
 {
-    const pzs_real height = pzs_face_height(structure, load->normal_face);
     pzs_real face_base[2][3];
     vector_slope director = {{director_at[0], director_at[1], director_at[2]}, {{0}}}, base[2];
-    pzs_face_base(&structure->type[type], height, displacement, corner, face_base);
+    pzs_face_base(element->type, element->height, (const pzs_real(*)[3])element->displacement,
+                  corner, face_base);
     for (unsigned i = 0; i < 3; i++)
         director.slope[i][BY_DIRECTOR + i] = 1;
     for (unsigned direction = 0; direction < 2; direction++)
-        set_base(&structure->type[type], height, corner, direction, face_base[direction], &director,
+        set_base(element->type, element->height, corner, direction, face_base[direction], &director,
                  &base[direction]);
     memset(normal, 0, sizeof *normal);
     memset(side, 0, sizeof *side);
     add_cross(1, &base[0], &base[1], normal);
-    if (load->lean) {
-        add_cross(load->lean[type][corner][0], &director, &base[1], side);
-        add_cross(load->lean[type][corner][1], &base[0], &director, side);
+    if (element->lean) {
+        add_cross(element->lean[corner][0], &director, &base[1], side);
+        add_cross(element->lean[corner][1], &base[0], &director, side);
     }
     if (!load->true_area) {
         const vector_slope unscaled = *normal;
@@ -185,10 +194,13 @@ static void element_forces(const pzs_follower *load, const pzs_solver *solver, u
     const uint16_t *node = structure->element[element], type = structure->element_type[element];
     const pzs_real height = pzs_face_height(structure, load->normal_face),
                    z_load = pzs_face_height(structure, load->load_face);
-    pzs_real gathered[SHELL_MAX], displacement[SHELL_NODES][3];
+    pressed_element pressed = {.type = pzs_model_element_type(solver->state.model, element),
+                               .lean = load->lean ? load->lean[type] : NULL,
+                               .height = height};
+    pzs_real gathered[SHELL_MAX];
     pzs_model_gather(solver->state.model, node, SHELL_NODES, solver->state.displacement, gathered);
     pzs_face_gather(solver->state.model, node, SHELL_NODES, height, solver->state.displacement,
-                    displacement);
+                    pressed.displacement);
     memset(force, 0, FACE_DOF * sizeof *force);
     if (slope)
         memset(slope, 0, FACE_DOF * sizeof *slope);
@@ -197,8 +209,7 @@ static void element_forces(const pzs_follower *load, const pzs_solver *solver, u
                        *difference = gathered + corner * structure->dof_per_node + 3;
         const pzs_real director[3] = {difference[0], difference[1], 1 + difference[2]};
         vector_slope normal, side;
-        pressure_force(load, structure, type, (const pzs_real(*)[3])displacement, director, corner,
-                       &normal, &side);
+        pressure_force(load, &pressed, director, corner, &normal, &side);
         for (unsigned loaded_corner = 0; loaded_corner < SHELL_NODES; loaded_corner++) {
             const pzs_real part = size * load->share[share_index(loaded_corner, corner)];
             if (part != 0)

@@ -6,6 +6,7 @@
 #include "nonlinear.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
+#include "../model/compact.h"
 #include "../model/model.h"
 #include "../model/shell.h"
 #include "../model/spring.h"
@@ -111,7 +112,7 @@ pzs_status pzs_solver_init(pzs_solver *solver, pzs_model *model, const pzs_nonli
                            void *work, size_t bytes)
 {
     if (!solver || !model || !tables || !work || model->state.stage < STAGE_READY ||
-        !model->state.structure->type)
+        !pzs_structure_has_types(model->state.structure))
         return PZS_E_ARGUMENT;
     const pzs_structure *structure = model->state.structure;
     memset(solver, 0, sizeof *solver);
@@ -238,7 +239,7 @@ void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *forc
         memcpy(resultant, given->value[given->which[entry]], SHELL_STRAINS * sizeof *resultant);
         pzs_model_gather(solver->state.model, node, SHELL_NODES, solver->state.displacement,
                          displacement);
-        pzs_shell_force_at(&structure->type[structure->element_type[given->element[entry]]],
+        pzs_shell_force_at(pzs_model_element_type(solver->state.model, given->element[entry]),
                            structure->dof_per_node, displacement, resultant, internal_force);
         pzs_model_scatter(solver->state.model, node, SHELL_NODES, -1, internal_force, force);
     }
@@ -263,7 +264,7 @@ void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real
             tangent[SHELL_PACKED(SHELL_MAX)];
         pzs_model_gather(model, structure->element[element], SHELL_NODES,
                          solver->state.displacement, displacement);
-        pzs_shell_system(&structure->type[structure->element_type[element]],
+        pzs_shell_system(pzs_model_element_type(solver->state.model, element),
                          structure->dof_per_node, displacement, solver->state.prescribed[element],
                          uses_true_resultants ? NULL : solver->state.resultant[element],
                          internal_force, tangent);
@@ -345,7 +346,7 @@ pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *vector,
                              const pzs_real *other)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_real thickness = structure->type[0].thickness;
+    const pzs_real thickness = pzs_structure_thickness(structure);
     pzs_real sum = 0;
     for (uint32_t i = 0; i < (uint32_t)structure->nodes * structure->dof_per_node; i++) {
         const uint16_t dof = structure->node_dof[i];
@@ -368,7 +369,7 @@ void pzs_nonlinear_extrapolate(pzs_solver *solver, const pzs_real *du)
         if (du)
             pzs_model_gather(solver->state.model, structure->element[element], SHELL_NODES, du,
                              increment);
-        pzs_shell_resultants(&structure->type[structure->element_type[element]],
+        pzs_shell_resultants(pzs_model_element_type(solver->state.model, element),
                              structure->dof_per_node, displacement, du ? increment : NULL,
                              solver->state.prescribed[element], solver->state.resultant[element]);
     }
@@ -439,7 +440,7 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
                sizeof solver->state.prescribed[element]);
         pzs_model_gather(solver->state.model, structure->element[element], SHELL_NODES,
                          solver->state.displacement, displacement);
-        pzs_shell_force_at(&structure->type[structure->element_type[element]],
+        pzs_shell_force_at(pzs_model_element_type(solver->state.model, element),
                            structure->dof_per_node, displacement, resultant, force);
         pzs_model_scatter(solver->state.model, structure->element[element], SHELL_NODES,
                           -pzs_model_type_factor(solver->state.model, element), force, vector);

@@ -125,6 +125,10 @@ for table in 'follower_pressure_0 torus-pressure' 'contact_area torus-contact'; 
     attached $table
     tap $? "$table: accepted in either precision, refused where damaged"
 done
+same 'compact element types, follower load, contact' wing-panel --compact --set kinematics=nonlinear --set 'loads=[{face: outer, pressure: 200,
+    follower: pressure}]' --set 'contact={face: outer, body: {type: sphere, point: [0.36, 0.54, 0.4195], radius: 0.4}}'
+grep -q 'NULL, NULL, t_compact_types, t_nodes' "$scratch/t.h"
+tap $? 'compact tables hold no full element types'
 same 'springs and stacks' tests/rigs/scenes/spring-plate.yaml --set kinematics=nonlinear --set 'springs=[{at: nodes, along: z, stiffness: 1e6, per: area},
     {at: nodes, along: [1, 1, 0], stiffness: 1e6, per: area}, {at: nodes, along: [1, -1, 0], stiffness: 1e6, per: area}]' --set 'actuators=[{name: s,
     stacks: {points: [[0.3, 0.3], [0.8, 0.1]], along: z, stiffness: 1e6, stroke: 1e-6}, applied: 50}]'

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../host_tools/mesh/compact_types.h"
 #include "../../host_tools/model/analysis.h"
 #include "../../host_tools/model/calibrate.h"
 #include "../../host_tools/model/mass.h"
@@ -34,6 +35,34 @@ static void fill_path(bridge *tables, const equilibrium *equilibrium)
     tables->linear_solves = equilibrium->solver.info.linear_solves;
 }
 
+/*
+ * Copy the compact element types of the mesh, if it has any. Returns 0, or -1 where memory is
+ * lacking.
+ */
+static int fill_compact(bridge *tables, const mesh *mesh)
+{
+    compact_types compact;
+    compact_types_make(&compact, mesh);
+    if (!compact.type)
+        return 0;
+    const size_t types = (size_t)mesh->types, nodes = (size_t)mesh->nodes;
+    tables->compact_types = mesh->types;
+    tables->compact_value = calloc(types * BRIDGE_COMPACT, sizeof *tables->compact_value);
+    tables->compact_corner = calloc(types * 4, sizeof *tables->compact_corner);
+    tables->node_value = calloc(nodes * 12, sizeof *tables->node_value);
+    const bool is_whole = tables->compact_value && tables->compact_corner && tables->node_value;
+    for (size_t k = 0; k < types && is_whole; k++) {
+        memcpy(tables->compact_value + k * BRIDGE_COMPACT, &compact.type[k],
+               BRIDGE_COMPACT * sizeof(double));
+        memcpy(tables->compact_corner + 4 * k, compact.type[k].corner,
+               sizeof compact.type[k].corner);
+    }
+    if (is_whole)
+        memcpy(tables->node_value, compact.node, nodes * sizeof *compact.node);
+    compact_types_free(&compact);
+    return is_whole ? 0 : -1;
+}
+
 static int fill(bridge *tables, inside *in, char *error)
 {
     const design *design = &in->analysis.design;
@@ -50,6 +79,8 @@ static int fill(bridge *tables, inside *in, char *error)
     tables->stiffness = mesh->stiffness;
     tables->type_values = (const double *)mesh->type;
     tables->type_reals = sizeof *mesh->type / sizeof(double);
+    if (fill_compact(tables, mesh) < 0)
+        return -1;
     tables->input = rows_of(&design->structure.input);
     tables->output = rows_of(&design->structure.output);
     tables->spring = rows_of(&design->structure.spring);
@@ -105,6 +136,9 @@ void bridge_close(bridge *tables)
     }
     free(in);
     free(tables->displacement);
+    free(tables->compact_value);
+    free(tables->compact_corner);
+    free(tables->node_value);
     memset(tables, 0, sizeof *tables);
 }
 

@@ -11,6 +11,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Number of reals of a compact element type. */
+enum { BRIDGE_COMPACT = 104 };
+
 typedef struct bridge_rows {
     int count;
     const uint32_t *start;
@@ -26,6 +29,10 @@ typedef struct bridge {
     const double *stiffness, *type_values; /* type_values: the reals of each pzs_element_type, one
                                        type after the other */
     size_t type_reals;                     /* number of reals of one element type */
+    int compact_types;        /* number of compact element types, or 0 where the mesh has none */
+    double *compact_value;    /* [compact_types][BRIDGE_COMPACT] reals of each pzs_compact_type */
+    uint16_t *compact_corner; /* [compact_types][4] corners of each pzs_compact_type */
+    double *node_value;       /* [nodes][12] position and local axes of each pzs_node */
     bridge_rows input, output, spring;
     const double *spring_stiffness; /* [springs] spring stiffness (N/m) */
     int turns;                 /* number of nodes at oblique supports, whose mean displacements act

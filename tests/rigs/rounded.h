@@ -7,7 +7,9 @@
 #define ROUNDED_H
 
 #include "pzs.h"
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 #include "bridge.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/model/model.h"
@@ -74,6 +76,41 @@ static inline void round_structure(const bridge *tables, pzs_structure *structur
     structure->node_turn = tables->node_turn;
     structure->turn = (const pzs_real(*)[3][3])(const void *)owned[ROUNDED_TURN];
     structure->crc = pzs_structure_crc(structure);
+}
+
+/*
+ * Compact element types and nodes of a bridge whose mesh has them, in the precision of the test. A
+ * structure with compact types needs PZS_COMPACT_BYTES more of workspace.
+ */
+typedef struct rounded_compact {
+    pzs_compact_type *type;
+    pzs_node *node;
+} rounded_compact;
+
+static inline void round_compact(const bridge *tables, rounded_compact *compact)
+{
+    const size_t types = (size_t)tables->compact_types, nodes = (size_t)tables->nodes;
+    assert_int_equal(BRIDGE_COMPACT * sizeof(pzs_real), offsetof(pzs_compact_type, corner));
+    compact->type = calloc(types + 1, sizeof *compact->type);
+    compact->node = calloc(nodes + 1, sizeof *compact->node);
+    assert_non_null(compact->type);
+    assert_non_null(compact->node);
+    for (size_t k = 0; k < types; k++) {
+        pzs_real *value = rounded(tables->compact_value + k * BRIDGE_COMPACT, BRIDGE_COMPACT);
+        memcpy(&compact->type[k], value, BRIDGE_COMPACT * sizeof *value);
+        memcpy(compact->type[k].corner, tables->compact_corner + 4 * k,
+               sizeof compact->type[k].corner);
+        free(value);
+    }
+    pzs_real *value = rounded(tables->node_value, 12 * nodes);
+    memcpy(compact->node, value, nodes * sizeof *compact->node);
+    free(value);
+}
+
+static inline void free_compact(rounded_compact *compact)
+{
+    free(compact->type);
+    free(compact->node);
 }
 
 #endif

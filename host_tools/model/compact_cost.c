@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Time that compact element types take, beside full ones (compact_cost.h). */
+#include "compact_cost.h"
+#include <math.h>
+#include "../../lib/model/compact.h"
+#include "../../lib/model/shell.h"
+#include "../mesh/compact_types.h"
+#include "analysis.h"
+
+/* Number of measurements, of which the shortest counts, and elements in each (at least). */
+enum { MEASUREMENTS = 5, LEAST_ELEMENTS = 4000 };
+
+/* Work on one element that is measured. */
+typedef enum element_work { FORCE_OF_FULL, FORCE_OF_COMPACT, STIFFNESS } element_work;
+
+/* Do the work once for an element type. Returns a number that depends on its result. */
+static double work_on(const mesh *mesh, const compact_types *compact, int type, element_work work)
+{
+    double vector[SHELL_PACKED(SHELL_MAX)] = {0};
+    pzs_element_type rebuilt;
+    const pzs_element_type *full = &mesh->type[type];
+    for (int i = 0; i < SHELL_MAX; i++)
+        vector[i] = 1 + i;
+    if (work == FORCE_OF_COMPACT) {
+        pzs_rebuild_type(&compact->type[type], compact->node, &rebuilt);
+        full = &rebuilt;
+    }
+    if (work == STIFFNESS)
+        pzs_shell_stiffness(full, mesh->dof_per_node, vector);
+    else
+        pzs_shell_force(full, mesh->dof_per_node, vector, vector);
+    return vector[0];
+}
+
+/* Measure the time that the work takes for one element (s). */
+static double seconds_of(const mesh *mesh, const compact_types *compact, element_work work)
+{
+    volatile double sum = 0; /* keeps the compiler from leaving out work without use */
+    double least = HUGE_VAL;
+    for (int i = 0; i < MEASUREMENTS; i++) {
+        int elements = 0;
+        const double begin = analysis_now();
+        while (elements < LEAST_ELEMENTS)
+            for (int type = 0; type < mesh->types; type++, elements++)
+                sum += work_on(mesh, compact, type, work);
+        least = fmin(least, (analysis_now() - begin) / elements);
+    }
+    return least;
+}
+
+bool compact_cost_measure(const mesh *mesh, compact_cost *cost)
+{
+    compact_types compact;
+    compact_types_make(&compact, mesh);
+    if (!compact.type)
+        return false;
+    cost->full = seconds_of(mesh, &compact, FORCE_OF_FULL);
+    cost->compact = seconds_of(mesh, &compact, FORCE_OF_COMPACT);
+    cost->matrix = seconds_of(mesh, &compact, STIFFNESS);
+    compact_types_free(&compact);
+    return true;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Element types of a structure whose tables are full or compact. Compact tables leave out the
+ * corner tables of each element type (matrices s and t and base vectors g_mean and g_diff), which
+ * are computed from the nodes at its corners where they are needed.
+ */
+#ifndef PZS_LIB_COMPACT_H
+#define PZS_LIB_COMPACT_H
+
+#include "pzs_model.h"
+
+/*
+ * Compute the corner tables of an element at one corner in one direction, from the nodes at this
+ * corner and at the neighbouring corner. The displacement along the surface is differentiated as
+ * the difference of the displacement vectors of both nodes in space, divided by a length.
+ *   inverse_length          in   1 divided by the length from the corner to its neighbour, negative
+ *                                where the surface coordinate of the direction falls on the way
+ *                                (1/m)
+ *   middle                  in   height of the middle of the shell above the reference surface, on
+ *                                which the nodes lie (m)
+ *   s, t                    out  matrices of pzs_element_type (1/m)
+ *   g_mean, g_diff          out  base vectors of pzs_element_type (1 and 1/m)
+ */
+void pzs_corner_tables(const pzs_node *corner, const pzs_node *neighbour, pzs_real inverse_length,
+                       pzs_real middle, pzs_real s[3][3], pzs_real t[3][3], pzs_real g_mean[3],
+                       pzs_real g_diff[3]);
+
+/*
+ * Compute a full element type from a compact one.
+ *   node [nodes] in   nodes of the structure
+ */
+void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node,
+                      pzs_element_type *type);
+
+/* Return whether the tables of a structure contain its element types, full or compact. */
+bool pzs_structure_has_types(const pzs_structure *structure);
+
+/* Return the thickness of the shell (m), which all element types of a structure share. */
+pzs_real pzs_structure_thickness(const pzs_structure *structure);
+
+/*
+ * Return the element type of an element of a structure that has element types. Where its tables are
+ * compact, the type is computed into the workspace of the model, and the next call replaces it.
+ */
+const pzs_element_type *pzs_model_element_type(const pzs_model *model, uint32_t element);
+
+#endif
