@@ -11,8 +11,8 @@
 
 /*
  * One corner of an element with its neighbour along one coordinate: their surface points, the
- * number of the coordinate (0: theta1, 1: theta2), and the sign of the step to the neighbour along
- * that coordinate.
+ * number of the coordinate (0: surface coordinate theta1, 1: theta2), and the sign of the step to
+ * the neighbour along that coordinate.
  */
 typedef struct corner_pair {
     const surface_point *own, *other;

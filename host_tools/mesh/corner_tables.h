@@ -18,17 +18,19 @@ typedef struct corner_data {
     bool is_cartesian; /* true: strains are computed from differences of displacement vectors
                           between corners; false: from derivatives of components in local axes that
                           turn with the surface */
-    double range[2];   /* ranges of theta1 and theta2 in the element (length or rad); not used if
-                          is_cartesian is true */
-    double length[2];  /* lengths by which differences of displacements along directions 1 and 2 are
-                          divided (m); 0: the straight distance between the corners of each edge */
+    double range[2];   /* ranges of the surface coordinates theta1 and theta2 in the element (m or
+                          rad); not used if is_cartesian is true */
+    double length[2];  /* lengths by which differences of displacements along the directions 1 and 2
+                          of the element are divided (m); 0: the straight distance between the
+                          corners of each edge */
     double middle; /* height of the middle of the laminate above the reference surface of the shell
                       (m) */
 } corner_data;
 
 /*
- * Compute the corner tables of an element type (displacements of the corners to strains), its
- * members s, t, g_mean and g_diff; its other members keep their values.
+ * Compute the members s, t, g_mean and g_diff of an element type, the corner tables: matrices and
+ * base vectors that map the displacements of the four corners to the strains there. The other
+ * members of the element type keep their values.
  */
 void corner_tables_fill(const corner_data *data, pzs_element_type *type);
 

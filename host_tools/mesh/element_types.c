@@ -63,8 +63,9 @@ static int find_type(const type_list *list, const pzs_element_type *type,
 }
 
 /*
- * Copy from the stiffness matrices of an element's four strain modes (constant, two linear,
- * bilinear over the element) the entries of those strains that occur in each strain mode.
+ * Copy entries from the stiffness matrices of an element's four strain modes (shapes of the strains
+ * over the element: constant, two linear, bilinear): those of the strains that occur in each strain
+ * mode.
  *   full [4][55] in   packed lower triangles over all ten strains
  *   kept [88]    out  packed lower triangles over the strains that occur in each strain mode
  */

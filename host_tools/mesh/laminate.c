@@ -42,7 +42,7 @@ static int ply_stiffness(const scene_material *material, double stiffness[6][6])
 
 /*
  * Compute the matrix that transforms engineering strains in the axes of the shell to those in axes
- * turned by an angle about e3 (Voigt order 11 22 33 23 13 12).
+ * turned by an angle about the normal e3 (Voigt order 11 22 33 23 13 12).
  */
 static void turn(double degrees, double transform[6][6])
 {
@@ -75,8 +75,8 @@ static void turn_back(double transform[6][6], const double stress[6], double tur
  * Compute the piezoelectric constants of a ply for a field along one of its axes: strain (d) or
  * stress (e) per unit of the field, in the axes of the ply (column [6] out, Voigt order 11 22 33 23
  * 13 12). The constants of the material are given in axes of which the third is the poling. Under a
- * poling along e3 these are the axes of the ply. Under a poling along the axis 1 or 2 of the ply
- * their first is e3, and their second is the remaining axis.
+ * poling along the normal e3 these are the axes of the ply. Under a poling along the axis 1 or 2 of
+ * the ply their first is e3, and their second is the remaining axis.
  *   constant [5] in  the constants 31, 32, 33, 24 and 15
  *   poling       in  axis of the poling, 0, 1 or 2
  *   axis         in  axis of the field, 0, 1 or 2
@@ -121,13 +121,13 @@ static void field_stress(const scene_material *material, double stiffness[6][6],
 }
 
 /*
- * Compute stress, capacitance and pyroelectric charge of a ply per volt or kelvin. One volt is the
- * electric field -1/d along e3, with d the thickness of the ply, or -1/d along the poling, with d
- * the distance of interdigitated electrodes. The field causes the free strain D E, with D the
- * piezoelectric constants, and so the prescribed stress -C D E with C the stiffness. The electric
- * displacement along the field is e times strain + permittivity times field + pyroelectric constant
- * times temperature, and the upper electrode, or the one ahead along the poling, has the charge of
- * minus this displacement.
+ * Compute stress and pyroelectric charge of a ply per volt or kelvin, and its capacitance. One volt
+ * is the electric field -1/d (V/m): along the normal e3, with d the thickness of the ply (m), or
+ * with interdigitated electrodes along the poling, with d the distance of the electrodes. A field E
+ * causes the free strain D E, with D the piezoelectric constants (m/V), and so the prescribed
+ * stress -C D E with the stiffness C (Pa). The electric displacement along the field is (C D) times
+ * strain + permittivity times field + pyroelectric constant times temperature. The upper electrode,
+ * or the one ahead along the poling, has the charge of minus this displacement.
  */
 static void build_electric(const scene_material *material, const scene_layer *layer,
                            double stiffness[6][6], double stress[6], laminate_ply *ply)
@@ -340,8 +340,9 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 
 /*
  * Uncouple the difference of the thickness strain 33 between the faces, which is the part linear in
- * the height, from all other strains (element option lin33): the stress resultant of this strain
- * becomes 0, and its compliance is kept. Returns 0, or -1 if the stiffness is singular.
+ * the height, from all other strains (element option lin33 of the scene file): the stress resultant
+ * of this strain becomes 0, and its compliance is kept. Returns 0, or -1 if the stiffness is
+ * singular.
  */
 static int relax_e33(double stiffness[N][N])
 {
@@ -356,17 +357,19 @@ static int relax_e33(double stiffness[N][N])
 
 /* Integrals over the thickness of the plies that are present in an element. */
 typedef struct ply_integrals {
-    double stiffness[N][N]; /* [10][10] integral over the thickness of the stiffness of the ten
-                               strains of an element (means and differences of the faces) */
-    double plane[N][N]; /* [10][10] integral over the thickness of the stiffness of the ten strains
-                           of an element (means and differences of the faces), with the normal
-                           stress 33 at 0 at every height */
-    double compliance;  /* integral over the thickness of 1/(stiffness of the strain 33): compliance
-                           of the plies against the normal stress 33 (m/Pa) */
-    double length;      /* thickness of all plies of the element together (m) */
-    double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each of the
-                            ten strains of an element with the strain 33)/(stiffness of the strain
-                            33) */
+    double stiffness[N][N]; /* stiffness for the ten strains of an element (mean and difference of
+                               both faces for the strains 11, 22, 33 and 12; then the strains 13 and
+                               23), integrated over the thickness (N/m) */
+    double plane[N][N];     /* stiffness for the ten strains of an element, integrated over the
+                               thickness, with the normal stress 33 at 0 at every height (N/m) */
+    double compliance; /* integral over the thickness of 1/(stiffness of the strain 33): compliance
+                          of the plies against the normal stress 33 (m/Pa) */
+    double length;     /* thickness of all plies of the element together (m) */
+    double narrowing[N]; /* integrals over the thickness of c_i3/c_33 (m): c_i3 is the stiffness
+                            that couples the thickness strain 33 with each of the ten strains of an
+                            element (mean and difference of both faces for the strains 11, 22, 33
+                            and 12; then the strains 13 and 23), and c_33 that of the strain 33
+                            alone */
 } ply_integrals;
 
 /*
@@ -412,13 +415,16 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * Replace the stiffness of all strains but the difference of the thickness strain 33 by that of
- * plies that thicken freely under one normal stress s:
- *   s = (e length + sum over i of narrowing_i E_i)/compliance,
- * with e the mean thickness strain of the package, E_i the other strains of the element, and
- * length, narrowing and compliance the members of ply_integrals. A thickness strain that is linear
- * through the package cannot follow plies of different Poisson's ratios; a bimetal of two such
- * plies would bend too little or too much, by some per cent.
+ * Replace the stiffness of an element by that of plies that thicken freely under one normal stress
+ * s. The difference of the thickness strain 33 between both faces keeps its stiffness. The stress
+ * is
+ *  s = (length e + sum over i of narrowing_i E_i)/compliance,
+ * with e the mean thickness strain of all plies together, E_i the other strains of the element, and
+ * three integrals over the thickness: `length` of 1, `narrowing` of the coupling of each strain
+ * with the strain 33 over the stiffness of the strain 33, and `compliance` of 1 over that
+ * stiffness. A thickness strain that is linear through all plies cannot follow plies of different
+ * Poisson's ratios: a bimetal of two such plies would bend too little or too much, by some per
+ * cent.
  */
 static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 {
@@ -476,9 +482,9 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
 }
 
 /*
- * Compute the stiffness of all plies together for the ten strains of an element, which is the same
- * for all strain modes (00, 01, 10, 11). With the element option lin33 every ply thickens freely.
- * Returns 0, or -1 if no ply is present.
+ * Compute the stiffness of all plies together per area, for the ten strains of an element: mean and
+ * difference of both faces for the strains 11, 22, 33 and 12; then the strains 13 and 23. With the
+ * element option lin33 every ply thickens freely. Returns 0, or -1 if no ply is present.
  */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])
@@ -638,10 +644,10 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 }
 
 /*
- * Compute the flexibility that is added to the two transverse shears of a strain mode (constant,
- * linear or bilinear over the element): the element option rho times the bending flexibility times
- * the squared length of the element over 12. In the strain modes 01 and 10 only a part of this
- * flexibility is used. The published element has rho = 0.
+ * Compute the flexibility that is added to the two transverse shears of a strain mode (shape of the
+ * strains over the element): the bending flexibility times the squared length of the element over
+ * 12, times the factor `rho` of the scene's element options. In the two strain modes that are
+ * linear over the element only a part of this flexibility is used.
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
@@ -659,8 +665,8 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 /*
  * List the strains of a strain mode (constant, linear or bilinear over the element) that are
  * coupled with the transverse shear strains, and the shear strains themselves. Plies are turned
- * about e3 alone, so that the shears are coupled with no other strain unless the director of the
- * element is inclined to its normal. Returns the number of strains (index [10] out).
+ * about the normal alone, so that the shears are coupled with no other strain unless the director
+ * of the element is inclined to its normal. Returns the number of strains (index [10] out).
  */
 static int shear_block(double modal[N][N], int mode, int index[N])
 {
@@ -743,9 +749,10 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 /* ---- prescribed fields -------------------------------------------------- */
 
 /*
- * Compute the stiffness of the strain mode 00 (constant over the element) per area. It differs from
- * that of the plies under uniform shear strain in the transverse shears alone, if the element
- * options rho or shear change these. Returns 0, or -1 if no ply is present.
+ * Compute the stiffness per area for strains that are constant over the element. For the transverse
+ * shears it differs from that of plies under a shear strain that is uniform through the thickness,
+ * if the scene's element options `rho` (flexibility added on coarse meshes) or `shear` (stiffness
+ * from equilibrium) change it. Returns 0, or -1 if no ply is present.
  */
 static int constant_stiffness(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double stiffness[N][N])
@@ -763,9 +770,11 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
  * in a free element.
  */
 typedef struct free_field {
-    double resultants[N], strain[N]; /* [10] prescribed stress resultants of the field (voltage or
-                                        temperature) per area of the element; [10] free strains with
-                                        their sign changed */
+    double resultants[N], strain[N]; /* resultants: stress resultants that a voltage or temperature
+                                        prescribes, per area of the element; strain: free strains
+                                        that it causes, with their sign changed. Both have the order
+                                        11, 22, 33, 12 (each mean and difference of both faces), 13,
+                                        23 */
     double uniform[N][N];  /* stiffness of all plies for transverse shear strains that are uniform
                               through the thickness */
     double constant[N][N]; /* stiffness of the strain mode that is constant over the element (00) */
@@ -812,9 +821,9 @@ static void keep_free_strains(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Compute the prescribed stress of a ply. With the element option lin33 the normal stress 33 is set
- * to 0 in every ply separately, because a strain e33 that is linear through the package cannot
- * follow a single ply.
+ * Compute the prescribed stress of a ply. With the element option lin33 (every ply thickens freely)
+ * the normal stress 33 is set to 0 in every ply separately, because a thickness strain that is
+ * linear through the laminate cannot follow a single ply.
  */
 static void ply_stress(const laminate_ply *ply, const scene_element *element,
                        const double prescribed[6], double stress[6])
@@ -859,9 +868,9 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the prescribed resultants of a field (voltage or temperature) per area, and the free
- * strains where it causes transverse shear. With the element option lin33 every ply thickens
- * freely, and the mean thickness strain contains this thickening. The resultants of this strain are
+ * Compute the stress resultants per area that a field (voltage or temperature) prescribes and,
+ * where the field causes a transverse shear stress, the strains of a free element. With the element
+ * option lin33 every ply thickens freely: the resultants of the mean thickness strain are then
  * added to those of the plies' stresses.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
@@ -907,10 +916,10 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return the charge per area that belongs to the difference between the stiffness of uniform shear
- * strain and that of the strain mode 00 (constant over the element): the product of the free
- * strains of two fields with this difference. With it a free ply has the charge of its material,
- * whatever the element options.
+ * Return the part of an electrode's charge per area that the element options for transverse shear
+ * would otherwise change: the product of the free strains of two fields (voltages or temperatures)
+ * with the stiffness of uniform shear strain less the stiffness that the element uses. With this
+ * part a free ply has the charge of its material, whatever the options.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -931,8 +940,7 @@ static double shear_charge(const laminate *laminate, const scene_element *elemen
 /*
  * Return the second derivative, per volume and with its sign changed, of the electric enthalpy of a
  * ply with respect to the values of two fields while the ply has no strain: a permittivity for two
- * electric fields, a pyroelectric constant for an electric field and a temperature. The electric
- * field of a voltage has the value 1.
+ * electric fields, a pyroelectric constant for an electric field and a temperature.
  */
 static double field_density(const laminate_ply *ply, const laminate_field *first,
                             const laminate_field *second)
@@ -947,12 +955,11 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * With the element option lin33 every ply thickens freely: its thickness strain differs from that
- * of all plies together by its own free thickening less the mean free thickening of all plies. For
- * two fields (voltage, electric field or temperature), the energy of these strains adds the
- * integral over the ply of its normal stiffness times its free thickening under the first field
- * times that under the second. It subtracts the normal stiffness of all plies together times the
- * product of the mean free thickenings under the two fields.
+ * With the element option lin33 every ply thickens freely: its thickness strain differs from the
+ * mean of all plies. For two fields (voltage, electric field or temperature), the energy of these
+ * differences adds the integral over the ply of its normal stiffness times its free thickening
+ * under the first field times that under the second. It subtracts the normal stiffness of all plies
+ * together times the product of the mean free thickenings under the two fields.
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,
@@ -982,8 +989,9 @@ double laminate_capacitance(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * The charge of an electrode is the second derivative of the electric enthalpy of all plies with
- * respect to the voltage of the electrode and the field, with its sign changed.
+ * The charge of an electrode is the second derivative, with its sign changed, of the electric
+ * enthalpy of all plies with respect to the voltage of the electrode and to the field (voltage or
+ * temperature) that causes the charge.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)

@@ -35,7 +35,7 @@ typedef struct laminate_ply {
     double electrode_distance;   /* distance of the electrodes (m): thickness of the ply, or that
                                     of interdigitated electrodes on its faces */
     bool is_field_along_surface; /* whether the field of a voltage is along the surface
-                                    (interdigitated electrodes) rather than along e3 */
+                                    (interdigitated electrodes) rather than along the normal */
     double stress_along[2][6];   /* prescribed stress of a ply per electric field along axis 1 and
                                     along axis 2 of the shell (C/m2), Voigt order 11 22 33 23
                                   13 12 */
@@ -57,8 +57,8 @@ typedef struct laminate {
  * Plies that are present in an element, and the geometry that its stiffness depends on.
  *
  * On an element along lines of curvature the base vectors at height z are (1 + k z) times those of
- * the reference surface, and the axes of the plies are those of the surface. For any other
- * quadrilateral the base vectors are given by the member `natural`.
+ * the reference surface, with k the principal curvature along each, and the axes of the plies are
+ * those of the surface. For any other quadrilateral the member `natural` contains the base vectors.
  */
 typedef struct laminate_place {
     uint32_t present_plies; /* plies that are present in the element: bit i is set for ply i */
@@ -98,9 +98,10 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
                          double map[6][6]);
 
 /*
- * Compute the stiffness of the four strain modes of an element: 00 (constant), 01, 10 (linear along
- * one direction) and 11 (bilinear). They are multiplied by area, area/(3 - alpha_1^2), area/(3 -
- * alpha_2^2) and area/9, with alpha_1 and alpha_2 the skew coefficients of the element.
+ * Compute the stiffness of the four strain modes (shapes of the strains over the element): 00
+ * (constant), 01, 10 (linear along one direction) and 11 (bilinear). They are multiplied by area,
+ * area/(3 - alpha_1^2), area/(3 - alpha_2^2) and area/9: the area per unit of the natural
+ * coordinates xi1 and xi2 varies as 1 + alpha_1 xi2 + alpha_2 xi1.
  *   packed  [4][55] out  lower triangles of the matrices, packed by rows
  * Returns 0, or -1 if no ply is present.
  */
@@ -125,9 +126,10 @@ typedef enum laminate_axis {
  */
 typedef struct laminate_field {
     int ply;
-    double temperature[2]; /* for ply < 0, temperature of the inner and of the outer face of the
-                              laminate (K) */
-    int axis;        /* for ply >= 0, type of the field in the ply, a value of laminate_axis */
+    double temperature[2]; /* used if the field is a temperature of all plies (member ply < 0):
+                              temperature of the inner and of the outer face of the laminate (K) */
+    int axis; /* used if the field is that of one ply (member ply >= 0): temperature, voltage or
+                 electric field along the surface, a value of laminate_axis */
     double along[2]; /* electric field along the surface at the inner and at the outer face of the
                         ply (V/m), used if the prescribed field is an electric field along the
                         surface */
@@ -137,23 +139,25 @@ typedef struct laminate_field {
  * Return the value of a field in an element at height z. A temperature (K) and an electric field
  * along the surface (V/m) are linear between two faces. The electric field of a voltage is given
  * relative to its mean, voltage over thickness: across a curved ply the electric flux is constant,
- * so that the field is proportional to 1/(area ratio at height z).
+ * so that the field is proportional to 1/(area at height z over that of the reference surface).
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);
 
 /*
- * Compute the prescribed stress resultants of a field (voltage or temperature), times the area of
+ * Compute the stress resultants that a field (voltage or temperature) prescribes, times the area of
  * the element.
- *   h0  [10] out  these resultants
+ *   h0  [10] out  resultants (N m) conjugate to the ten strains of an element: mean and difference
+ *       of both faces for the strains 11, 22, 33 and 12; then the strains 13 and 23
  */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field,
                          double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute the prescribed stress resultants, times the area of the element, of one volt across a
- * ply, or for ply < 0 of a uniform temperature of 1 K (h0 [10] out).
+ * Compute the ten stress resultants of an element, times its area (N m), that one volt across a ply
+ * prescribes, or for ply < 0 a uniform temperature of 1 K (h0 [10] out; mean and difference of both
+ * faces for the strains 11, 22, 33 and 12; then the strains 13 and 23).
  */
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
@@ -169,11 +173,12 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
 
 /*
  * Return the second derivative of the electric enthalpy of an element with respect to two fields,
- * with its sign changed and while the strains of the element are zero: a capacitance for two
- * electric fields, a charge per kelvin for an electric field and a temperature.
+ * with its sign changed and at constant strains of the element: a capacitance for two electric
+ * fields, a charge per kelvin for an electric field and a temperature.
  *   first      in  electric field in a ply
- *   is_uniform in  true: both fields are constant over the element; false: both are the parts of a
- *       field that vary over the element with a mean of 0, which do not act on the strain mode 00
+ *   is_uniform in  true: both fields are constant over the element; false: both vary over the
+ *       element with a mean of 0, so that they do not act on strains that are constant over the
+ *       element
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

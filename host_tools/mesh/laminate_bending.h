@@ -8,7 +8,10 @@
 
 #include "laminate.h"
 
-/* Stiffnesses of a laminate per width, along material axis 1. */
+/*
+ * Bending and transverse shear stiffnesses of a laminate per width, for bending along material axis
+ * 1.
+ */
 typedef struct laminate_bending {
     double bending;  /* bending stiffness of the laminate (N m) */
     double faces;    /* sum of the bending stiffnesses of the single stiff plies (N m); 0 without a

@@ -55,8 +55,10 @@ static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], d
 }
 
 /*
- * Add the work of the transverse shear stresses at one height, times a weight, to `work`. The shear
- * stresses balance the in-plane stresses integrated up to this height (stress [3][3] in).
+ * Add the work of the transverse shear stresses at one height, times a weight, to the entries of
+ * `work`, which belong to the transverse forces 13 and 23. The shear stresses balance the in-plane
+ * stresses integrated up to this height (stress [3][3] in: one row for each stress 11, 22, 12, one
+ * column for each bending moment 11, 22, 12).
  */
 static void add_work(double stress[3][3], double compliance[2][2], double weight, double work[2][2])
 {

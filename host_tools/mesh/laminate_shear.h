@@ -10,10 +10,10 @@
  *   K^-1 = integral over the thickness of P^T C_t^-1 P dz.
  * Q is the plane stress stiffness of a ply, C_t its transverse shear stiffness, and S_b, S_d are
  * those blocks of the inverse of the laminate's stiffness matrix [[A, B], [B, D]] (membrane,
- * coupling, bending) that give the membrane strains and curvatures of a bending moment. One
- * isotropic ply has K = 5/6 G h. The stiffness of a soft core between stiff faces is that of the
- * core alone, where a shear strain constant through the thickness would give the mean of all
- * moduli.
+ * coupling, bending) that give the membrane strains and curvatures of a bending moment; zeta is the
+ * height. One isotropic ply has K = 5/6 of its shear modulus times its thickness. The stiffness of
+ * a soft core between stiff faces is that of the core alone, where a shear strain constant through
+ * the thickness would give the mean of all moduli.
  */
 #ifndef LAMINATE_SHEAR_H
 #define LAMINATE_SHEAR_H

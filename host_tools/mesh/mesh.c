@@ -147,7 +147,8 @@ static void place_quads(mesh *mesh)
 }
 
 /*
- * Return whether mesh line i of theta1 (all points of one value of theta1) is an edge of the mesh.
+ * Return whether mesh line i of the surface coordinate theta1 (all points of one value of theta1)
+ * is an edge of the mesh.
  */
 static int is_edge_of_theta1(const mesh *mesh, int i)
 {
@@ -448,9 +449,9 @@ static int build_all_types(mesh *mesh, char *error)
 /* ---- supports of skewed corners --------------------------------------- */
 
 /*
- * Refuse a support on an edge along theta1 that constrains displacements along or across this edge
- * only, if the edge meets the next one at an angle other than 90 degrees: the triad (local axes) of
- * the corner node is aligned with the next edge.
+ * Refuse a support on an edge along the surface coordinate theta1 that constrains displacements
+ * along or across this edge only, if the edge meets the next one at an angle other than 90 degrees:
+ * the triad (local axes) of the corner node is aligned with the next edge.
  */
 static int check_corners(const scene *scene, char *error)
 {

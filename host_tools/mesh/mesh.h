@@ -2,10 +2,11 @@
 /*
  * Mesh of a scene: nodes, elements, element types and the numbers of the free dof.
  *
- * The numbers of nodes on mesh lines increase fastest along theta2. The free dof are numbered so
- * that the factor of the stiffness matrix has a small envelope (number of stored entries): fastest
- * along the direction that gives the narrower band; along the other direction, if it is closed, in
- * the order of lines 0, n-1, 1, n-2 and so on.
+ * The numbers of nodes on mesh lines (lines along which one of the surface coordinates theta1 and
+ * theta2 is constant) increase fastest along theta2. The free dof are numbered so that the factor
+ * of the stiffness matrix has a small envelope (number of stored entries): fastest along the
+ * direction that gives the narrower band; along the other direction, if it is closed, the n lines
+ * follow in the order 0, n-1, 1, n-2 and so on.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -36,13 +37,15 @@ typedef struct mesh_springs {
 } mesh_springs;
 
 typedef struct mesh {
-    const scene *scene; /* scene from which the mesh is built; only the construction of mesh and
-                           design uses it */
+    const scene *scene; /* scene from which the mesh is built; no function uses it after the mesh
+                           and the numerical model of the scene are built */
     scene_element formulation; /* options that choose the formulation of the finite element */
-    scene_line line[2];    /* mesh lines, at constant theta1 and at constant theta2; the memory of
-                              their coordinates belongs to the scene */
-    bool is_from_file;     /* whether the scene file names a mesh file in place of mesh lines */
-    const bicubic *fitted; /* height of a surface that is fitted to points; otherwise NULL */
+    scene_line line[2];    /* values of the surface coordinates theta1 and theta2 at the mesh lines;
+                              the memory of these values belongs to the scene */
+    bool is_from_file;     /* whether the mesh comes from a mesh file, in place of lines of constant
+                              surface coordinates */
+    const bicubic *fitted; /* height z of a surface over the x-y plane that is fitted to measured
+                              points; NULL for other surfaces */
     bool is_polar;         /* whether the surface is a plane in polar coordinates */
     bool is_angle[2]; /* whether the surface coordinates theta1 and theta2 are angles (rad) instead
                          of lengths */
@@ -52,9 +55,9 @@ typedef struct mesh {
                                bending is far too stiff, are reported; false: they are refused */
     quad_report quad_report;
     laminate laminate;
-    int lines[2]; /* number of node lines along theta1 and theta2; along a closed direction the last
-                     line equals the first and is not counted. On a mesh from a file: number of
-                     nodes, and 1 */
+    int lines[2]; /* number of node lines along the surface coordinates theta1 and theta2; along a
+                     closed direction the last line equals the first and is not counted. On a mesh
+                     from a file: number of nodes, and 1 */
     int nodes, elements, types, free_dof;
     unsigned dof_per_node;
     surface_point *point; /* [nodes] point of the surface at each node: position, local axes
@@ -74,17 +77,20 @@ typedef struct mesh {
                     that holds each dof or prescribes its displacement; -1 for a dof that no support
                     holds
                   */
-    int turns; /* number of nodes at oblique supports, whose mean displacements act along other axes
-                  than those of their triads (local axes) */
+    int turns; /* number of nodes at oblique supports, whose mean displacements (of both faces) act
+                  along other axes than those of their triads (local axes) */
     uint16_t *node_turn; /* [nodes] index of each node's rotated axes in `turn`, or PZS_UNTURNED for
                             a node without rotated axes; NULL: no node has rotated axes */
-    double (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of the unit
-                             vectors (rows) along which its mean displacements act */
+    double (*turn)[3][3];   /* [turns] axes along which the mean displacements (of both faces) of a
+                               node at an oblique support act: unit vectors (rows) in the triad
+                               (local axes) of the node */
     uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the factor
                                L of the stiffness matrix (L D L^T) */
-    int prescribed_count;   /* number of free dof whose displacement is prescribed */
-    uint16_t *prescribed_dof; /* [prescribed_count] numbers of the free dof with prescribed
-                                 displacement, ascending */
+    int prescribed_count; /* number of dof whose displacement is prescribed and grows with the load
+                             steps; they belong to the free dof, because the equations of the solver
+                             contain them */
+    uint16_t *prescribed_dof; /* [prescribed_count] numbers of the dof with prescribed displacement
+                                 among the free dof, ascending */
     double *prescribed_value; /* [prescribed_count] prescribed displacements at full load (length
                                  unit of the scene file) */
     mesh_springs springs;
@@ -121,16 +127,16 @@ void mesh_begin(mesh *mesh, const scene *scene);
 int mesh_turn_axes(mesh *mesh, char *error);
 
 /*
- * Return whether a support constrains e1 and e2 differently, so that it depends on the directions
- * of these axes.
+ * Return whether a support constrains the two tangential axes e1 and e2 of a node differently, so
+ * that it depends on their directions.
  */
 bool mesh_depends_on_axes(const scene_support *support);
 
 /*
- * Constrain the mean displacements that oblique supports hold, in directions that are no axes of
- * the triads (local axes) of their nodes, and give these nodes rotated axes. To be called before
- * the dof are numbered, when all other supports have marked the dof that they constrain in
- * node_dof.
+ * Constrain the mean displacements (of both faces) that oblique supports hold, in directions that
+ * are no axes of the triads (local axes) of their nodes, and give these nodes rotated axes. To be
+ * called before the dof are numbered, when all other supports have marked the dof that they
+ * constrain in node_dof.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
  *                                        prescribed
  *   node   [nodes]               out     work array
@@ -141,8 +147,8 @@ int mesh_hold_oblique(mesh *mesh, double *values, int *node, char *error);
 
 /*
  * Convert three components at a node between its triad (local axes) and the axes along which its
- * mean displacements act: mesh_turn_to_dof to these axes, mesh_turn_to_triad back. The components
- * change only at oblique supports.
+ * mean displacements (of both faces) act: mesh_turn_to_dof to these axes, mesh_turn_to_triad back.
+ * The components change only at oblique supports.
  *   mean [3] in/out  mean displacement, force, or weights of the mean displacements
  */
 void mesh_turn_to_dof(const mesh *mesh, int node, double mean[3]);
@@ -160,14 +166,14 @@ void mesh_springs_free(mesh_springs *springs);
 /*
  * Build a mesh of points without elements for a measured influence matrix: one point for each
  * output, with one dof along z. If the scene file gives no coordinates, the points lie along x in
- * the order of the outputs, for pictures only. theta1 and theta2 of the points are NAN. Returns 0,
- * or -1 with error filled and the mesh empty.
+ * the order of the outputs, for pictures only. The surface coordinates of the points are NAN.
+ * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_points(mesh *mesh, const scene *scene, char *error);
 
 /*
- * Return the number of the node on line i of theta1 and line j of theta2; line numbers wrap around
- * in closed directions.
+ * Return the number of the node on mesh line i of the surface coordinate theta1 and line j of
+ * theta2; line numbers wrap around in closed directions.
  */
 int mesh_node(const mesh *mesh, int i, int j);
 
@@ -178,8 +184,9 @@ void mesh_extent(const mesh *mesh, double extent[3]);
 expr_point mesh_place(const mesh *mesh, int node);
 
 /*
- * Text for a message: the place of a node or the extent of an element as theta1 and theta2, or on a
- * mesh from a file as x, y, z (of the element's centre) with the number in the file.
+ * Text for a message: the place of a node or the extent of an element in the surface coordinates
+ * theta1 and theta2, or on a mesh from a file as x, y, z (of the element's centre) with the number
+ * in the file.
  */
 typedef struct mesh_text {
     char text[112];
@@ -233,7 +240,10 @@ void mesh_node_areas(const mesh *mesh, double *area);
 int mesh_length_shares(const mesh *mesh, const scene_where *where, double *share);
 void mesh_area_shares(const mesh *mesh, const scene_where *where, double *share);
 
-/* Find the ranges of theta1 and theta2 in an element (theta1 [2] out, theta2 [2] out). */
+/*
+ * Find the ranges of the surface coordinates theta1 and theta2 in an element (theta1 [2] out,
+ * theta2 [2] out).
+ */
 void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]);
 
 /*

@@ -21,15 +21,16 @@ typedef struct mesh_spot {
 mesh_spot mesh_spot_of_node(int node);
 
 /*
- * Find the mesh point at given coordinates: theta1 and theta2, or on a mesh from a file x, y and z,
- * where z = NAN is not compared. Returns 0, or -1 if no element contains the point.
+ * Find the mesh point at given coordinates: the surface coordinates theta1 and theta2, or on a mesh
+ * from a file x, y and z, where z = NAN is not compared. Returns 0, or -1 if no element contains
+ * the point.
  */
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 
 /*
  * Find the mesh point at which stack or spring number k of springs of a scene is attached, and its
- * coordinates theta1, theta2, or x, y on a mesh from a file (place [2] out). Returns 0, or -1 if
- * there is none or memory runs out.
+ * surface coordinates theta1, theta2, or x, y on a mesh from a file (place [2] out). Returns 0, or
+ * -1 if there is none or memory runs out.
  */
 int mesh_spot_of_spring(const mesh *mesh, const scene_spring *spring, int k, mesh_spot *spot,
                         double place[2]);

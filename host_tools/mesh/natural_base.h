@@ -26,8 +26,9 @@ void natural_dual_base(const natural_base *natural, double z, double dual[3][3])
 
 /*
  * Compute the matrix that maps strains in the base vectors at height z to strains in material axes
- * (map [6][6] out, Voigt order 11 22 33 23 13 12, engineering shears). With b the inverse of the
- * matrix of base vectors, the strains in material axes are e_ij = sum over a, b of b_ai b_bj E_ab.
+ * (map [6][6] out, Voigt order 11 22 33 23 13 12, engineering shears). The strain ij in material
+ * axes is the sum over a and b of B_ai B_bj E_ab, with E_ab the strain in the base vectors a and b
+ * and B the inverse of the matrix of base vectors.
  */
 void natural_strain_map(const natural_base *natural, double z, double map[6][6]);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Oblique rigid supports: mean displacements that are held along directions in space which are no
- * axes of the triads (local axes) of their nodes. The mean displacements of such a node act along
- * rotated axes, of which the first ones are held; the triad of the node and its elements do not
- * change.
+ * Oblique rigid supports: mean displacements (of both faces) that are held along directions in
+ * space which are no axes of the triads (local axes) of their nodes. The mean displacements of such
+ * a node act along rotated axes, of which the first ones are held; the triad of the node and its
+ * elements do not change.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -18,24 +18,29 @@
 static const double equal = 1e-6, distinct = 0.01;
 
 /*
- * Directions along which supports hold the mean displacement of one node, or prescribe its value.
+ * Directions along which supports hold the mean displacement (of both faces) of one node, or
+ * prescribe its value.
  */
 typedef struct held_axes {
     int count;
-    double axis[3][3]; /* [count] orthogonal unit vectors in the triad (local axes) of the node,
-                          which span the directions that are held; then any axes that complete them
-                        */
-    double value[3];   /* [count] prescribed mean displacement along each axis (length unit of the
-                          scene file) */
-    int holder[3];     /* [count] index of the support that holds each axis */
+    double axis[3][3]; /* [count] orthogonal unit vectors in the triad (local axes) of the node that
+                          span the held directions, followed by axes that complete them to three */
+    double value[3];   /* [count] displacement that supports prescribe along each of the held axes
+                          (length unit of the scene file) */
+    int holder[3];     /* [count] index, among the scene's supports, of the one that holds the node
+                          along each axis */
 } held_axes;
 
-/* What one support demands of the mean displacement of a node along one direction. */
+/*
+ * Direction along which one support holds or prescribes the mean displacement (of both faces) of a
+ * node.
+ */
 typedef struct held_direction {
-    double vector[3]; /* unit vector in the triad (local axes) of the node */
-    double value;     /* prescribed mean displacement along the vector (length unit of the scene
-                         file) */
-    int holder;       /* index of the support */
+    double vector[3]; /* direction of the support: unit vector in the triad (local axes) of the node
+                       */
+    double value; /* displacement that the support prescribes along its direction (length unit of
+                     the scene file) */
+    int holder;   /* index of the support among those of the scene */
 } held_direction;
 
 /* ---- directions at a node ------------------------------------------------ */
@@ -63,10 +68,11 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Remove from a direction its components along the held axes, and from its prescribed value the
- * displacements that these axes prescribe. The vector that remains has length 1, and the value that
- * remains belongs to a displacement along the original vector.
- *   rest in/out  direction
+ * Remove, from the direction of a support at a node, its components along the axes in which other
+ * supports hold the node, and from its prescribed value the displacements that these axes
+ * prescribe. The vector that remains has length 1, and the value that remains belongs to a
+ * displacement along the original vector.
+ *   rest  in/out  direction
  * Returns the sine of the angle between the direction and the held axes.
  */
 static double remove_held(const held_axes *held, held_direction *rest)
@@ -83,7 +89,10 @@ static double remove_held(const held_axes *held, held_direction *rest)
     return vector_normalise(rest->vector);
 }
 
-/* Return the largest prescribed displacement among those of the held axes and of a direction. */
+/*
+ * Return the largest displacement that supports prescribe at a node, along the axes held so far and
+ * along one more direction.
+ */
 static double largest_value(const held_axes *held, const held_direction *direction)
 {
     double most = fabs(direction->value);
@@ -93,8 +102,8 @@ static double largest_value(const held_axes *held, const held_direction *directi
 }
 
 /*
- * Add a direction to the held directions. Returns the sine of its angle to the directions that were
- * held before; below `distinct` nothing is added.
+ * Add a direction to those along which supports hold a node. Returns the sine of its angle to the
+ * directions that were held before; where the sine is below `distinct`, nothing is added.
  */
 static double add_direction(held_axes *held, const held_direction *direction)
 {
@@ -109,8 +118,8 @@ static double add_direction(held_axes *held, const held_direction *direction)
 }
 
 /*
- * Complete the held directions of a node by further orthogonal axes. Of the axes of the triad
- * (local axes), the one that is farthest from the axes so far determines the next axis.
+ * Complete the directions along which supports hold a node by further orthogonal axes. The axis of
+ * the triad (local axes) that is farthest from the axes so far determines the next one.
  */
 static void complete(held_axes *held)
 {
@@ -134,7 +143,7 @@ static void complete(held_axes *held)
 }
 
 /*
- * Add a direction that a support holds to the held directions of a node. Returns 0, or -1 with
+ * Add a direction of a support to those along which supports hold a node. Returns 0, or -1 with
  * error filled if the direction, or its prescribed value, contradicts what other supports hold.
  */
 static int hold_direction(const mesh *mesh, const scene_support *support, int node,
@@ -175,8 +184,8 @@ static int find_value(const mesh *mesh, const scene_support *support, int node, 
 }
 
 /*
- * Add the direction of a support that holds the displacement along it, or two directions across it,
- * to the held directions of a node. Returns 0, or -1 with error filled.
+ * Add to the directions along which supports hold a node that of one support, which holds the
+ * displacement along it, or the two directions across it. Returns 0, or -1 with error filled.
  */
 static int add_support(const mesh *mesh, const scene_support *support, int node, held_axes *held,
                        char *error)
@@ -203,8 +212,8 @@ static int add_support(const mesh *mesh, const scene_support *support, int node,
 /* ---- dof of a node --------------------------------------------------------- */
 
 /*
- * Collect the mean displacements of a node that other supports hold or prescribe along the axes of
- * its triad (local axes).
+ * Collect the mean displacements (of both faces) of a node that other supports hold or prescribe
+ * along the axes of its triad (local axes).
  */
 static void begin_node(const mesh *mesh, int node, const double *values, held_axes *held)
 {
@@ -233,7 +242,9 @@ static bool along_triad(const held_axes *held)
     return found == held->count;
 }
 
-/* Return whether supports prescribe a displacement other than 0 along a held direction of a node.
+/*
+ * Return whether supports prescribe a displacement other than 0 along a direction in which they
+ * hold a node.
  */
 static bool has_value(const held_axes *held)
 {
@@ -244,9 +255,9 @@ static bool has_value(const held_axes *held)
 }
 
 /*
- * Constrain the held directions of a node along axes of its triad (local axes). Each mean
- * displacement that no other support has constrained counts as held by the support whose direction
- * is nearest to its axis.
+ * Constrain the directions along which supports hold a node, where they are axes of its triad
+ * (local axes). Each mean displacement (of both faces) that no other support has constrained counts
+ * as held by the support whose direction is nearest to its axis.
  */
 static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 {
@@ -263,8 +274,9 @@ static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 }
 
 /*
- * Constrain the held directions of a node, or prescribe the displacement along them: along axes of
- * its triad (local axes) if possible, else along rotated axes, which are stored in the mesh.
+ * Constrain the directions along which supports hold a node, or prescribe the displacement along
+ * them: along axes of its triad (local axes) if possible, else along rotated axes, which are stored
+ * in the mesh.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
  *                                        prescribed
  */
@@ -290,7 +302,7 @@ static void hold_node(mesh *mesh, int node, double *values, held_axes *held)
 /* ---- supports ---------------------------------------------------------------- */
 
 /*
- * Add an oblique support to the held directions of its nodes.
+ * Add the directions of an oblique support to those along which its nodes are held.
  *   held [nodes] in/out  held directions of each node
  *   seen [nodes] in/out  whether a node belongs to an oblique support
  * Returns 0, or -1 with error filled.

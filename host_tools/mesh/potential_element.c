@@ -5,9 +5,9 @@
  *
  * The electric field of a layer is a sum of five fields, each times a coefficient that is linear in
  * the potentials: the voltage across the layer, and the fields along the axes 1 and 2 of the shell
- * at the inner and at the outer face. The strain mode 00, which is constant over the element, is
- * coupled with the means of these fields. What varies over the element with a mean of 0 adds to the
- * capacitances alone.
+ * at the inner and at the outer face. Strains that are constant over the element are coupled with
+ * the means of these fields. What varies over the element with a mean of 0 adds to the capacitances
+ * alone.
  */
 #include "potential_element.h"
 #include <string.h>
@@ -92,8 +92,9 @@ static void coefficients(const shapes *shapes, int node, double coefficient[FIEL
 /*
  * Return the charge at one electric potential of a ply per volt of another (C/V) that is due to the
  * parts of the electric field which vary over the element with a mean of 0.
- *   uncoupled [5][5] in  capacitances of the five electric fields of the ply, for the parts of
- *                        these fields that do not act on the constant strains (strain mode 00)
+ *   uncoupled [5][5] in capacitances of the five electric fields of a ply (voltage across it,
+ *                        fields along two axes at both faces), for their parts that do not act on
+ *                        strains constant over the element
  */
 static double varying_part(const laminate_place *place, const shapes *shapes, int first, int second,
                            double uncoupled[FIELDS][FIELDS])

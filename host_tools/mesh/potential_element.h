@@ -14,9 +14,10 @@ enum { POTENTIAL_NODES = 8 };
 
 /*
  * Compute the stress resultants, times the area of the element, that one volt of each of the eight
- * potentials of a ply prescribes (resultants [8][10] out). The ply must be present in the element.
- * The potential at corner c (0 to 3) has the index 2 c on the inner face and 2 c + 1 on the outer
- * face.
+ * potentials of a ply prescribes (resultants [8][10] out, N m). The ten resultants belong to the
+ * strains of an element: mean and difference of both faces for the strains 11, 22, 33 and 12; then
+ * the strains 13 and 23. The ply must be present in the element. The potential at corner c (0 to 3)
+ * has the index 2 c on the inner face and 2 c + 1 on the outer face.
  */
 void potential_element_resultants(const laminate *laminate, const scene_element *element,
                                   const laminate_place *place, int ply,

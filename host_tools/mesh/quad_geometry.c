@@ -23,9 +23,9 @@ static void corner_sum(const double (*vector)[3], const uint32_t node[4], int ha
 }
 
 /*
- * Compute the skew coefficients alpha of an element: the hourglass vector is alpha_1 g_1 + alpha_2
- * g_2 plus a part normal to the base vectors g_1, g_2. Returns the determinant of the matrix of
- * products g_a . g_b.
+ * Compute the skew coefficients alpha_1 and alpha_2 of an element: the hourglass vector (a quarter
+ * of the sum of xi1 xi2 times the corner positions) is alpha_1 g_1 + alpha_2 g_2 plus a part normal
+ * to the base vectors g_1, g_2. Returns the determinant of the matrix of products g_a . g_b.
  */
 static double fill_skew(const double base[2][3], const double hourglass[3], double skew[2])
 {

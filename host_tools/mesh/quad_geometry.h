@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Geometry of one quadrilateral element at its centre, from the positions X_r and directors D_r of
- * its four nodes alone: the mesh needs no surface coordinates and no formula of the surface. xi1_r
- * and xi2_r are the natural coordinates of the corners.
+ * Geometry of one quadrilateral element at its centre, from the positions and directors of its four
+ * nodes alone: the mesh needs no surface coordinates and no formula of the surface. The natural
+ * coordinates xi1 and xi2 are -1 or 1 at the corners.
  */
 #ifndef QUAD_GEOMETRY_H
 #define QUAD_GEOMETRY_H
@@ -11,19 +11,18 @@
 
 typedef struct quad_geometry {
     double base[2][3];  /* base vectors g_a of the element (m), a = 1, 2: derivative of the position
-                           with respect to the natural coordinate xi_a at the centre, 1/4 sum of
-                           xi_a X_r over the corner positions X_r */
+                           with respect to the natural coordinate xi_a at the centre, 1/4 of the sum
+                           of xi_a times the corner positions */
     double turn[2][3];  /* derivatives d_a of the director with respect to the natural coordinate
-                           xi_a at the centre (1), 1/4 sum of xi_a D_r over the directors D_r of the
+                           xi_a at the centre (1), 1/4 of the sum of xi_a times the directors of the
                            corners */
     double director[3]; /* unit vector along the sum of the directors of the corners */
     double normal[3]; /* unit normal of the element, along the cross product of its base vectors */
     double length[2]; /* lengths of the element along its directions 1 and 2, twice the lengths of
                          the base vectors (m) */
     double skew[2];   /* skew coefficients alpha_1, alpha_2: components, along the base vectors, of
-                         the hourglass vector 1/4 sum of xi1 xi2 X_r over the corner positions
-                         X_r (1)
-                       */
+                         the hourglass vector, 1/4 of the sum of xi1 xi2 times the corner positions
+                         (1) */
     double curvature[3]; /* curvatures B_11, B_22, B_12 of the element along the directions of its
                             base vectors g_a: B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), with L_a
                             the lengths of the element and d_a the derivatives of the director (1/m)

@@ -63,8 +63,8 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
 /*
  * Return a factor that marks elements along asymptotic lines: 1 if both directions of an element
  * are asymptotic (normal curvature 0), and 0 if |B_11 B_22| reaches B_12^2/2, as on cylinders, on
- * spheres and along lines of curvature; B_ab are the curvatures along the directions of the
- * element.
+ * spheres and along lines of curvature; B_11, B_22 and B_12 are the curvatures along the directions
+ * of the element.
  */
 static double asymptotic_gate(const quad_geometry *geometry)
 {

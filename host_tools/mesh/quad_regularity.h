@@ -31,15 +31,19 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
 typedef struct quad_rule {
     double thinness;     /* largest product of curvature and squared length of the element over the
                             thickness of the laminate (1) */
-    double irregularity; /* larger one of the sum of the element's absolute skew coefficients and of
-                            the largest irregularity of its nodes (1) */
+    double irregularity; /* irregularity (1), the larger one of two deviations from a regular mesh:
+                            sum of both absolute skew coefficients (0 on a parallelogram), and
+                            largest distance of a node from the mean of its neighbours, relative to
+                            their distances */
     double bubble_share; /* fraction of the transverse shear flexibility added on coarse meshes
-                            (element option rho) that the element uses: 1/(1 + (irregularity
-                            thinness/3)^2) */
+                            (element option rho) that the element uses, 1 on regular meshes and
+                            smaller where thin elements are irregular: 1/(1 + (irregularity times
+                            thinness/3)^2), with the members irregularity and thinness */
     double lock; /* factor by which the bending of the element would have to be stiffened to keep
-                    stresses smooth: [thinness clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. No
-                    bending is actually stiffened; a mesh with a factor above the limit QUAD_LOCK is
-                    refused unless the scene accepts irregular meshes. */
+                    stresses smooth, from the members thinness and irregularity: [thinness
+                    clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. No bending is actually stiffened; a
+                    mesh with a factor above the limit QUAD_LOCK is refused unless the scene accepts
+                    irregular meshes. */
     double asymptotic; /* part of the bending strains that is added to the mean shear strain 12 of
                           an element along asymptotic lines (twisted strips); 0 on elements along
                           lines of curvature */
@@ -48,9 +52,9 @@ typedef struct quad_rule {
 #define QUAD_LOCK 1.5
 
 /*
- * Return the thinness, irregularity and factors of an element from its geometry, the thickness of
- * the laminate (m) and the largest irregularity of its four nodes (deviation of the mesh from a
- * regular arrangement there).
+ * Fill a quad_rule for an element from its geometry, the thickness of the laminate (m) and the
+ * largest irregularity of its four nodes (distance of a node from the mean of its neighbours,
+ * relative to their distances).
  */
 quad_rule quad_rule_of(const quad_geometry *geometry, double thickness, double irregularity);
 

@@ -41,8 +41,9 @@ static int check_pair(const scene *scene, const quad_mesh *quads, const quad_sid
 }
 
 /*
- * Check the elements at all common sides, which are neighbours in the sorted list of sides (side
- * [count] in, from quad_sides). Returns 0, or -1 with error filled.
+ * Check that the two elements at each common side run along it in opposite directions. Elements of
+ * a common side are neighbours in the sorted list of sides (side [count] in, from quad_sides).
+ * Returns 0, or -1 with error filled.
  */
 static int check_sorted(const scene *scene, const quad_mesh *quads, const quad_side *side,
                         size_t count, char *error)
@@ -96,8 +97,8 @@ static void material_axes(const quad_geometry *geometry, const double direction[
 }
 
 /*
- * Copy the skew coefficients of an element; values that are rounding error of the node positions
- * become 0.
+ * Copy the skew coefficients of an element (deviations from a parallelogram); values that are
+ * rounding error of the node positions become 0.
  */
 static void set_skew(const quad_geometry *geometry, double skew[2])
 {

@@ -10,8 +10,9 @@
 #include "mesh_spot.h"
 
 /*
- * Largest number of entries of a spring's row: two ends, four nodes each, means and differences of
- * three displacement components.
+ * Largest number of entries of the sparse row of one spring (elongation per unit of each dof): two
+ * ends of four nodes each, of which each has the mean and the difference of both faces'
+ * displacements in three components.
  */
 enum { MOST_ENTRIES = 2 * 4 * 6 };
 

@@ -21,7 +21,7 @@ void springs_direction(const surface_point *point, const scene_direction *direct
                        double vector[3]);
 
 /*
- * Compute the rotation of a node about an axis as weights of its dof. With the normal D and with
+ * Compute the rotation of a node about an axis as weights of its dof. With the normal D, and with
  * beta the difference of the displacements of both faces over the thickness, the rotation vector in
  * the surface is D x beta.
  *   weight  [7] out  weight of each dof of the node
@@ -38,8 +38,8 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
 int springs_list(mesh *mesh, mesh_springs *springs, char *error);
 
 /*
- * Return the index of the item that holds the stacks of an actuator, in the list of items: first
- * the springs of the scene, then one item for each actuator.
+ * Return the index of an actuator's stacks in the array mesh_springs.first, which lists the springs
+ * of the scene and then the stacks of each actuator.
  */
 int springs_item(const scene *scene, int actuator);
 

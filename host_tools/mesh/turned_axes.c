@@ -18,8 +18,8 @@ bool mesh_depends_on_axes(const scene_support *support)
 }
 
 /*
- * Rotate the triad (local axes) of a node so that e1 is the projection of a support's direction.
- * Returns 0, or -1 with error filled if the direction is normal to the surface.
+ * Rotate the triad (local axes) of a node so that its first axis is the projection of a support's
+ * direction. Returns 0, or -1 with error filled if the direction is normal to the surface.
  */
 static int turn_node(mesh *mesh, const scene_support *support, int node, char *error)
 {
@@ -97,8 +97,8 @@ static int check_all(const mesh *mesh, const unsigned char *turned, int *node, c
 }
 
 /*
- * Refuse distributed loads along u1 or u2 on nodes with rotated triads (local axes), where the
- * direction of the load would jump. Returns 0, or -1 with error filled.
+ * Refuse distributed loads along the tangential displacements u1 or u2 on nodes with rotated triads
+ * (local axes), where the direction of the load would jump. Returns 0, or -1 with error filled.
  */
 static int check_loads(const mesh *mesh, const unsigned char *turned, char *error)
 {

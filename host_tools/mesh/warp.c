@@ -6,9 +6,10 @@
 #include <string.h>
 
 /*
- * Size of the linear system for the warping correction of an element's membrane shear strain: ROWS
- * is its number of unknowns, one factor for each of eight strains; TILTS is its number of
- * equations, one for the tilt of each of four directors about each of two axes.
+ * Size of the linear system for the warping correction, which removes the effect of tilting
+ * directors from an element's membrane shear strain: ROWS unknown factors, each of a strain of
+ * bending or transverse shear that is subtracted; TILTS equations, one for the tilt of each of four
+ * directors about each of two axes.
  */
 enum { ROWS = 8, TILTS = 8 };
 
@@ -157,9 +158,11 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve the linear system for the factors [8] of an element's warping correction; unknowns beyond
- * the rank are 0, and so are values that are rounding error relative to the scales of the columns.
- * Returns 0, or -1 if an equation beyond the rank is not satisfied or a number is not finite.
+ * Solve the linear system for the warping correction of an element (factors [8] out: multiples of
+ * eight strains that make the membrane shear strain independent of tilted directors). Unknowns
+ * beyond the rank are 0, and so are values that are rounding error relative to the scales of the
+ * columns. Returns 0, or -1 if an equation beyond the rank is not satisfied or a number is not
+ * finite.
  */
 static int solve(tilt_system *equations, double factors[ROWS])
 {
@@ -194,9 +197,7 @@ int warp_fill(pzs_element_type *type, double share)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * factors[k]; /* each coefficient of the warping correction is
-                                                       minus a factor times the share, computed by
-                                                       subtraction from 0, so that it is 0 where the
-                                                       operator - would give -0 */
+        type->warp[1 + k] = 0 - share * factors[k]; /* subtracted from 0 rather than negated, so
+                                                       that a coefficient 0 has no sign */
     return 0;
 }

@@ -558,8 +558,8 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free)
 /*
  * Twice the work that the scene's loads, without temperature loads, do on the linear displacement
  * that they cause. Returns NAN where it cannot be computed.
- *   value [inputs]  in   an array of zeros
- *                 out  load factors: 1 for each load except temperature loads
+ *   value  [inputs]  work array of input values; in: zeros; out: load factor 1 for each load except
+ *          temperature loads
  */
 static double work_of_loads(analysis *analysis, double *value)
 {

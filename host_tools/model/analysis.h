@@ -25,9 +25,9 @@ typedef struct analysis_source {
     bool has_structure; /* true for a scene with elements, stiffness, loads and mass; false for a
                            measured influence matrix */
     /*
-     * Prepare the computation of displacements, after the design of the scene is built: assemble
-     * and factor the stiffness matrix, or read the measured matrix. Returns 0, or -1 with error
-     * filled.
+     * Prepare the computation of displacements from the design (numerical model of the scene):
+     * assemble and factor the stiffness matrix, or read the measured matrix. Returns 0, or -1 with
+     * error filled.
      */
     int (*open)(struct analysis *analysis, char *error);
     /*
@@ -54,21 +54,21 @@ typedef struct analysis {
     size_t work_bytes;
     equilibrium equilibrium; /* solver of the nonlinear equilibrium; used where the scene's
                                 kinematics is not linear */
-    pzs_electric electric;   /* charges of the electrodes per unit of every input; used where the
-                                design has electrodes, after the stiffness matrix is factored */
+    pzs_electric electric;   /* charges of the electrodes per unit of every input (voltage,
+                                temperature or load factor); used where the scene has electrodes,
+                                after the stiffness matrix is factored */
     void *electric_work;
     double *input_value; /* [inputs] input values of the last computed displacement, with the
                             computed voltages of the open electrodes */
     double *charge; /* [electrodes] charge of each electrode at the last computed displacement (C)
                      */
-    bool is_nonlinear; /* whether displacements are computed by the nonlinear equilibrium solver;
-                          the initial value is that of the scene */
-    double *influence; /* [outputs][inputs] influence matrix in the reference state, filled by
-                          analysis_influence */
-    double *recovered; /* [entries of design.place_node, the list of the mesh nodes of all outputs]
-                          values of the outputs of strains and stresses in the last solution of
-                          analysis_solve or analysis_continue; NULL where the scene has no such
-                          outputs */
+    bool is_nonlinear;   /* whether displacements are computed by the nonlinear equilibrium solver;
+                            the initial value is that of the scene */
+    double *influence;   /* [outputs][inputs] influence matrix in the reference state, filled by
+                            analysis_influence */
+    double *recovered;   /* [nodes of all outputs, in the order of design.place_node] values of the
+                            outputs of strains and stresses in the last solution of analysis_solve
+                            or analysis_continue; NULL where the scene has no such outputs */
     reactions reactions; /* forces of the supports on the shell in the last solution of
                             analysis_solve or analysis_continue */
     pzs_status status;   /* status that the last computation of a nonlinear equilibrium returned */
@@ -76,8 +76,8 @@ typedef struct analysis {
         double assemble, factor, solve;
     } seconds; /* durations of assembling the stiffness matrix, of factoring it, and of the last
                   computation of a displacement (s) */
-    certificate certificate; /* result of the stability tests of the control loop, filled by
-                                certificate_make */
+    certificate certificate; /* certificate: result of the stability tests of the control loop,
+                                filled by certificate_make */
     bool is_compact;   /* whether to leave out of the tables what the device can compute: stiffness
                           matrices of the element types, and corner tables where the mesh has
                           compact element types */

@@ -7,8 +7,8 @@
 #include "load_forces.h"
 
 /*
- * Return the address of the charge, per unit of an input, of an electrode or of a node with an
- * electric potential; `row` is its row in the matrix of charges per unit of the inputs.
+ * Return the address of one entry of the matrix of charges: charge of an electrode, or at a node
+ * with an electric potential, per unit of an input; `row` is the row of the electrode or potential.
  */
 static double *entry_of(const design *design, double *dense, int row, int input)
 {
@@ -59,8 +59,9 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
 }
 
 /*
- * Add the charges that one temperature, times a factor, causes at the electric potentials of a
- * layer in an element, in the column of its input.
+ * Add the charges that a temperature input (temperature load or heater) causes at the electric
+ * potentials of a layer in an element per kelvin of the input, times a factor, to the column of
+ * this input.
  */
 static void add_temperature(const design *design, int layer, int element,
                             const laminate_field *temperature, double factor, int input,

@@ -28,12 +28,14 @@ typedef struct spectrum {
                          [measurements][actuators] holds the voltages of all measured shapes */
     double *value;    /* [measurements] eigenvalues of V V', where V [measurements][actuators] holds
                          the voltages of all measured shapes */
-    double *residual; /* [pokes][outputs] measured shapes minus those that the model predicts */
-    double *rotated;  /* [pokes][outputs] residuals of the measured shapes, multiplied by the
-                         transposed eigenvector matrix */
-    double *inverse;  /* [pokes] reciprocals 1/(eigenvalue + ratio q of the variances of noise and
-                         model error) for each eigenvalue of V V' (voltages V of all measured
-                         shapes), or 0 */
+    double *residual; /* [measurements][outputs] measured shapes minus those that the model predicts
+                       */
+    double *rotated;  /* [measurements][outputs] product of Q' and the residuals (measured minus
+                         predicted shapes), with Q the eigenvectors of V V' and V
+                         [measurements][actuators] the voltages of all measured shapes */
+    double *inverse;  /* [measurements] reciprocals 1/(eigenvalue + q) for each eigenvalue of V V',
+                         with the voltages V of all measured shapes and the ratio q of the variances
+                         of noise and model error; 0 where the eigenvalue counts as 0 */
 } spectrum;
 
 static int out_of_memory(char *error)
@@ -54,7 +56,7 @@ static void spectrum_close(spectrum *spectrum)
 /*
  * Subtract the shapes that a model predicts from the measured shapes.
  *   model    [outputs][actuators] in   influence matrix, or NULL for zeros
- *   residual [pokes][outputs]     out  differences between measured and predicted shapes
+ *   residual [measurements][outputs] out differences between measured and predicted shapes
  */
 static void subtract_model(const pokes *pokes, const double *model, double *residual)
 {
@@ -147,8 +149,8 @@ static void invert(spectrum *spectrum, double ratio)
 
 /*
  * Most likely variance of the measurement noise for a given ratio q of the variances of noise and
- * model error: trace(q R'(V V' + q I)^-1 R) / (pokes x outputs), with residuals R [pokes][outputs]
- * and voltages V [pokes][actuators] of all measured shapes.
+ * model error: trace(q R'(V V' + q I)^-1 R) / (measurements x outputs), with the residuals R
+ * [measurements][outputs] and the voltages V [measurements][actuators] of all measured shapes.
  */
 static double likely_variance(const spectrum *spectrum, double ratio)
 {
@@ -161,9 +163,9 @@ static double likely_variance(const spectrum *spectrum, double ratio)
 }
 
 /*
- * Negative logarithm of the likelihood of the residuals for a given ratio of the variances of noise
- * and model error, with the most likely variance of the noise. Terms that do not depend on the
- * ratio are left out.
+ * Negative logarithm of the likelihood of the residuals (measured minus predicted shapes) for a
+ * given ratio of the variances of noise and model error, with the most likely variance of the
+ * noise. Terms that do not depend on the ratio are left out.
  */
 static double unlikelihood(const spectrum *spectrum, double ratio)
 {

@@ -34,8 +34,8 @@ typedef struct calibration {
                           determine the noise */
     double noise; /* standard deviation of the noise of the measured shapes; NAN where there are too
                      few measurements to separate the noise from errors of the influence matrix */
-    double spread; /* standard deviation by which the model's entries differ from the true influence
-                      matrix; 0 without a model */
+    double spread; /* standard deviation by which the entries of the model's influence matrix differ
+                      from those of the true one; 0 without a model */
     int rank; /* number of linearly independent combinations of actuators that the voltages of the
                  measured shapes (pokes) excite */
     double residual; /* root mean square difference between the measured shapes and those that the
@@ -94,9 +94,9 @@ enum { WIRING_FAULTS = 16 };
 int wiring_find(wiring_fault fault[WIRING_FAULTS], const pokes *pokes, const double *model);
 
 /*
- * Compute the voltages that reach the electrodes during all measurements if the wiring has the
- * given faults.
- *   voltage [pokes][actuators] out  voltages of each measurement (V)
+ * Compute the voltages that reach the electrodes in all pokes (measurements of the shape under
+ * known voltages) if the wiring has the given faults.
+ *   voltage  [pokes][actuators] out  voltages at the electrodes in each poke (V)
  */
 void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, double *voltage);
 

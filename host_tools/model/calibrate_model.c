@@ -58,8 +58,8 @@ static int copy_influence(const calibration_model *model, analysis *analysis, co
 }
 
 /*
- * Compute the influence matrix of the scene with its material constants multiplied by the fitted
- * factors.
+ * Compute the influence matrix of the scene with the elastic and piezoelectric constants of its
+ * materials multiplied by the factors of the fit.
  */
 static int model_influence(const calibration_model *model, const scene *nominal, const pokes *pokes,
                            double *influence, char *error)
@@ -97,19 +97,26 @@ static void predict(const pokes *pokes, const double *influence, double *shape)
 
 /* ---- Gauss-Newton ----------------------------------------------------- */
 
-/* Arrays of one fit of material factors, in one allocation that begins at `shape`. */
+/*
+ * Arrays of one fit of the factors that multiply the constants of materials, in one allocation that
+ * begins at `shape`.
+ */
 typedef struct fit {
     size_t entries; /* number of values in all measured shapes: number of pokes (measurements) times
                        number of outputs */
-    double *shape;  /* [entries] shapes that the scene's influence matrix predicts for the measured
-                       voltages */
-    double *slope; /* [factors][entries] derivative of the predicted shapes by the logarithm of each
-                      material factor */
-    double *influence; /* [outputs][actuators] influence matrix of the scene after one material
-                          factor was changed by a small step, for finite differences */
-    double *normal; /* [factors][factors] matrix of the normal equations for the material factors */
-    double *change; /* [factors] right-hand side of the normal equations, replaced by the change of
-                       the logarithm of each material factor */
+    double *shape;  /* [pokes][outputs] shapes that the scene's influence matrix predicts for the
+                       voltages of each poke (measurement under known voltages) */
+    double *slope;  /* [factors][pokes][outputs] derivative of the predicted shapes by the logarithm
+                       of each fitted factor (of the elastic or piezoelectric constants of one
+                       material) */
+    double *influence; /* [outputs][actuators] influence matrix of the scene after the elastic or
+                          piezoelectric constants of one material were changed by a small factor,
+                          for finite differences */
+    double *normal;    /* [factors][factors] matrix of the normal equations for the factors that
+                          multiply the constants of materials */
+    double *change; /* [factors] right-hand side of the normal equations for the logarithms of the
+                       factors that multiply constants of materials, replaced by the solution:
+                       change of each logarithm */
 } fit;
 
 static int fit_open(fit *fit, const calibration_model *model, const pokes *pokes)
@@ -143,8 +150,8 @@ static double squares_of(const pokes *pokes)
 }
 
 /*
- * Compute the derivatives of the predicted shapes by the logarithms of the material factors, by
- * finite differences. Returns 0, or -1 with error filled.
+ * Compute the derivatives of the predicted shapes by the logarithms of the factors that multiply
+ * the constants of materials, by finite differences. Returns 0, or -1 with error filled.
  */
 static int differentiate(fit *fit, calibration_model *model, const scene *nominal,
                          const pokes *pokes, char *error)
@@ -165,8 +172,8 @@ static int differentiate(fit *fit, calibration_model *model, const scene *nomina
 }
 
 /*
- * Solve the normal equations of the fit of material factors by Cholesky's method. The prior
- * standard deviation of the factors makes the matrix positive definite.
+ * Solve the normal equations for the factors that multiply constants of materials, by Cholesky's
+ * method. The prior standard deviation of the factors makes the matrix positive definite.
  *   matrix   [order][order] in/out  overwritten by its Cholesky factor
  *   solution [order]        in      right-hand side
  *                           out     solution
@@ -192,8 +199,8 @@ static void solve(double *matrix, double *solution, int order)
 }
 
 /*
- * Make one Gauss-Newton step of the logarithms of the material factors. Returns the largest change
- * of a logarithm.
+ * Make one Gauss-Newton step of the logarithms of the factors that multiply constants of materials.
+ * Returns the largest change of a logarithm.
  */
 static double change_factors(fit *fit, calibration_model *model, const pokes *pokes)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A scene with a structure as the model of a calibration: factors of its material constants are
- * fitted to the measured pokes, and faults of electrodes and cables are found.
+ * fitted to shapes measured under known voltages, and faults of electrodes and cables are found.
  */
 #ifndef CALIBRATE_MODEL_H
 #define CALIBRATE_MODEL_H
@@ -21,8 +21,8 @@ typedef struct model_factor {
 typedef struct calibration_model {
     int factors;
     model_factor *factor; /* [factors] fitted factors of the material constants of the scene */
-    double *influence;    /* [outputs][amplifiers] influence matrix of the scene with the fitted
-                             factors */
+    double *influence;    /* [outputs][amplifiers] influence matrix of the scene after its material
+                             constants are multiplied by the fitted factors */
     double (*place)[3];   /* [outputs] coordinates x, y, z of the target nodes */
     double before, after; /* root mean square difference between measured shapes and those predicted
                              by the scene before and after the fit, relative to the measured shapes

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Spectral radius of a control loop on a structure with mass, and text of its certificate
- * (certificate.h).
+ * Spectral radius of a control loop on a structure with mass, and text of its certificate, the
+ * result of its stability tests (certificate.h).
  */
 #include "certificate.h"
 #include <math.h>
@@ -302,7 +302,7 @@ static void target_text(const certificate_target *target, char text[CERTIFICATE_
         target->storms - target->failed, target->storms);
 }
 
-/* Append all sentences on the certificate of a control loop with a vibration model. */
+/* Append all sentences on the stability tests of a control loop with a vibration model. */
 static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     verdict_text(loop, text);

@@ -31,15 +31,17 @@ enum {
 #define CERTIFICATE_TOLERANCE 0.05
 
 /*
- * Certificate of a loop on the structure linearised about the equilibrium at its target, where
- * deformation and prestress change its response and its modes. The loop keeps the tables that the
- * firmware gets. The simulated structures have 0.8 to 1.33 times the static response and 0.9 to 1.1
- * times the natural frequencies of the deformed structure.
+ * Certificate of a control loop (result of simulations that test whether it is stable) on the
+ * structure linearised about the equilibrium at the target shape, where deformation and prestress
+ * change its response and its modes. The loop keeps the tables that the firmware gets. The
+ * simulated structures have 0.8 to 1.33 times the static response and 0.9 to 1.1 times the natural
+ * frequencies of the deformed structure.
  */
 typedef struct certificate_target {
     bool is_made;
-    char reason[SCENE_ERROR]; /* why the loop was not certified about the target although the
-                                 scene's kinematics is not linear; otherwise empty */
+    char reason[SCENE_ERROR]; /* why the stability of the loop was not tested on the structure
+                                 deformed to its target although the scene's kinematics is not
+                                 linear; otherwise empty */
     double amplitude;         /* largest displacement of a target node, divided by the thickness */
     double first;   /* first natural frequency of the deformed structure, relative to that of the
                        reference state */
@@ -49,9 +51,9 @@ typedef struct certificate_target {
                        with no voltage at its limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
-    int older, newer;   /* ticks, 0 or 1, by which all readings may be older or newer than the scene
-                           file states on the structure at its target: the shape settles after fast
-                           jumps of the target */
+    int older, newer;   /* number of ticks, at most 1, by which all sensor readings may be older (or
+                           newer) than the scene file states on the structure deformed to its
+                           target, so that the shape still settles after fast jumps of the target */
     double worst; /* largest distance from the shape at which the loop comes to rest, at the end of
                      a storm (simulation with fast target jumps), relative to the norm of the target
                    */
@@ -62,10 +64,8 @@ typedef struct certificate_target {
 } certificate_target;
 
 /*
- * Certificate of a loop with a vibration model (simulate/certify.h). The loop is simulated with
- * structures that differ from the model. The members describe the growth of small vibrations, the
- * result of storms (simulations with fast jumps of the target), and the largest deviations from the
- * model with which the loop is stable.
+ * Certificate of a control loop with a vibration model (result of simulations that test whether it
+ * is stable; simulate/certify.h). The loop is simulated
  */
 typedef struct certificate_loop {
     bool is_made;
@@ -108,8 +108,8 @@ typedef struct certificate_loop {
     int newer; /* number of ticks by which every reading may be newer than the scene file states, at
                   most the stated delay: with every smaller or equal number, vibrations decay and
                   the shape settles after fast jumps of the target */
-    certificate_target target; /* certificate of the loop on the structure that is deformed to its
-                                  target */
+    certificate_target target; /* result of the stability tests of the loop on the structure that is
+                                  deformed to its target */
     double cure; /* regularisation of the voltages, relative to the mean diagonal entry of the
                     Hessian, with which a loop that is not stable passes the growth of small
                     vibrations and ten storms (simulations with fast jumps of the target); 0: none
@@ -154,7 +154,8 @@ typedef struct certificate {
                           settings of the control tick that damps vibration */
     damper_settings settings; /* settings of the control tick that damps vibration, chosen by
                                  simulations with fast jumps of the target */
-    certificate_loop loop;    /* certificate of the loop whose control tick damps vibration */
+    certificate_loop loop;    /* result of the stability tests of the loop whose control tick damps
+                                 vibration */
     double stable_rate; /* highest tick rate (1/s) up to which a control tick without a vibration
                            model is stable at every rate, also on structures whose response to
                            voltages is 0.8 to 1.33 and whose natural frequencies are 0.9 to 1.1 of
@@ -165,15 +166,17 @@ typedef struct certificate {
 void certificate_free(certificate *certificate);
 
 /*
- * Number of ticks by which all readings may be older, or newer, than the scene file states, on the
- * undeformed structure and, where the loop was certified there, on the structure at its target.
+ * Number of ticks by which all readings may be older, or newer, than the scene file states, so that
+ * the loop is stable on the undeformed structure and, where that was tested, on the structure
+ * deformed to its target.
  */
 int certificate_older(const certificate_loop *loop);
 int certificate_newer(const certificate_loop *loop);
 
 /*
  * Whether a control tick without a vibration model is known to be unstable at the scene's tick
- * rate, on the model or on a structure near it (stable_rate).
+ * rate, on the model or on a structure that differs from it: with 0.8 to 1.33 of its response to
+ * voltages or 0.9 to 1.1 of its frequencies.
  */
 bool certificate_refuses(const certificate *certificate);
 
@@ -185,8 +188,8 @@ double certificate_first(const certificate *certificate);
 
 /*
  * Spectral radius of the control loop on the vibration modes of a structure.
- *   loop    [modes][modes] in  loop matrix: entry (i, j) is the static coordinate of mode i under
- *       the voltages that the controller subtracts per unit of mode j
+ *   loop [modes][modes] in loop matrix: entry (i, j) is the coordinate of mode i in equilibrium
+ *       under the voltages that the controller subtracts per unit of mode j
  *   square  [modes]        in  squares of the angular frequencies (rad^2/s^2)
  *   damping [modes]        in  damping ratios
  *   gain                   in  static response of the structure to voltages, relative to the
@@ -202,8 +205,8 @@ double certificate_radius(const double *loop, const double *square, int modes,
                           int squarings);
 
 /*
- * Describe a certificate in sentences separated by line feeds; the text is empty where the
- * certificate has nothing to report.
+ * Describe the result of the stability tests of a control loop in sentences separated by line
+ * feeds; the text is empty where there is nothing to report.
  */
 void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT]);
 

@@ -107,16 +107,18 @@ typedef struct gains {
     size_t *amplifier;    /* [moving] indices of the amplifiers that are not held at one voltage;
                              `moving` is their number */
     double *factor; /* [moving][moving] Cholesky factor of the regularised Hessian of the voltage
-                       optimisation problem, for the amplifiers that are not held at one voltage */
+                       optimisation problem (least squares for the voltages), for the amplifiers
+                       that are not held at one voltage */
     double *shape;  /* [targets] shape of one vibration mode at the target nodes, as the controller
                        measures or estimates it */
     double *gradient;       /* [moving] right-hand side of the normal equations of the voltage
                                optimisation problem for one vibration mode, then the voltages of the
                                amplifiers that are not held, which solve them */
-    double *modal_response; /* [modes][moving] static coordinate of each vibration mode per volt of
-                               each amplifier that is not held at one voltage */
-    double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of vibration
-                     mode i under the voltages that the controller subtracts per unit of mode j */
+    double *modal_response; /* [modes][moving] coordinate of each vibration mode in equilibrium per
+                               volt of each amplifier that is not held at one voltage */
+    double *loop; /* [modes][modes] loop matrix: entry (i, j) is the coordinate of vibration mode i
+                     in equilibrium under the voltages that the controller subtracts per unit of
+                     mode j */
     bool assumes_measured; /* true where stability of the control loop is assessed as if every
                               target node were measured */
 } gains;
@@ -172,9 +174,9 @@ static void estimated_shape(const gains *gains, const estimator *estimator,
 }
 
 /*
- * Compute the column of the loop matrix (reaction of the controller to vibration modes) that
- * belongs to one vibration mode: the static coordinates of all modes under the voltages that the
- * controller subtracts per unit of this mode.
+ * Compute the column of the loop matrix that belongs to one vibration mode. The controller measures
+ * a unit of this mode as an error of the shape and subtracts the voltages that would cause it; the
+ * column contains the coordinates of all modes in equilibrium under these voltages.
  */
 static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {
@@ -229,8 +231,8 @@ static bool fill_gains(gains *gains)
 
 /*
  * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions:
- * static coordinate of each mode under the voltages by which the controller reacts to a unit of
- * each mode. The caller frees the matrix; NULL where it cannot be computed.
+ * coordinate of each mode in equilibrium under the voltages by which the controller reacts to a
+ * unit of each mode. The caller frees the matrix; NULL where it cannot be computed.
  */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
                           bool *assumes_measured)
@@ -260,9 +262,9 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 /* ---- stability --------------------------------------------------------- */
 
 /*
- * Control loop whose stability is assessed: loop matrix (static coordinates of the vibration modes
- * under the controller's reaction to a unit of each mode), squared angular frequencies and damping
- * ratios of the vibration modes, and delay of the measurements.
+ * Control loop whose stability is assessed: loop matrix (coordinates of the vibration modes in
+ * equilibrium under the controller's reaction to a unit of each mode), squared angular frequencies
+ * and damping ratios of the vibration modes, and delay of the measurements.
  */
 typedef struct assessed_loop {
     const double *matrix, *square, *damping;

@@ -13,7 +13,9 @@ static void copy(double *to, const scene_short_list *from)
     memcpy(to, from->value, (size_t)from->count * sizeof *to);
 }
 
-/* Set the pointers in compensation->tables to the arrays in the other members of *compensation. */
+/*
+ * Set the pointers in the hysteresis tables of a compensation to the arrays in its other members.
+ */
 static void point(compensation *compensation)
 {
     pzs_hysteresis *tables = &compensation->tables;

@@ -35,8 +35,9 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
                        const pzs_problem *problem, double rate);
 
 /*
- * Add to the tables of a compensation, which were made from a weakened description of hysteresis,
- * the description as it was identified, with which the fault detector predicts the readings.
+ * Add to tables that compensate hysteresis, which were made from a weakened description of
+ * hysteresis, the description as it was identified, with which the fault detector predicts the
+ * readings.
  */
 void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 
@@ -44,10 +45,11 @@ void compensation_identify(compensation *compensation, const scene_hysteresis *i
  * Weaken a description of hysteresis for a control loop with sensor readings. The inverse of the
  * model of a ceramic whose effect hardly changes after a reversal of the voltage enlarges small
  * voltage changes, and a ceramic with less hysteresis than described follows them all: the loop
- * then has a larger gain for small changes than its certificate allows. Plays (elements with
- * backlash) of the model are therefore replaced by a larger slope, those with the smallest slack
- * first, until a change after a reversal has at least 0.6 of the effect of a change far from a
- * reversal. The loop corrects the hysteresis that is left by means of its sensor readings.
+ * then has a larger gain for small changes than that with which its stability was tested. Plays
+ * (elements with backlash) of the model are therefore replaced by a larger slope, those with the
+ * smallest slack first, until a change after a reversal has at least 0.6 of the effect of a change
+ * far from a reversal. The loop corrects the hysteresis that is left by means of its sensor
+ * readings.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

@@ -9,9 +9,9 @@
 #include "voltages.h"
 
 /*
- * Fill the displacements of the outputs (target and named outputs), extrapolated linearly to 0 V,
- * and the largest displacement relative to the thickness, from the equilibrium at the voltages with
- * the smallest shape error.
+ * From the equilibrium at the voltages with the smallest shape error, fill the displacements that
+ * the outputs (target and named outputs) would have at 0 V by the influence matrix there, and the
+ * largest displacement relative to the thickness of the shell.
  */
 static void fill_offset(deformed *deformed, const voltages *best)
 {

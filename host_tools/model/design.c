@@ -309,9 +309,11 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
 /* ---- inputs ----------------------------------------------------------- */
 
 /*
- * Add the prescribed stress resultants of one element, times its area, to h0 [10], multiplied by
- * `factor`: for 1 V across a ply, for a temperature change of this ply of 1 K (is_heat), or for a
- * temperature change of all plies of 1 K (ply < 0).
+ * Add the stress resultants that a voltage or temperature prescribes in one element, times the area
+ * of the element (N m), to h0 [10], multiplied by `factor`: for 1 V across a ply, for a temperature
+ * change of this ply of 1 K (is_heat), or for a temperature change of all plies of 1 K (ply < 0).
+ * The entries of h0 belong to mean and difference of both faces for the strains 11, 22, 33 and 12;
+ * then the strains 13 and 23.
  */
 static void add_unit_resultants(const mesh *mesh, int element, int ply, bool is_heat, double factor,
                                 double h0[LAMINATE_STRAINS])

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A scene prepared for the library: its structure with inputs as columns of nodal forces, outputs
- * as rows of weights of the dof and, once the influence matrix is known, its voltage optimisation
- * problem. All arrays are in double precision.
+ * Design: the numerical model that is built from a scene (description of a structure and its task
+ * in a file). Its inputs are columns of nodal forces, its outputs rows of weights of the dof and,
+ * once the influence matrix is known, it contains the voltage optimisation problem (least squares
+ * for the voltages within their limits). All arrays are in double precision.
  */
 #ifndef DESIGN_H
 #define DESIGN_H
@@ -19,11 +20,12 @@
 enum { DESIGN_FREE = SCENE_FREE };
 
 /*
- * Source of the common voltage limits, from which the limits of each amplifier are computed.
- *   LIMITS_SCENE  `limits.voltage` of the scene
- *   LIMITS_GIVEN  the members lower and upper of common_limits; they narrow an amplifier's own
- *       limits and those of the depolarisation field, and never widen them; a held amplifier keeps
- *       its voltage
+ * Source of the voltage limits that all amplifiers share, from which the limits of each amplifier
+ * are computed.
+ *   LIMITS_SCENE  key `limits.voltage` of the scene file
+ *   LIMITS_GIVEN  members lower and upper of common_limits; they narrow an amplifier's own limits
+ *                 and those of the depolarisation field, and never widen them; a held amplifier
+ *                 keeps its voltage
  *   LIMITS_NONE   no limits; a held amplifier keeps its voltage
  */
 typedef enum limits_source { LIMITS_SCENE, LIMITS_GIVEN, LIMITS_NONE } limits_source;
@@ -34,8 +36,8 @@ typedef struct common_limits {
 } common_limits;
 
 /*
- * Arrays of the limit rows of a voltage optimisation problem (limits of weighted sums of voltages),
- * and the tables made from them.
+ * Arrays of limit rows (limits of weighted sums of voltages), which the optimisation of the
+ * voltages obeys, and the tables of the library made from them.
  */
 typedef struct design_rows {
     uint32_t *start; /* [rows + 1] index of the first entry of each limit row (limit of a sum of
@@ -52,13 +54,13 @@ typedef struct design_rows {
 } design_rows;
 
 /*
- * A design. The members after `problem` are what later stages (analysis, control, reports) need of
- * the scene file, copied by design_build; their texts and lists belong to the scene, which outlives
- * the design.
+ * Numerical model of a scene. The members after `problem` are what later stages (analysis, control,
+ * reports) need of the scene file, copied by design_build; their texts and lists belong to the
+ * scene, which outlives the design.
  */
 typedef struct design {
-    const scene *scene; /* the scene from which the design is built, used only by the functions that
-                           build the design */
+    const scene *scene; /* the scene from which this numerical model is built, used only by the
+                           functions that build the numerical model */
     mesh mesh;
     pzs_structure structure; /* Inputs in this order: amplifiers, loads, extra inputs, electrodes of
                                 sensors, potentials of bare faces (without electrodes). Outputs:
@@ -121,8 +123,8 @@ typedef struct design {
     char (*electrode_name)[SCENE_LABEL]; /* [electrodes of sensors] name of the sensor, with the
                                             position in its grid if it has several electrodes */
     scene_kinematics kinematics;
-    double tolerance; /* largest relative error that linear kinematics may cause where the scene
-                         file says kinematics: auto */
+    double tolerance; /* largest difference between linear and nonlinear displacement, relative to
+                         the nonlinear one, at which `kinematics: auto` uses linear kinematics */
     scene_equilibrium equilibrium; /* settings of the solver that computes the nonlinear equilibrium
                                     */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, outputs, compares;
@@ -152,8 +154,8 @@ typedef struct design {
 } design;
 
 /*
- * Build the inputs and outputs of the scene on the design's mesh: the member `structure`, the rows
- * of the target and those of the named outputs. Returns 0, or -1 with error filled.
+ * Build the inputs and outputs of the scene on the mesh: the member `structure`, the rows of the
+ * target and those of the named outputs. Returns 0, or -1 with error filled.
  */
 int design_structure(design *design, char *error);
 
@@ -165,17 +167,17 @@ int design_structure(design *design, char *error);
 int design_measured(design *design, char *error);
 
 /*
- * Build the voltage optimisation problem of the design: the least-squares problem for the voltages
- * within their limits. influence [outputs][inputs] in  influence matrix of the whole structure,
- * from pzs_influence Returns 0, or -1 with error filled.
+ * Build the least-squares problem for the voltages within their limits (member `problem`).
+ * influence [outputs][inputs] in  influence matrix of the whole structure, from pzs_influence
+ * Returns 0, or -1 with error filled.
  */
 int design_control(design *design, const double *influence, char *error);
 
 /*
  * Compute the voltage limits of every amplifier.
- *   common                    in   source of the common limits; for LIMITS_SCENE, copy the limits
- *       that design_control computed
- *   lower, upper [amplifiers] out  voltage limits (V)
+ *   common  in  source of the limits that all amplifiers share; LIMITS_SCENE copies the limits that
+ *           design_control computed from the scene file
+ *   lower, upper  [amplifiers] out  voltage limits (V)
  * Returns 0, or -1 with error filled where no voltage is allowed for an amplifier.
  */
 int design_limits(const design *design, common_limits common, double *lower, double *upper,
@@ -216,22 +218,23 @@ int design_vary(const design *design, scene *copy);
 
 /*
  * Stress resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one element, times
- * the area of the element.
- *   cell    in   index of the amplifier within the actuator's grid, second grid index fastest
- *   h0 [10] out  these resultants
+ * the area of the element (N m).
+ *   cell  in  index of the amplifier within the actuator's grid, second grid index fastest
+ *   h0  [10] out  resultants for mean and difference of both faces for the strains 11, 22, 33 and
+ *       12; then the strains 13 and 23
  * Returns whether the amplifier acts in the element.
  */
 int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell, int element,
                      double h0[LAMINATE_STRAINS]);
 
 /*
- * One patch of a grid of patches (numbered with the second grid index fastest), and the part of an
- * element that the patch covers.
+ * Piezoelectric patch that covers an element, or a part of it: its index in its grid of patches
+ * (second grid index fastest), and the covered part.
  */
 typedef struct design_part {
     int patch;
-    double share; /* covered part of the element's area, above 0 and at most 1; 1 for patches of
-                     whole elements */
+    double share; /* part of the element's area that the patch covers, above 0 and at most 1; 1 for
+                     patches of whole elements */
 } design_part;
 
 /*
@@ -244,8 +247,8 @@ int design_patches_in(const mesh *mesh, int element, const scene_patches *patche
                       design_part *list);
 
 /*
- * Draw the part of an electrode of any outline that lies in one element, as areas or as
- * lines. Returns 0, or -1 where memory runs out.
+ * Draw the part of an electrode of any outline that lies in one element into a picture, as filled
+ * polygons or as the lines of its outline. Returns 0, or -1 where memory runs out.
  */
 int design_pieces(const design *design, const scene_patches *patches, int electrode, int element,
                   bool draws_outline, outline_draw *draw, void *context);
@@ -286,8 +289,8 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
 int design_load_values(const mesh *mesh, const scene_load *load, double *value, char *error);
 
 /*
- * Whether every reading of the scene's `estimate` section is a displacement, so that its values are
- * output rows of the structure.
+ * Whether every sensor reading in the scene's `estimate` section is a displacement, which the
+ * numerical model then has as an output row (weights of the dof).
  */
 bool design_reads_displacements(const design *design);
 
@@ -315,7 +318,8 @@ double design_squares(const design *design, const double *shape, const double *w
  * functions (shapes that may be added to the target at no cost).
  *   shape, wanted [targets] in  reached and wanted displacements
  *   misfit        [targets] out  the difference
- * Returns the weighted sum of squares of the misfit in the rows on constrained dof.
+ * Returns the weighted sum of squares of the misfit at constrained dof, which no voltage can
+ * change.
  */
 double design_misfit(const design *design, const double *shape, const double *wanted,
                      double *misfit);
@@ -328,11 +332,12 @@ double design_misfit(const design *design, const double *shape, const double *wa
 void design_take_free(const design *design, double *shape);
 
 /*
- * Influence matrix for the voltage optimisation problem: the part along the free functions (shapes
- * that may be added to the target at no cost) is removed, and rows on constrained dof are set to 0.
+ * Influence matrix for the least-squares problem of the voltages: the part along the free functions
+ * (shapes that may be added to the target at no cost) is removed, and rows on constrained dof are
+ * set to 0.
  *   influence [outputs][stride]     in   influence matrix, the amplifiers' columns first
  *   column    [targets]             out  work array
- *   out       [targets][amplifiers] out  influence matrix for the voltage optimisation problem
+ *   out [targets][amplifiers] out influence matrix for the least-squares problem
  */
 void design_influence_free(const design *design, const double *influence, size_t stride,
                            double *column, double *out);
@@ -353,9 +358,10 @@ void *design_grow(void *old, size_t count, size_t size, bool *full);
 void design_release(const void *table);
 
 /*
- * Weights of the dof of a node in one displacement component of one face. The order of dof is: mean
- * of both faces' displacements, their difference divided by the thickness, seventh dof.
- *   weight [7] out  weight of each dof
+ * Weights of the dof of a node in one displacement component of one face. The order of the dof is:
+ * mean of both faces' displacements; their difference divided by the thickness; displacement of the
+ * middle surface relative to the mean of the faces.
+ *   weight  [7] out  weight of each dof
  */
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Construction of the design of a scene, its structure, inputs, outputs and voltage optimisation
- * problem (design_build.h).
+ * Construction of the design (numerical model of a scene): structure, inputs, outputs and voltage
+ * optimisation problem (design_build.h).
  */
 #include "design_build.h"
 #include <stdlib.h>
@@ -28,7 +28,7 @@ static int build_measured(design *design, char *error)
 
 /*
  * Copy the sections of the scene that describe the structure and its parts, such as materials,
- * layers, supports and loads, into the design.
+ * layers, supports and loads, into its design (numerical model).
  */
 static void copy_parts(design *design, const scene *scene)
 {
@@ -60,8 +60,8 @@ static void copy_parts(design *design, const scene *scene)
 }
 
 /*
- * Copy into the design the settings of the scene that later stages (analysis, control, reports)
- * use.
+ * Copy the settings of the scene that later stages (analysis, control, reports) use into its design
+ * (numerical model).
  */
 static void copy_tasks(design *design, const scene *scene)
 {
@@ -82,8 +82,8 @@ static void copy_tasks(design *design, const scene *scene)
 }
 
 /*
- * List the names of the amplifiers and of the electrodes of sensors in the design. Returns 0, or -1
- * with error filled if memory runs out.
+ * List the names of the amplifiers and of the electrodes of sensors in the design (numerical model
+ * of the scene). Returns 0, or -1 with error filled if memory runs out.
  */
 static int list_names(design *design, const scene *scene, char *error)
 {

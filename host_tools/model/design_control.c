@@ -13,7 +13,7 @@
 
 /*
  * Compute the Hessian B'W^2 B of half the squared error, with influence matrix B and weights W.
- * Returns the regularisation (m2/V2).
+ * Returns the weight of the regularisation term of the voltages (m2/V2).
  */
 static double build_hessian(design *design)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits of sums and differences of voltages as limit rows of the voltage optimisation problem
- * (design_rows.h).
+ * Limits of sums and differences of voltages as limit rows (limits of weighted sums) of the
+ * least-squares problem for the voltages (design_rows.h).
  */
 #include "design_rows.h"
 #include <math.h>
@@ -264,7 +264,7 @@ static int check_width(const design *design, char *error)
 
 /*
  * Copy the limits of weighted sums of voltages (limit rows) of the scene into the arrays of the
- * design's tables.
+ * library's tables.
  */
 static void copy_rows(design *design)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits between amplifiers as limit rows (limits of weighted sums of voltages) of the voltage
- * problem: their tables, voltages that obey all of them, and an error message that names
- * contradictory limits.
+ * Limits between amplifiers as limit rows (limits of weighted sums of voltages) of the
+ * least-squares problem for the voltages: their tables, voltages that obey all of them, and an
+ * error message that names contradictory limits.
  */
 #ifndef MODEL_DESIGN_ROWS_H
 #define MODEL_DESIGN_ROWS_H
@@ -10,15 +10,15 @@
 #include "design.h"
 
 /*
- * Build the limit rows (limits of weighted sums of voltages) of a design into design->rows and
- * design->problem. The voltage limits of the design must be known. Returns 0, or -1 with error
+ * Build the limit rows (limits of weighted sums of voltages) of a scene into design->rows and
+ * design->problem. The voltage limits of the amplifiers must be known. Returns 0, or -1 with error
  * filled.
  */
 int design_rows_build(design *design, char *error);
 
 /*
  * Find voltages that obey all voltage limits and limit rows (limits of sums of voltages), near the
- * reference voltages.
+ * reference voltages (voltages from which the optimiser is drawn away as little as possible).
  *   lower, upper [amplifiers] in   voltage limits (V)
  *   safe         [amplifiers] out  the voltages found (V)
  * Returns 0, or -1 with error filled; the error names limits that contradict each other.

@@ -402,8 +402,8 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
 
 /*
  * Set full_input, the input values of the scene at full load: applied voltages (V), and load
- * factors of 1. The load factor of a follower load stands at its extra input; the load's own input
- * is 0.
+ * factors of 1. A follower load (load that turns with the shell) has two inputs: that of the load
+ * keeps the factor 0, and a further one, behind the inputs of all loads, carries its factor.
  */
 static void set_full(equilibrium *equilibrium)
 {

@@ -20,17 +20,17 @@ typedef struct estimation {
     size_t targets, amplifiers, loads, disturbances, sensors;
     double *sigma; /* [disturbances] standard deviations of the disturbances: first those of the
                       loads, then those of the amplifiers' voltages */
-    double *sensitivity;    /* [sensors][inputs] reading of each sensor per unit of each input */
-    double *noise;          /* [sensors] standard deviation of the noise of each sensor */
-    double *shape;          /* [targets][disturbances] weighted shape per standard deviation of each
-                               disturbance (load or voltage error) */
+    double *sensitivity; /* [sensors][inputs] reading of each sensor per unit of each input */
+    double *noise;       /* [sensors] standard deviation of the noise of each sensor */
+    double *shape; /* [targets][disturbances] displacement of each target node times its target
+                      weight, per standard deviation of each disturbance (load or voltage error) */
     double *scaled_reading; /* [sensors][disturbances] reading per standard deviation of each
                                disturbance (load or voltage error), divided by the sensor's noise */
     double *square; /* [sensors][sensors] covariance of the readings under the disturbances (loads
                        and voltage errors), divided by the noise of both sensors; later its
                        eigenvalues on the diagonal */
-    double *eigenvector; /* [sensors][sensors] eigenvectors of the scaled covariance of the
-                            readings, as columns */
+    double *eigenvector; /* [sensors][sensors] eigenvectors, as columns, of the covariance of the
+                            readings divided by the noise of both sensors */
     double *target_part, *side, *direction, *rotated; /* work arrays of the computation of the shape
                                                          estimator's gains, of the sizes
                                                          [disturbances (loads and voltage errors)],
@@ -170,8 +170,9 @@ static int fill_sensitivities(estimation *estimation)
 }
 
 /*
- * Compute the weighted shapes, the readings divided by the noise, and the covariance of these
- * readings, for disturbances (loads and voltage errors) of one standard deviation.
+ * For each disturbance (load or voltage error) of one standard deviation, compute the displacements
+ * of the target nodes times the target weights, and the sensor readings divided by the noise of the
+ * sensors. Also compute the covariance of these readings.
  */
 static void form_covariance(estimation *estimation)
 {
@@ -214,8 +215,9 @@ static double eigenvalue(const estimation *estimation, size_t i)
 }
 
 /*
- * Solve (1 + scaled covariance of the readings) x = side by the eigenvectors of the covariance, and
- * store x in `side` [sensors].
+ * Solve (1 + C) x = side by the eigenvectors of C, and store x in `side` [sensors]. The matrix C is
+ * the covariance of the sensor readings under the disturbances (loads and voltage errors), divided
+ * by the noise of both sensors.
  */
 static void apply_filter(estimation *estimation)
 {
@@ -290,9 +292,9 @@ static void remove_observed_part(estimation *estimation, double *left)
 }
 
 /*
- * Multiply the transposed matrix of the disturbances' weighted shapes [targets][disturbances] with
- * a vector `direction` [targets], and store the product in target_part [disturbances]. Returns the
- * norm of the product.
+ * Project a vector `direction` [targets] onto the shapes of the disturbances (loads and voltage
+ * errors): its scalar product with the shape of each disturbance, which is weighted with the target
+ * weights, is stored in target_part [disturbances]. Returns the norm of these products.
  */
 static double project_to_disturbances(estimation *estimation, const double *direction)
 {

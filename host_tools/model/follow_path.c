@@ -30,21 +30,24 @@ typedef struct arc_search {
     const double *full;   /* [inputs] input values of the scene at full load */
     size_t free_dof, entries;
     double *memory;
-    double *metric; /* [entries] weight of each entry in the norm of a vector: 1 for the means of
-                       both faces' displacements, thickness^2 for the other dof, 0 for voltages */
-    double *start;  /* [entries] displacement and voltages at the last converged point of the load
-                       path */
-    double *direction; /* [entries] increment of displacement and voltages in the last converged
-                          step on the load path */
-    double *increment; /* [entries] increment of displacement and voltages since the last converged
-                          point of the load path */
-    double *by_residual; /* [entries] change of displacement and voltages by the residual forces and
-                            charges: inverse tangent matrix times (load minus internal force) */
-    double *by_load; /* [entries] change of displacement and voltages per unit of the load factor:
-                        inverse tangent matrix times force and charge per unit of the load factor */
-    double *unit; /* [entries] work vector: nodal forces, or changes of displacement and voltages,
-                     per unit of one input of the structure */
-    double load_factor;  /* load factor at the present point of the load path */
+    double *metric;    /* [free dof, then open electrodes] weight of each entry in the norm of a
+                          vector: 1 for the means of both faces' displacements, thickness^2 for the
+                          other dof, 0 for voltages */
+    double *start;     /* [free dof, then open electrodes] displacement, and voltages of the open
+                          electrodes, at the last converged point of the load path */
+    double *direction; /* [free dof, then open electrodes] increment of displacement and voltages in
+                          the last converged step on the load path */
+    double *increment; /* [free dof, then open electrodes] increment of displacement and voltages
+                          since the last converged point of the load path */
+    double *by_residual; /* [free dof, then open electrodes] change of displacement and voltages by
+                            the residual forces and charges: inverse tangent matrix times (load
+                            minus internal force) */
+    double *by_load;     /* [free dof, then open electrodes] change of displacement and voltages per
+                            unit of the load factor: inverse tangent matrix times force and charge
+                            per unit of the load factor */
+    double *unit;       /* [free dof, then open electrodes] work vector: nodal forces, or changes of
+                           displacement and voltages, per unit of one input of the structure */
+    double load_factor; /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
 } arc_search;

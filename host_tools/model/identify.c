@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Identification of hysteresis and creep from a measured sweep by bounded least squares
- * (identify.h).
+ * Identification of hysteresis and creep of an actuator from a measured sweep (its position while
+ * the voltage goes up and down) by bounded least squares (identify.h).
  */
 #include "identify.h"
 #include <math.h>
@@ -32,28 +32,31 @@ static const double widest_slack = 0.95, slack_power = 1.3;
 static const double least_slope = 0.1;
 
 /*
- * Weight of the rows that penalise differences between unknowns, relative to the rows of the
- * samples: between the two weights of a play operator (element with backlash), and between the
- * creep amplitudes of neighbouring time constants. A small value suffices to equalise unknowns that
- * the sweep cannot distinguish.
+ * Weight of the rows of the least-squares problem that penalise differences between unknowns,
+ * relative to the rows that compare measured and fitted positions. Penalised are the difference
+ * between the two weights of a play operator (element with backlash), and that between the creep
+ * amplitudes of neighbouring time constants. A small value suffices to equalise unknowns that the
+ * measured positions cannot distinguish.
  */
 static const double likeness = 0.05;
 
 /*
- * Bounded least-squares problem that fits the hysteresis and creep model to a sweep. There is one
- * row for each sample, one for each play operator (element with backlash) and one for each pair of
- * neighbouring time constants of the creep. The unknowns are the slopes, the weights of the play
- * operators for positions above the middle of the voltage range, those for positions below, the
- * creep amplitude of each time constant, and a constant.
+ * Bounded least-squares problem that fits the hysteresis and creep model of an actuator to its
+ * measured positions under known voltages. One row for each measured position compares it with the
+ * model; one row for each play operator (element with backlash) and each pair of neighbouring creep
+ * time constants keeps two unknowns alike. The unknowns are the slopes of a piecewise linear
+ * function of the voltage, the weights of the play operators above and below the middle of the
+ * voltage range, the creep amplitude of each time constant, and a constant.
  */
 typedef struct fit {
     const sweep *sweep;
     size_t plays, unknowns, rows;
-    double middle, half_range; /* middle and half width of the range of the voltages in the sweep
-                                  (V) */
-    double lowest, highest;    /* lowest and highest measured position of the sweep */
-    double unit; /* range of the positions divided by the range of the voltages, by which the
-                    unknowns of the hysteresis fit are scaled (unit of the position per V) */
+    double middle, half_range; /* middle and half width of the range of the voltages that were
+                                  applied to the actuator (V) */
+    double lowest, highest;    /* lowest and highest measured position of the actuator */
+    double unit; /* range of the actuator's measured positions divided by the range of its voltages,
+                    by which the unknowns of the hysteresis fit are scaled (unit of the position per
+                    V) */
     double slack[SCENE_PLAYS]; /* slack of each play operator, an element with backlash (V) */
     double *matrix; /* [rows][unknowns] matrix of the least-squares problem for the hysteresis model
                      */
@@ -90,7 +93,8 @@ static void find_ranges(fit *fit)
 }
 
 /*
- * Slope of the least-squares straight line through the samples of the sweep (position per volt).
+ * Slope of the least-squares straight line through the measured positions of the actuator over its
+ * voltages (position per volt).
  *   rms out  root mean square difference between samples and line, relative to the range of the
  *       positions
  */
@@ -166,9 +170,9 @@ static void fill_slopes(const fit *fit, double s, double *row)
 }
 
 /*
- * Fill the row of the least-squares matrix for each sample of the sweep: entry j is the effect
- * (equivalent voltage without hysteresis, V) at the time of the sample if unknown j were 1 and all
- * others 0.
+ * Fill the row of the least-squares matrix for each measured position of the actuator: entry j is
+ * the effect (equivalent voltage without hysteresis, V) at the time of the sample if unknown j were
+ * 1 and all others 0.
  */
 static void fill_samples(fit *fit)
 {
@@ -222,9 +226,10 @@ static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 }
 
 /*
- * Fill the rows that penalise the difference of the two weights of each play operator, and the
- * difference of the creep amplitudes of neighbouring time constants. A time constant that is too
- * long to be seen in the sweep thus gets the creep amplitude of its shorter neighbour.
+ * Fill the rows of the least-squares problem that penalise the difference between the two weights
+ * of each play operator (above and below the middle of the voltage range), and between the creep
+ * amplitudes of neighbouring time constants. A time constant that is too long to be seen in the
+ * measurement thus gets the creep amplitude of its shorter neighbour.
  */
 static void fill_likeness(fit *fit)
 {
@@ -237,8 +242,9 @@ static void fill_likeness(fit *fit)
 }
 
 /*
- * Set the bounds of the unknowns of the hysteresis fit: at least least_slope for the slopes, no
- * bound for the constant, at least 0 for all others.
+ * Set the bounds of the unknowns of the hysteresis fit: at least least_slope for the slopes of the
+ * piecewise linear function of the voltage, no bound for the constant, at least 0 for the weights
+ * of the play operators and the creep amplitudes.
  */
 static void fill_bounds(fit *fit)
 {

@@ -16,36 +16,39 @@
 
 #include "../scene/scene.h"
 
-/* Measured sweep: samples of voltage and position at a constant rate. */
+/* Measured sweep of an actuator: samples of its voltage and position at a constant rate. */
 typedef struct sweep {
-    size_t count;           /* number of samples of the sweep, at most 60000 */
+    size_t count; /* number of samples of the actuator's voltage and position, at most 60000 */
     const double *voltage;  /* [count] voltage that was applied between the previous sample and this
                                one (V) */
     const double *position; /* [count] measured position of the actuator at each sample, in any unit
                                of length */
-    double rate;            /* number of samples of the sweep in a second (1/s) */
+    double rate; /* number of samples of the actuator's voltage and position in a second (1/s) */
 } sweep;
 
 typedef struct identification {
     scene_hysteresis hysteresis;
     double gain; /* change of the actuator's position per volt without hysteresis and creep (unit of
                     the position per V) */
-    double rms; /* root mean square difference between measured and fitted position, relative to the
-                   range of the positions */
-    double largest;  /* largest difference between measured and fitted position, relative to the
+    double rms; /* root mean square difference between measured and fitted position of the actuator,
+                   relative to the range of the measured positions */
+    double largest;  /* largest difference between measured and fitted position of the actuator,
+                        relative to the range of the measured positions */
+    double straight; /* root mean square difference between the actuator's measured positions and a
+                        straight line over the voltage, fitted by least squares, relative to the
                         range of the positions */
-    double straight; /* root mean square difference between the measured positions and the straight
-                        line that fits them best, relative to the range of the positions */
 } identification;
 
 /*
- * Fit the numbers of the hysteresis and creep model to a sweep.
- *   plays in  number of play operators, 1 to SCENE_PLAYS; more than 8 hardly improve the fit gain
- *             in  position per volt without hysteresis and creep, where it is known; 0: the change
- *             of position from the lowest to the highest voltage of the sweep, over the change of
- *             voltage error [SCENE_ERROR] out  message Returns 0, or -1 with error filled: memory
- *             ran out, there are too few or too many samples, a number is not finite, the voltage
- *             does not change, or the position does not rise with the voltage.
+ * Fit the numbers of the hysteresis and creep model to a measured sweep of an actuator.
+ *   plays   in  number of play operators, 1 to SCENE_PLAYS; more than 8 hardly improve the fit
+ *   gain    in  position per volt without hysteresis and creep, where it is known; 0: the change of
+ *           position from the lowest to the highest voltage of the sweep, over the change of
+ *           voltage
+ *   error   [SCENE_ERROR] out  message
+ * Returns 0, or -1 with error filled: memory ran out, there are too few or too many samples, a
+ * number is not finite, the voltage does not change, or the position does not rise with the
+ * voltage.
  */
 int identify(identification *result, const sweep *sweep, int plays, double gain, char *error);
 

@@ -53,7 +53,10 @@ typedef struct interval {
                             number of samples in the interval */
 } interval;
 
-/* State of an identification of vibration modes from a record of voltages and readings. */
+/*
+ * Intermediate results while vibration modes are identified from a record of voltages and sensor
+ * readings.
+ */
 typedef struct fit {
     const pokes *samples;
     double rate;
@@ -66,10 +69,11 @@ typedef struct fit {
     double *signal; /* [channels][samples] signal of each channel (weighted sum of the readings),
                        without its mean in each interval of constant voltages (unit of the readings)
                      */
-    double *function, *slope; /* function [BASIS + PARAMETERS][longest]: orthonormal functions of an
-                                 interval of constant voltages, followed by derivatives of a signal
-                                 with respect to frequencies and damping ratios; slope [2
-                                 PARAMETERS][longest]: derivatives of cosine and sine of each
+    double *function, *slope; /* work arrays with one row of samples for each function of time, as
+                                 long as the longest interval of constant voltages. function:
+                                 orthonormal functions that span the vibration modes and a constant,
+                                 then derivatives of one signal with respect to frequencies and
+                                 damping ratios; slope: derivatives of cosine and sine of each
                                  vibration mode with respect to its frequency and damping ratio */
     double *column; /* work vector for one signal in the longest interval of constant voltages */
     int modes;
@@ -546,7 +550,8 @@ static size_t shift_matrix(const fit *fit, double *matrix, double *vector, doubl
 
 /*
  * Trace of the inverse of (matrix - root times identity), by Gauss-Jordan elimination with row
- * exchanges.
+ * exchanges. It is the logarithmic derivative of the characteristic polynomial, by which the
+ * estimate `root` of an eigenvalue is improved.
  */
 static double complex inverse_trace(const double *matrix, size_t rank, double complex root)
 {
@@ -879,8 +884,9 @@ static bool take_memory(fit *fit)
 static const double slowest = 1e-3, fastest = 1e7;
 
 /*
- * Determine the range of frequencies that the record can show. Returns 0, or -1 with error filled
- * where no structure vibrates in this range.
+ * Determine the range of frequencies that the record of voltages and sensor readings can show, from
+ * its length and its sampling rate. Returns 0, or -1 with error filled where the frequencies of
+ * real structures lie outside this range.
  */
 static int check_range(const fit *fit, identified_modes *result, char *error)
 {

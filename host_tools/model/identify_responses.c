@@ -171,10 +171,11 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return the part of the jumps that the free vibrations of all vibration modes make at the voltage
- * steps, as a ratio of squares, that static responses leave unexplained if the voltages act with
- * the given delay.
- *   squares out  sum of the squares that they leave (multiples of the shapes)
+ * Return which part of the jumps of the free vibrations at the voltage steps is not explained by
+ * static responses, if the voltages act with the given delay: ratio of two sums of squares over all
+ * vibration modes.
+ *   squares  out  the unexplained sum of squares; modal coordinates are multiples of the mode
+ *            shapes
  */
 static double unexplained(const steps *steps, double delay, double *squares)
 {

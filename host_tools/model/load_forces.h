@@ -26,19 +26,21 @@ load_forces load_forces_add;
  * load_temperatures returns the temperatures of the inner and outer face under a temperature load.
  * load_temperature_resultants computes the stress resultants that a temperature load prescribes in
  * one element, multiplied by the area of the element.
- *   h0 [10] out  prescribed resultants times the area
+ *   h0  [10] out  resultants times area (N m) for mean and difference of both faces for the strains
+ *       11, 22, 33 and 12; then the strains 13 and 23
  */
 laminate_field load_temperatures(const scene_load *load);
 void load_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
                                  double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute the two base vectors of a face at a corner of an element, for pressures on elements of
- * the improved formulation. The base vectors are chords: they run along the straight sides of the
- * element. Where a side spans an arc of the angle a, its chord is inclined by a/2 to the tangent
- * plane at the corner. For pressures this inclination is reduced to (1 - (a/2) cot(a/2))/(a/2),
- * about a third of a/2: the in-plane part of the pressure then has the same resultant and moment as
- * on the arc, and balances the stretched sides of a ring at any angle a.
+ * Compute the two base vectors of a face at a corner of an element, for pressures on elements with
+ * Cartesian kinematics (interpolated displacement vectors). The base vectors are chords: they run
+ * along the straight sides of the element. Where a side spans an arc of the angle a, its chord is
+ * inclined by a/2 to the tangent plane at the corner. For pressures this inclination is reduced to
+ * (1 - (a/2) cot(a/2))/(a/2), about a third of a/2: the in-plane part of the pressure then has the
+ * same resultant and moment as on the arc, and balances the stretched sides of a ring at any angle
+ * a.
  *   flat [2][2] out  components of the base vectors in the tangent plane
  *   lean [2]    out  reduced component of each base vector normal to the tangent plane
  * Returns the area that the two base vectors span.

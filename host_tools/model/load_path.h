@@ -18,9 +18,11 @@ typedef struct load_path_point {
                           */
     int negative_pivots; /* number of negative pivots of the tangent stiffness; 0: the equilibrium
                             is stable */
-    int iterations;   /* number of linear solves of the arc-length step that ended at this point */
-    double turn;      /* largest angle by which the shell has bent within an element (degrees) */
-    int turn_element; /* index of the element with the largest angle `turn` */
+    int iterations; /* number of linear solves of the arc-length step that ended at this point */
+    double turn; /* largest angle by which the shell has bent within an element: change of the angle
+                    between the thickness directions at two neighbouring nodes (degrees) */
+    int turn_element; /* index of the element within which the shell has bent by the largest angle
+                       */
 } load_path_point;
 
 typedef enum load_path_event_type {
@@ -52,7 +54,7 @@ typedef struct load_path {
     int outputs;                             /* number of outputs of the scene */
     double *value;    /* [points][outputs] first value of each output of the scene at each point of
                          the load path; not filled for outputs of strains and stresses */
-    double *row;      /* [output rows] work array: values of all output rows of the structure */
+    double *row;      /* work array for the values of all outputs at one point of the load path */
     bool is_complete; /* whether the load path has reached the full load */
     bool has_equal_steps; /* true: the points of the load path follow each other in equal steps of
                              the load factor; false: by the arc-length method */

@@ -16,8 +16,8 @@
 enum { FUNCTIONS = 3, POINTS = 4 };
 
 /*
- * Index of the displacement function (0: constant, 1: linear, 2: quadratic) and of the component of
- * each of the 7 dof of a node.
+ * For each of the 7 dof of a node, the function of the height by which the dof moves the points
+ * through the thickness (0: constant, 1: linear, 2: quadratic), and the displacement component.
  */
 static const int function_of[7] = {0, 0, 0, 1, 1, 1, 2}, component_of[7] = {0, 1, 2, 0, 1, 2, 2};
 
@@ -45,8 +45,9 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
 
 /*
  * Moments of the mass over the thickness: integrals of density times the products of the
- * displacement functions times the metric (1 + k1 z)(1 + k2 z) with the curvatures k1 and k2, over
- * the plies that are present, per area of the reference surface.
+ * displacement functions (constant, linear and quadratic in the height) times the metric (1 + k1
+ * z)(1 + k2 z) with the principal curvatures k1 and k2 and the height z, over the plies that are
+ * present, per area of the reference surface.
  */
 static void moments(const laminate *laminate, const laminate_place *place, double per_area,
                     double m[FUNCTIONS][FUNCTIONS])
@@ -211,9 +212,11 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *vecto
 
 /*
  * Values of the dof of a node when the structure moves as a rigid body.
- *   shift [3] in   translation
- *   spin  [3] in   vector of a small rotation about the origin (rad)
- *   unit  [7] out  displacement and rotation dof along the local axes; the seventh is 0
+ *   shift  [3] in  translation
+ *   spin   [3] in  vector of a small rotation about the origin (rad)
+ *   unit   [7] out  along the local axes: displacement, difference of both faces' displacements
+ *          over the thickness, and 0 for the displacement of the middle surface relative to the
+ *          faces
  */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double unit[7])

@@ -95,8 +95,9 @@ typedef struct comparison {
                          their span */
     double *part; /* [modes][amplifiers] orthonormal basis of the mode shapes times influence matrix
                    */
-    double *seen; /* [outputs][modes] influence matrix times the transposed product of basis and
-                     influence matrix */
+    double *seen; /* [outputs][modes] product B (Q B)' of the influence matrix B
+                     [outputs][amplifiers] and the orthonormal basis Q [modes][outputs] of the mode
+                     shapes */
     double *response; /* [modes] work vector for the static responses of the vibration modes to one
                          amplifier */
 } comparison;

@@ -14,10 +14,9 @@ typedef struct matrix_modes {
     double share; /* share of the sum of the squares of all entries of the influence matrix that the
                      static parts of all vibration modes (shape times static responses) explain;
                      negative where responses have a wrong unit */
-    double *of_mode; /* [modes] sum of the squares of the static part of each vibration mode (its
-                        shape times its static responses), as a share of that of the influence
-                        matrix; the sum of these shares is the member `share` if the static parts
-                        are orthogonal */
+    double *of_mode; /* [modes] share of the influence matrix (sum of the squares of its entries)
+                        that each vibration mode explains by its static part: its shape times its
+                        displacement under constant voltages */
     int swaps; /* number of pairs of outputs (rows of the influence matrix) that were swapped so
                   that the mode shapes explain more of the matrix */
     int swapped[2]; /* indices, counted from 0, of the two outputs (rows of the influence matrix)
@@ -47,11 +46,12 @@ enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle);
 
 /*
- * Compute the static responses of all vibration modes to one amplifier: the given ones, or else the
- * least-squares fit of all mode shapes to the amplifier's column of the influence matrix.
- *   basis    [modes][outputs] in   basis of the mode shapes, from matrix_modes_basis
- *   triangle [modes][modes]   in   mode shapes in this basis
- *   response [modes]          out  static responses, multiples of the shapes per volt
+ * Compute the displacements of all vibration modes under 1 V at one amplifier: those that the scene
+ * file gives, or else the least-squares fit of all mode shapes to the amplifier's column of the
+ * influence matrix.
+ *   basis     [modes][outputs] in  orthonormal basis of the mode shapes, from matrix_modes_basis
+ *   triangle  [modes][modes]   in  mode shapes in this basis
+ *   response  [modes] out  displacements, multiples of the mode shapes per volt
  */
 void matrix_modes_response(const scene_influence *measured, size_t amplifiers, size_t amplifier,
                            const double *basis, const double *triangle, double *response);

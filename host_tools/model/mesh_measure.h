@@ -8,7 +8,7 @@
 /*
  * Append those outputs of the scene that have a single value to the results whose discretisation
  * error is estimated.
- *   value [output rows] in  values of all output rows of the structure
+ *   value in values of all outputs of the structure, output after output
  */
 void mesh_values_add_outputs(mesh_values *values, const analysis *analysis, const double *value);
 

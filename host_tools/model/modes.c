@@ -10,7 +10,8 @@
 #include "../system/progress.h"
 
 /*
- * Compute the shape error and the largest voltage without limits for one alternative target shape.
+ * Compute the shape error and the largest voltage without limits for one of several target shapes
+ * that the scene file gives as alternatives.
  */
 static int run_unconstrained(analysis *analysis, mode *mode, char *error)
 {
@@ -56,9 +57,10 @@ static double target_size(const design *design)
 }
 
 /*
- * Compute the results of number k of the alternative target shapes.
- *   loaded [targets] in  displacement under the scene's loads, which is subtracted from the target
- *                        shape
+ * Compute the shape errors and the largest voltage for target shape number k, where the scene file
+ * gives several shapes as alternative targets.
+ *   loaded  [targets] in  displacement under the scene's loads, which is subtracted from the target
+ *           shape
  */
 static int run_mode(modes *modes, int k, analysis *analysis, const double *loaded,
                     const common_limits *limit, char *error)
@@ -86,8 +88,9 @@ int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int 
     modes->mode = calloc(count + 1, sizeof *modes->mode);
     modes->left = calloc(count * (size_t)limits + 1, sizeof *modes->left);
     double *kept = calloc(3 * targets + 1,
-                          sizeof *kept); /* [3][targets] copy of the design's target, copy of its
-                                            wanted displacements, and the difference of both */
+                          sizeof *kept); /* [3][targets] copies of the target shape and of the
+                                            displacements that the voltages are to cause (target
+                                            less displacement under loads), and their difference */
     int failed =
         !modes->mode || !modes->left || !kept
             ? scene_fault(design->goal.what.at, error, "%zu modes do not fit into memory", count)

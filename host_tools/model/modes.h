@@ -9,11 +9,16 @@
 
 #include "voltages.h"
 
-/* Errors that remain for one alternative target shape within one pair of voltage limits. */
+/*
+ * Shape errors that voltages within one pair of voltage limits leave for one of several alternative
+ * target shapes.
+ */
 typedef struct mode_left {
     double limit[2]; /* lowest and highest voltage that any amplifier may give (V) */
-    double optimum;  /* relative shape error of the optimal voltages within the two limits */
-    double clipped;  /* relative shape error of least-squares voltages, clipped to the two limits */
+    double optimum;  /* relative shape error of the optimal voltages within the lowest and highest
+                        voltage */
+    double clipped;  /* relative shape error of least-squares voltages, clipped to the lowest and
+                        highest voltage */
     double regularised; /* relative shape error of regularised and then clipped least squares, with
                            the regularisation parameter that is best for this target shape */
     int active_limits;  /* number of amplifiers whose optimal voltage is at one of its voltage
@@ -22,24 +27,26 @@ typedef struct mode_left {
 
 typedef struct mode {
     double size; /* root mean square of the target shape's displacements at the target nodes */
-    double unconstrained_error; /* relative shape error of the optimum without voltage limits */
-    double largest_voltage; /* largest absolute voltage of the optimum without voltage limits (V) */
+    double unconstrained_error; /* relative shape error that the optimal voltages without limits
+                                   leave for the target shape */
+    double largest_voltage; /* largest absolute value of the optimal voltages without limits for the
+                               target shape (V) */
 } mode;
 
 typedef struct modes {
     int count, limits;
-    mode *mode; /* [count] results of each alternative target shape, in the order of the scene file
-                 */
-    mode_left *left; /* [count][limits] results of each alternative target shape within each pair of
-                        voltage limits */
+    mode *mode; /* [count] results of each target shape, in the order in which the scene file lists
+                   the shapes */
+    mode_left *left; /* [count][limits] results of each target shape that the scene file lists,
+                        within each pair of voltage limits */
 } modes;
 
 /*
- * Compute the results of every alternative target shape, on the nonlinear structure where
- * analysis->nonlinear is 1 and on the linear one where it is 0. The influence matrix of the
- * analysis must be computed. The target of the design is restored afterwards.
- *   limit [limits] in  pairs of voltage limits that all amplifiers share; the limits of each
- *                      amplifier apply in addition
+ * Compute the results of every target shape, where the scene file lists several as alternatives, on
+ * the nonlinear structure where analysis->nonlinear is 1 and on the linear one where it is 0. The
+ * influence matrix must be computed. The target of the scene is restored afterwards.
+ *   limit  [limits] in  pairs of voltage limits that all amplifiers share; the limits of each
+ *          amplifier apply in addition
  * Returns 0, or -1 with error filled; call modes_free in either case.
  */
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,

@@ -18,9 +18,10 @@ typedef struct plausible_warning {
     const char *rule;    /* name of the plausibility rule that gave the warning */
     double value, limit; /* number that a plausibility rule has measured, and the limit of the usual
                             range that it exceeds or falls below; in SI units, or a ratio */
-    const char *unit;    /* unit of the measured number and of the usual range */
-    scene_at at; /* position in the scene file to which the warning refers; line 0: the warning
-                    refers to the whole scene */
+    const char *unit; /* unit of the number that a plausibility rule has measured, and of its usual
+                         range */
+    scene_at at;      /* position in the scene file to which the warning refers; line 0: the warning
+                         refers to the whole scene */
     char text[SCENE_ERROR]; /* warning as text: "file:line:column: what was found; what to do" */
 } plausible_warning;
 

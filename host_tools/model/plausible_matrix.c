@@ -90,9 +90,10 @@ static void name_dead(const char *name, int count, char *names)
 }
 
 /*
- * Name the actuators that are not held and whose effect, relative to a reference, lies in a range.
- * The result *found gets the least of these effects and a text with the names.
- *   reference  in  effect of another actuator, the norm of its column of the influence matrix
+ * Name the actuators whose voltage is not fixed and whose effect (norm of the column of the
+ * influence matrix), relative to a reference, lies in a range. The result *found gets the least of
+ * these effects and a text with the names.
+ *   reference  in  effect of another actuator
  *   from, to   in  range of the relative effects: from <= effect < to
  */
 static void name_weak(const scene *scene, double reference, double from, double to,

@@ -86,8 +86,9 @@ static bool has_file(const subject *of)
 }
 
 /*
- * Measure the thickness over the shorter side of the structure, for a structure whose node
- * positions come from a mesh file or measured points, or for all others.
+ * Measure the thickness over the shorter side of the structure. The flag is_from_file restricts the
+ * rule to structures whose node positions come from a mesh file or measured points (true) or to all
+ * others (false).
  */
 static int measure_thin(const subject *of, int k, bool is_from_file, measured *found)
 {

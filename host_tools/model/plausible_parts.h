@@ -55,14 +55,15 @@ enum { WHAT = 300 };
  * belongs, and its description.
  */
 typedef struct measured {
-    double value; /* measured number; NAN if the rule does not apply */
+    double value; /* number that a plausibility rule has measured; NAN if the rule does not apply */
     scene_at at;
     char what[WHAT]; /* description of the measured number, for example "thickness of layer 1" */
 } measured;
 
 /*
- * Function that measures the k-th number of an object (`of`) for a plausibility rule and stores the
- * number in `found`. Returns whether there is a k-th number.
+ * Function that measures one number of a scene, mesh or result (`of`) for a plausibility rule and
+ * stores it in `found`. A rule may measure several numbers, such as one for each material; k counts
+ * them from 0. Returns whether there is a number k.
  */
 typedef int measure(const subject *of, int k, measured *found);
 
@@ -160,8 +161,8 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
 double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage);
 
 /*
- * Store in the result, found->value, the electric field that an actuator's voltage causes in the
- * layer of the patch grid that it drives (V/m); NAN if the scene file gives a field limit for the
+ * Store in found->value the electric field that an actuator's voltage causes in the layer of the
+ * piezoelectric patches that it drives (V/m); NAN if the scene file gives a field limit for the
  * material.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found);

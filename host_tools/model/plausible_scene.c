@@ -61,10 +61,10 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 }
 
 /*
- * Store in the result, found->value, the electric field that an actuator's voltage causes in the
- * layer of the patch grid that it drives (V/m). The value stays NAN if the scene file gives a field
- * limit for the material, because the design then enforces this limit, and for a film actuator up
- * to the voltage of its data sheet: electrodes of such a film may be fingers on its faces, so that
+ * Store in found->value the electric field that an actuator's voltage causes in the layer of
+ * piezoelectric patches that it drives (V/m). The value stays NAN if the scene file gives a field
+ * limit for the material, because this limit narrows the voltages, and for a film actuator up to
+ * the voltage of its data sheet: electrodes of such a film may be fingers on its faces, so that
  * voltage over thickness is not its field.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
@@ -163,8 +163,8 @@ static double span_of(const scene_line *line)
 typedef struct bend {
     double radius, thickness, length; /* radius of curvature, thickness, and length of the shell
                                          across the curved direction */
-    double size; /* length of the element at the load, along the curved direction of the shell (m)
-                  */
+    double size; /* length of the element at which the load acts, along the curved direction of the
+                    shell (m) */
 } bend;
 
 /*

@@ -108,9 +108,10 @@ int measure_depolarisation(const subject *of, int k, measured *found)
 enum { STRENGTHS = 5 };
 
 /*
- * Strength of number k % STRENGTHS of a material (of which there are STRENGTHS) divided by the
- * elastic modulus of the same direction, either for soft materials (rubbers, foams) or for all
- * others. Where the units are unknown, all materials count as soft.
+ * Strength of a material divided by the elastic modulus of the same direction. The flag restricts
+ * the rule to soft materials (rubbers, foams) or to all others; where the units are unknown, all
+ * materials count as soft. The number k counts the strengths of all materials one after the other,
+ * STRENGTHS for each.
  */
 static int measure_strength_of(const subject *of, int k, bool wants_soft, measured *found)
 {

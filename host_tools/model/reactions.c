@@ -14,25 +14,28 @@
 #include "spring_forces.h"
 
 /*
- * Copy of a structure in which the constrained dof have numbers, too: they follow the free dof. All
- * forces are vectors over these dof.
+ * Copy of a structure in which the constrained dof have numbers, too, which follow those of the
+ * free dof; and forces as vectors over all these dof.
  */
 typedef struct all_dof {
     const reaction_state *state;
-    mesh mesh;               /* the mesh with numbers for all dof; its arrays other than node_dof
-                                belong to the mesh of the design */
-    pzs_structure structure; /* structure with the numbers of this mesh */
+    mesh mesh; /* copy of the mesh in which the constrained dof are numbered, too; only its array
+                  node_dof has own memory */
+    pzs_structure structure; /* copy of the structure in which the constrained dof are numbered, too
+                              */
     pzs_model model;
     pzs_solver solver;
     mesh_springs springs;
     double *memory;
-    double *displacement; /* [dof] displacement, 0 at the constrained dof */
-    double *internal;     /* [dof] internal forces of the elements (N and N m) */
-    double *load;         /* [dof] forces of the loads (N and N m) */
-    double *spring;       /* [dof] forces of springs and stacks on the shell (N and N m) */
-    double *contact;      /* [dof] forces of a contact body on the shell (N and N m) */
-    double *unit;         /* [dof] force per unit of one load */
-    double *value;        /* [nodes] value of one load at each node */
+    double *displacement; /* [free and constrained dof] displacement, 0 at the constrained dof */
+    double *internal; /* [free and constrained dof] internal forces of the elements (N and N m) */
+    double *load;     /* [free and constrained dof] forces of the loads (N and N m) */
+    double *spring; /* [free and constrained dof] forces of springs and stacks on the shell (N and N
+                       m) */
+    double *contact; /* [free and constrained dof] forces of a contact body on the shell (N and N m)
+                      */
+    double *unit;    /* [free and constrained dof] force per unit of one load */
+    double *value;   /* [nodes] value of one load at each node */
     double (*prescribed)[LAMINATE_STRAINS]; /* [elements] stress resultants that voltages and
                                                temperatures prescribe, times the area of the element
                                                (N m) */
@@ -66,7 +69,10 @@ static int number_all(all_dof *all)
     return 0;
 }
 
-/* Allocate the vectors over all dof. Returns 0, or -1 where memory runs out. */
+/*
+ * Allocate the vectors of forces and displacements over all dof, free and constrained. Returns 0,
+ * or -1 where memory runs out.
+ */
 static int allocate(all_dof *all)
 {
     double **const vector[] = {&all->displacement, &all->internal, &all->load,
@@ -85,7 +91,10 @@ static int allocate(all_dof *all)
     return 0;
 }
 
-/* Let a model, and a copy of the equilibrium solver, refer to the numbers of all dof. */
+/*
+ * Let a model, and a copy of the equilibrium solver, use the copy of the structure in which the
+ * constrained dof are numbered, too, so that forces on them can be computed.
+ */
 static void attach(all_dof *all)
 {
     all->structure = all->state->design->structure;
@@ -157,7 +166,7 @@ static void add_potentials(all_dof *all)
     }
 }
 
-/* Sum the stress resultants that all inputs prescribe in all elements. */
+/* In each element, sum the stress resultants that voltages and temperatures prescribe. */
 static void fill_prescribed(all_dof *all)
 {
     const design *design = all->state->design;
@@ -245,7 +254,10 @@ static void add_followers(all_dof *all)
     }
 }
 
-/* Add the forces of all springs and stacks. Returns 0, or -1 where memory runs out. */
+/*
+ * Add the forces of all springs and piezoelectric stacks to the vector of spring forces over all
+ * dof. Returns 0, or -1 where memory runs out.
+ */
 static int add_springs(all_dof *all)
 {
     const reaction_state *state = all->state;
@@ -304,7 +316,7 @@ static void add_contact(all_dof *all)
 
 /* Point at which the forces of a node act, and director on which its moments act. */
 typedef struct force_place {
-    double point[3];    /* mean of both faces of the shell (m) */
+    double point[3];    /* mean position of both faces of the shell at the node (m) */
     double director[3]; /* vector from the inner to the outer face, over the thickness (1) */
 } force_place;
 
@@ -411,8 +423,9 @@ static node_holders holders_of(const all_dof *all, int node)
 }
 
 /*
- * Compute the centres of the supports, each at the index of the first support of its name.
- *   support [supports of the scene] in/out  reactions, of which nodes and centre are set
+ * Compute the centre of each support: the mean position of its nodes. Supports of one name count as
+ * one, whose centre is stored at the index of the first of them.
+ *   support  [supports of the scene] in/out  reactions, of which nodes and centre are set
  */
 static void find_centres(const all_dof *all, support_reaction *support)
 {
@@ -494,7 +507,10 @@ static void add_sums(const all_dof *all, reactions *reactions)
 
 /* ---- computation ----------------------------------------------------------- */
 
-/* Compute all forces over all dof. Returns 0, or -1 where memory runs out. */
+/*
+ * Compute the internal forces of the elements and the forces of loads, springs and contact on all
+ * dof, free and constrained. Returns 0, or -1 where memory runs out.
+ */
 static int open_all(all_dof *all, const reaction_state *state, double *internal)
 {
     const design *design = state->design;

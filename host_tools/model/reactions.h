@@ -20,15 +20,16 @@
 
 /* Sum of forces, and of their moments about a point, in components along x, y and z. */
 typedef struct total_force {
-    double force[3];  /* N */
-    double moment[3]; /* N m */
+    double force[3];  /* sum of forces along x, y and z (N) */
+    double moment[3]; /* sum of moments (N m) */
 } total_force;
 
 /* Reaction of the supports of one name. */
 typedef struct support_reaction {
     const char *name;
-    int nodes;         /* number of nodes at which these supports hold or prescribe a dof */
-    double centre[3];  /* mean of the positions of these nodes, undeformed (m) */
+    int nodes; /* number of nodes at which the supports of one name hold or prescribe a dof */
+    double centre[3]; /* mean of the undeformed positions of the nodes that the supports of one name
+                         hold (m) */
     total_force total; /* force of the supports on the shell, and its moment about `centre` */
 } support_reaction;
 
@@ -39,26 +40,28 @@ typedef struct reactions {
                            (N), and their moment about the node (N m) */
     double (*place)[3]; /* [nodes] positions of the nodes at which the forces act (m) */
     int supports;       /* number of different names of supports that hold a dof */
-    support_reaction *support; /* [supports] reactions of these supports */
+    support_reaction *support; /* [supports] reactions of the supports of each name */
     total_force held;    /* reactions of all supports, moments about the origin of x, y and z */
     total_force load;    /* forces of all loads on the shell, moments about the origin of x, y and z
                           */
     total_force spring;  /* forces of all springs and stacks on the shell, moments about the origin
                           */
     total_force contact; /* forces of a contact body on the shell, moments about the origin */
-    total_force sum;     /* sum of the four totals, which vanishes at equilibrium */
-    double internal;     /* sum of the magnitudes of the internal forces of all elements at their
-                            corners (N), a measure of the rounding error of `sum` */
+    total_force sum; /* sum of the forces of supports, loads, springs and contact body, and of their
+                        moments, which vanishes at equilibrium */
+    double internal; /* sum of the magnitudes of the internal forces of all elements at their
+                        corners (N), a measure of the rounding error of `sum` */
 } reactions;
 
-/* Displacement of a solved structure, and what belongs to it. */
+/* Solved structure: displacement, and the input values under which it was computed. */
 typedef struct reaction_state {
     const design *design;
     const double *displacement; /* [free_dof] displacement vector of the structure */
     const double *input_value;  /* [inputs] voltages (V), load factors and temperatures (K) under
                                    which the displacement was computed */
-    const equilibrium *equilibrium; /* solver whose present displacement and input values these are;
-                                       NULL: the displacement is linear in the inputs */
+    const equilibrium *equilibrium; /* equilibrium solver whose present state has this displacement
+                                       and these input values; NULL: the displacement is linear in
+                                       the inputs */
 } reaction_state;
 
 /*
@@ -68,8 +71,9 @@ typedef struct reaction_state {
 bool reactions_fit(const design *design);
 
 /*
- * Compute the reactions of a solved structure. Returns 0, or -1 where memory runs out; where they
- * do not fit (reactions_fit) the result is empty. The texts of the result belong to the scene.
+ * Compute the reactions of a solved structure. Returns 0, or -1 where memory runs out; where there
+ * are too many dof (reactions_fit) the result is empty. The texts of the result belong to the
+ * scene.
  */
 int reactions_compute(reactions *reactions, const reaction_state *state);
 

@@ -11,10 +11,11 @@
 #include "../mesh/mesh.h"
 
 /*
- * Compute the ten strains of an element that are constant over the element (strain mode 00) from
- * the displacements of its nodes.
+ * Compute the strains of an element that are constant over the element from the displacements of
+ * its nodes.
  *   displacement [4 dof_per_node] in  displacements of the four nodes of the element
- *   strain       [10]             out strains in the order of pzs_element_type.d
+ *   strain [10] out mean and difference of both faces for the strains 11, 22, 33 and 12; then the
+ *   strains 13 and 23
  * The strains are quadratic in the displacement. If is_nonlinear is false, their linear part is
  * returned: half the difference of the strains at a small multiple of the displacement and at the
  * negative of that multiple, scaled back.
@@ -33,7 +34,8 @@ void strain_turn(const double strain[6], double angle, double turned[6]);
 /*
  * Return the strain that an output of the scene measures in an element: the strain component of the
  * output, at the height of the output, in axes turned by the angle of the output.
- *   strain [10] in  strains of the element in the order of pzs_element_type.d
+ *   strain [10] in strains of the element: mean and difference of both faces for the strains 11,
+ *   22, 33 and 12; then the strains 13 and 23
  */
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
                         const double strain[10]);

@@ -132,10 +132,10 @@ static void add_drive(const stress_field *field, int element, const scene_drive 
 }
 
 /*
- * Add the voltages of the electrodes and the temperatures of the heaters of actuators or sensors in
- * an element to the arrays `voltage` and `heat` of the field.
- *   value [electrodes] in  voltages and temperatures of all these actuators or sensors
- *   part  [most_parts] out work array
+ * Add the voltages of electrodes and the temperatures of heaters, which actuators or sensors apply
+ * in an element, to the arrays `voltage` and `heat` of the stress field.
+ *   value  [electrodes] in  voltages and temperatures of all these actuators or sensors
+ *   part   out  work array for the patches of one grid that cover the element
  */
 static void add_patches(const stress_field *field, int element, const scene_actuator *actuator,
                         int count, const double *value, design_part *part)

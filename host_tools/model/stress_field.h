@@ -46,11 +46,12 @@ typedef struct stress_element {
                         of the scene file) */
     double axis[3][3]; /* unit vectors of the shell axes 1, 2 and 3 as rows; ply angles count from
                           axis 1 */
-    double strain[10]; /* ten strains of the element at its centre, in the order of
-                          pzs_element_type.d (dimensionless) */
-    double resultant[10]; /* stress resultants conjugate to the ten strains, per area of the element
-                             (N/m) */
-    double normal_stress; /* normal stress 33 that all plies of the element share (Pa) */
+    double strain[10]; /* strains of the element at its centre: mean and difference of both faces
+                          for the strains 11, 22, 33 and 12; then the strains 13 and 23 (1) */
+    double resultant[10];  /* stress resultants conjugate to the strains of the element (mean and
+                              difference of both faces for the strains 11, 22, 33 and 12; then the
+                              strains 13 and 23), per area of the element (N/m) */
+    double normal_stress;  /* normal stress 33 that all plies of the element share (Pa) */
     double temperature[2]; /* temperature changes of the inner and of the outer face of the package
                               of layers (K) */
 } stress_element;
@@ -66,8 +67,8 @@ typedef struct stress_point {
 /* Stresses, strains and electric quantities of one layer at the centre of one element. */
 typedef struct stress_layer {
     stress_point at[STRESS_HEIGHTS];
-    double field;        /* electric field at the middle of the layer (V/m): along e3, or along the
-                            poling between interdigitated electrodes */
+    double field; /* electric field at the middle of the layer (V/m): along the normal, or along the
+                     poling between interdigitated electrodes */
     double displacement; /* electric displacement along the electric field at the middle of the
                             layer (C/m2) */
 } stress_layer;
@@ -88,7 +89,8 @@ typedef struct stress_sample {
 typedef struct stress_field {
     stress_state state;
     int elements, layers;
-    stress_element *element; /* [elements] state of each element at its centre */
+    stress_element *element; /* [elements] position, axes, strains and stress resultants of each
+                                element at its centre */
     double *voltage;         /* [elements][layers] voltage of the electrodes across each layer (V),
                                 multiplied by the fraction of the element that the electrode
                         covers */
@@ -103,10 +105,11 @@ typedef struct stress_field {
 } stress_field;
 
 /*
- * Compute the states of all elements and the in-plane stresses of their layers. The transverse
- * shear stresses and the normal stress 33 are left to stress_equilibrium. The field refers to the
- * design and to the arrays of the state, which must remain valid until the field is freed. Returns
- * 0, or -1 if memory runs out; the field must be freed in both cases.
+ * Compute the strains and stress resultants of all elements, and the in-plane stresses of their
+ * layers. The transverse shear stresses and the normal stress 33 are left to stress_equilibrium.
+ * The stress field points to the numerical model and to the given displacement and input values,
+ * which must remain valid until the field is freed. Returns 0, or -1 if memory runs out; the field
+ * must be freed in both cases.
  */
 int stress_field_fill(stress_field *field, const stress_state *state);
 void stress_free(stress_field *field);

@@ -144,8 +144,9 @@ static void renew_gradient(unconstrained *solver, const double *error, const dou
 }
 
 /*
- * Add the solution of the normal equations for the present gradient to the voltages. The entries of
- * the gradient that belong to pivots are overwritten.
+ * Add a correction to the voltages: the solution of the normal equations of the least-squares
+ * problem with the present gradient as right-hand side. The entries of the gradient that belong to
+ * inputs with a pivot in the Cholesky factor are overwritten.
  */
 static void add_solution(unconstrained *solver, double *voltage)
 {

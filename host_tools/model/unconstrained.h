@@ -33,7 +33,7 @@ typedef struct unconstrained {
 
 /*
  * Allocate the arrays of the solver, form the normal matrix B'W^2 B of influence matrix B and
- * weights W, and factor it with the regularisation of the voltage optimisation problem.
+ * weights W, and factor it with the regularisation of the least-squares problem for the voltages.
  *   problem in  with its influence matrix; it must outlive *solver
  * Returns whether memory sufficed; call unconstrained_close in either case.
  */

@@ -81,7 +81,7 @@ typedef struct search {
 /* ---- matrices --------------------------------------------------------- */
 
 /*
- * Assemble the stiffness matrix about which the structure vibrates in the model of the search: that
+ * Assemble, for the Lanczos search, the stiffness matrix about which the structure vibrates: that
  * of the reference state, or the tangent at the equilibrium. Returns whether this has succeeded.
  */
 static bool assemble(search *search)

@@ -24,8 +24,8 @@ typedef struct vibration {
     double mass; /* mass of the whole structure, constrained nodes included */
     double *frequency; /* [count] natural frequencies (Hz where the unit of time is the second) */
     double *square;    /* [count] squares of the angular frequencies (rad^2/s^2) */
-    double *shape; /* [count][free_dof] mode shapes, scaled to unit modal mass; in the unit of the
-                      scene where the vibration modes are measured */
+    double *shape; /* [count][free_dof] mode shapes, scaled to unit modal mass; measured mode shapes
+                      that the scene file gives keep the unit of the file */
     double *response; /* [count][inputs] static value of each modal coordinate under a constant unit
                          of each input of the structure; NAN for rigid motions */
     double *largest;  /* [count] largest displacement of a node in each mode shape */
@@ -34,8 +34,8 @@ typedef struct vibration {
 } vibration;
 
 /*
- * Number of vibration modes that the structure of a design has: that of its free dof, or of the
- * measured modes that the scene gives.
+ * Number of vibration modes that a structure has: that of its free dof, or of the measured modes
+ * that the scene file gives.
  */
 int vibration_most(const design *design);
 
@@ -92,7 +92,7 @@ int vibration_first(const vibration *vibration);
  * Static value of a modal coordinate under a constant unit of one input: (mode shape times
  * force)/w^2 with the angular frequency w. Multiplied by the largest displacement of the mode
  * shape, this value is the static displacement of the vibration mode.
- *   input in  index of an input of the design's structure
+ *   input in index of an input of the structure
  * Returns NAN for a rigid motion.
  */
 double vibration_static(const vibration *vibration, const design *design, int mode, int input);

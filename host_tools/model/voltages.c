@@ -35,10 +35,10 @@ static void trial_free(trial *trial)
 }
 
 /*
- * Set up a controller that minimises the shape error under the voltage limits that `common`
- * selects, in place of the limits of the design.
- *   influence [targets][amplifiers] in  influence matrix; NULL: that of the design in the reference
- *       state
+ * Set up a controller that minimises the shape error under other voltage limits than those of the
+ * scene.
+ *   influence  [targets][amplifiers] in  influence matrix; NULL: that of the reference state
+ *   common  in  which limits all amplifiers share
  * Returns the status of the library; `error` is filled where limits do not overlap.
  */
 static pzs_status trial_start(trial *trial, const design *design, common_limits common,
@@ -100,9 +100,10 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* If every amplifier is held at one voltage, the loop
-                                                 skips all limits and lowest > highest remains; fmin
-                                                 and fmax then make the voltage range infinite. */
+    result->limit[0] = fmin(lowest, highest); /* If all amplifiers are held at one voltage, no
+                                                 voltage range was found and lowest > highest; fmin
+                                                 and fmax then make the range of the result
+                                                 infinite. */
     result->limit[1] = fmax(lowest, highest);
 }
 
@@ -402,7 +403,10 @@ static double objective(const analysis *analysis, const voltages *result)
         design_squares(&analysis->design, result->shape, analysis->design.target));
 }
 
-/* Arrays of one Gauss-Newton run, in one allocation that begins at `full_influence`. */
+/*
+ * Arrays of the Gauss-Newton method that finds the optimal voltages on a nonlinear structure, in
+ * one allocation that begins at `full_influence`.
+ */
 typedef struct newton {
     double *full_influence; /* [outputs][inputs] influence matrix of the nonlinear structure at the
                                last computed shape */

@@ -20,8 +20,9 @@ typedef struct voltages {
                            */
     double *shape; /* [targets] controlled displacements (target rows) under the voltages and the
                       scene's loads */
-    double *aligned_target; /* [targets] target plus the combination of its free functions (shapes
-                               that may be added at no cost) that fits the shape best */
+    double *aligned_target; /* [targets] target plus that combination of its free functions (shapes
+                               that may be added at no cost) which is nearest to the shape reached
+                             */
     double error; /* relative shape error: weighted norm of shape minus target over that of target
                      minus shape without voltages, over the controlled displacements that can move
                      and without the free functions (shapes that may be added to the target at no
@@ -61,15 +62,16 @@ typedef struct voltages {
 } voltages;
 
 /*
- * Functions that compute voltages for the scene's target; the influence matrix of the analysis must
- * be computed before. The argument `common` selects which limits common to all amplifiers apply
- * (design.h); in addition, the limits of each amplifier always apply.
- *   voltages_optimum      optimum within the limits. On the nonlinear structure it is found by a
- *                         Gauss-Newton method with the influence matrix at the last shape. The
- *                         method starts from the linear optimum, or from the part of it that has an
- *                         equilibrium, within a trust radius that shrinks where the error does not
- *                         decrease.
- *   voltages_linear       optimum of the linear model, with its shape on the selected structure
+ * Functions that compute voltages for the scene's target. The influence matrix must be computed
+ * before. The argument `common` selects which limits common to all amplifiers apply (design.h); the
+ * limits of each amplifier always apply, too.
+ *   voltages_optimum      optimum within the limits. On a nonlinear structure
+ *                         (analysis->is_nonlinear) it is found by a Gauss-Newton method with the
+ *                         influence matrix at the last shape. The method starts from the linear
+ *                         optimum, or from the part of it that has an equilibrium, within a trust
+ *                         radius that shrinks where the error does not decrease.
+ *   voltages_linear       optimum of the linear model; the shape is that of the linear or nonlinear
+ *                         structure, as analysis->is_nonlinear says
  *   voltages_clipped      least squares of the linear model without limits, then clipped
  *   voltages_regularised  regularised least squares of the linear model, then clipped, with the
  *                         parameter that leaves the smallest error of the linear model

@@ -47,8 +47,8 @@ typedef struct wiring {
                        electrodes, which its Cholesky factor replaces */
     double *gain;   /* [amplifiers] right-hand side of the normal equations, then gain of each
                        electrode (ratio of its actual to its model influence) */
-    double *work;   /* [amplifiers] work vector for one column of the normal equations for the gains
-                     */
+    double *work;   /* [amplifiers] work vector for one column of the normal equations for the
+                       electrodes' gains (ratios of actual to model influence) */
     size_t *amplifier; /* [amplifiers] index of the amplifier to which each electrode is connected
                         */
     double squares;    /* sum of the squares of all displacements in the shapes measured under known
@@ -174,9 +174,9 @@ static double common_gain(const wiring *wiring)
 
 /*
  * Compute the gain of every electrode (ratio of its actual to its model influence) if the cables
- * connect electrodes and amplifiers as assumed at present. A gain that the measurements do not
- * determine is kept at the common gain of all electrodes by the prior. Returns the remaining sum of
- * squared differences between measured and model shapes.
+ * connect electrodes and amplifiers as assumed at present. A prior distribution keeps a gain that
+ * the measurements do not determine at the common gain of all electrodes. Returns the remaining sum
+ * of squared differences between measured and model shapes.
  */
 static double find_gains(wiring *wiring)
 {
