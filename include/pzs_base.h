@@ -125,7 +125,10 @@ typedef enum pzs_status {
     PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of
                            input info.where; its column of the influence matrix is kept. */
 
-    /* Errors have values from 64 on: the outputs of the function are untouched. */
+    /*
+     * Status codes of errors have values from 64 on: a function that returns one has left its
+     * outputs untouched.
+     */
     PZS_E_ARGUMENT = 64, /* Error: a pointer is NULL, or a size, an index or a setting is out of
                             range. */
     PZS_E_FORMAT,    /* Error: the tables have another format number than the library, or come from
@@ -204,13 +207,12 @@ const char *pzs_status_text(pzs_status status);
  * vector) or for each output (coefficients of the displacement).
  */
 typedef struct pzs_rows {
-    uint16_t count;        /* number of rows of the sparse matrix */
+    uint16_t count;
     const uint32_t *start; /* [count + 1] index of the first entry of each row of the sparse matrix;
                               the last element is the number of entries */
     const uint16_t *dof; /* [number of entries] column of each entry of the sparse matrix: the index
                             of a free degree of freedom */
-    const pzs_real *value; /* [number of entries] numerical value of each entry of the sparse matrix
-                            */
+    const pzs_real *value; /* [number of entries] values of the entries of the sparse matrix */
 } pzs_rows;
 
 /*
@@ -218,14 +220,16 @@ typedef struct pzs_rows {
  * first nonzero column to the diagonal. Dense, banded and skyline matrices are special cases.
  */
 typedef struct pzs_envelope {
-    uint32_t n;            /* number n of matrix rows */
-    const uint16_t *first; /* [n] column of the first stored entry in each row of the matrix */
-    uint32_t *start;       /* [panels + 1] index in `value` at which each panel (a group of PZS_TILE
-                              matrix rows) starts; the last element is the number of stored
-                              entries */
-    pzs_real *value;   /* [number of stored entries] stored entries of the matrix, panel by panel
-                          (PZS_TILE rows each) */
-    pzs_real *inverse; /* [n] reciprocals of the n pivots of the matrix, after its factorisation */
+    uint32_t n;            /* number n of rows and columns of the symmetric matrix */
+    const uint16_t *first; /* [n] column of the first stored entry in each row of the lower triangle
+                              of the symmetric matrix */
+    uint32_t *start;   /* [panels + 1] index in the array `value` at which each panel (a group of
+                          PZS_TILE consecutive rows of the matrix) starts; the last element is the
+                          length of `value` */
+    pzs_real *value;   /* [start[panels]] stored entries of the symmetric matrix, panel by panel
+                          (groups of PZS_TILE rows) */
+    pzs_real *inverse; /* [n] reciprocals of the pivots of the symmetric matrix, valid after its L D
+                          L^T factorisation */
 } pzs_envelope;
 
 /*

@@ -70,33 +70,36 @@ typedef struct pzs_calibration {
                          8u * (size_t)(inputs) + (size_t)(outputs)))
 
 /*
- * Start a calibration without any record.
- *   problem                     in  voltage optimisation problem with the limits; must outlive the
- * calibration influence [outputs][inputs] in  matrix for inputs that the records do not determine
- * (m/V), must outlive the calibration; NULL: that of the voltage optimisation problem voltage
- * [inputs]          in  voltages that the amplifiers give, around which the test voltages lie after
- * clamping to the limits (V); NULL: the reference voltages of the problem work in  memory of the
- * caller, aligned for pzs_real bytes                       in  size of the workspace, at least
- * PZS_CALIBRATION_BYTES Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE,
- * PZS_E_LIMITS, PZS_E_NONFINITE.
+ * Start a calibration, which has no records (voltages with the readings measured under them) yet.
+ *   problem                     in  tables with the voltage limits; must outlive the calibration
+ *   influence [outputs][inputs] in  influence matrix (m/V) for inputs whose effect the records do
+ *                                   not determine; must outlive the calibration; NULL: that of
+ *                                   `problem`
+ *   voltage [inputs]            in  voltages that the amplifiers give, around which the test
+ *                                   voltages lie after clamping to the limits (V); NULL: the
+ *                                   reference voltages of `problem`
+ *   work                        in  memory of the caller, aligned for pzs_real
+ *   bytes                       in  size of this memory, at least PZS_CALIBRATION_BYTES
+ * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS, PZS_E_NONFINITE.
  */
 pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem *problem,
                                 const pzs_real *influence, const pzs_real *voltage, void *work,
                                 size_t bytes);
 
 /*
- * Move the test voltages, info.voltage, by one tick towards the present test pattern, within
- * voltage limits, step limits and limit rows (limits of sums of voltages); once they have settled,
- * the next pattern begins. In a pattern every input is at plus or minus its amplitude. Errors:
- * PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_LIMITS (input info.where has no finite voltage range),
- * PZS_E_CRC (the limits are damaged; the voltages stay).
+ * Move the test voltages, calibration.info.voltage, by one tick towards the present test pattern,
+ * within voltage limits, step limits and limits of sums of voltages; once the voltages have
+ * settled, the next pattern begins. In a pattern every input is at plus or minus its test
+ * amplitude. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_LIMITS (input info.where has no finite
+ * voltage range), PZS_E_CRC (the limits are damaged; the voltages stay).
  */
 pzs_status pzs_calibration_excite(pzs_calibration *calibration);
 
 /*
- * Add one record, in equilibrium: voltages, and the readings measured under them. Any voltages may
- * be recorded, also those of a running controller. Readings with an unknown offset are to be passed
- * as differences from those at reference voltages, and the voltages as differences from these.
+ * Add one record to a calibration: voltages, and the readings of the structure in equilibrium under
+ * them. Any voltages may be recorded, also those of a running controller. If the readings have an
+ * unknown offset, pass their differences from the readings at reference voltages, and the
+ * differences of the voltages from these reference voltages.
  *   voltage [inputs]  in  voltages of the amplifiers (V)
  *   reading [outputs] in  sensor readings (m)
  * PZS_W_SENSOR: reading info.where is not finite or too large, and the record is ignored. Errors:
@@ -106,12 +109,12 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
                                   const pzs_real *reading);
 
 /*
- * Compute the influence matrix that fits the records best, for pzs_control_init or pzs_loop_init,
- * which compute the Hessian from it anew.
+ * Compute the influence matrix that fits the records of a calibration best (voltages and the
+ * readings under them), for pzs_control_init or pzs_loop_init.
  *   influence [outputs][inputs] out  influence matrix (m/V)
  *   spread    [inputs]          out  the standard error of entry (i, k) of the matrix is spread[k]
  *                                    times the square root of info.noise[i] (1/V); with a finite
- *                                    memory it is an upper bound
+ *                                    settings.memory it is an upper bound
  * Recorded voltages that never reached the structure, as of an amplifier that is off, give PZS_OK
  * and a column that differs from 0 by its standard errors at most: test for it before use.
  * PZS_W_UNOBSERVABLE: the records do not determine the effect of input info.where; its column is

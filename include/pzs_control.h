@@ -42,14 +42,16 @@ extern "C" {
 /* Functions of the optimiser for many inputs (PZS_DUAL_METHOD). */
 extern const struct pzs_dual_calls pzs_dual_method;
 
-/* The voltage optimisation problem: influence matrix, weights and limits. All arrays may stay in
- * flash. */
+/*
+ * Tables of the voltage optimisation problem, which the controller solves in each tick to find the
+ * voltages that give a target shape: influence matrix, weights and limits. All arrays may stay in
+ * flash.
+ */
 typedef struct pzs_problem {
-    uint32_t format; /* format number of the tables of the voltage optimisation problem,
-                        PZS_TABLE_FORMAT */
+    uint32_t format; /* format number of these tables, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc;    /* checksum of the following members of the voltage optimisation problem and of
-                        their arrays,    computed by pzs_problem_seal */
+    uint32_t crc; /* checksum of the members below and of their arrays, computed by pzs_problem_seal
+                   */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output
                                   per volt on each input (m/V); NULL: given to pzs_control_init */
@@ -58,13 +60,13 @@ typedef struct pzs_problem {
     const pzs_real *weight;    /* [outputs] weight of each output in the objective (1) */
     const pzs_real *lower;     /* [inputs] lower limit of the voltage on each input (V) */
     const pzs_real *upper;     /* [inputs] upper limit of the voltage on each input (V) */
-    const pzs_real *step_limit;        /* [inputs] largest change of each voltage in one step (V) */
+    const pzs_real *step_limit;        /* [inputs] largest change of each voltage in a tick (V) */
     const pzs_real *reference_voltage; /* [inputs] voltages towards which the regularisation pulls
                                           the solution (V) */
     pzs_real regularisation; /* regularisation weight: factor of the squared distance of the
                                 voltages from the reference voltages in the objective (m2/V2) */
-    uint64_t work_limit;     /* default of the optimiser's work limit in one optimisation step
-                                (multiply-adds); 0: PZS_WORK_LIMIT */
+    uint64_t work_limit; /* largest number of multiply-adds of the optimiser in a tick by default;
+                            0: PZS_WORK_LIMIT */
     const pzs_limit_rows *limit_rows; /* limits of weighted sums of voltages, for inputs with finite
                                          voltage limits; NULL: no sum is limited */
     const struct pzs_dual_calls *dual_method; /* PZS_DUAL_METHOD(inputs): from PZS_DUAL_INPUTS on
@@ -73,13 +75,13 @@ typedef struct pzs_problem {
 } pzs_problem;
 
 /*
- * Write the format number and the checksum into a voltage optimisation problem that a firmware has
- * built or changed itself. Errors: PZS_E_ARGUMENT for NULL or for a problem without inputs or
- * outputs.
+ * Write the format number and the checksum into the tables of a voltage optimisation problem that a
+ * firmware has built or changed itself. Errors: PZS_E_ARGUMENT for NULL or for tables without
+ * inputs or outputs.
  */
 pzs_status pzs_problem_seal(pzs_problem *problem);
 
-/* Largest number of inputs of a voltage optimisation problem. */
+/* Largest number of inputs (voltages) that the controller accepts. */
 #define PZS_INPUT_LIMIT 4096
 
 /*
@@ -91,23 +93,24 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 /* ---- work of a step --------------------------------------------------- */
 
 /*
- * Smallest useful work limit of the optimiser (member work_limit of the controller settings, in
- * multiply-adds): with it an optimisation step makes at least one iteration.
+ * Smallest useful work limit of the optimiser (number of multiply-adds that it may use in a tick):
+ * with this limit, the optimiser makes at least one iteration in each tick.
  */
 #define PZS_WORK_LEAST(inputs)                                                                     \
     (((size_t)(inputs) < PZS_DUAL_INPUTS ? 4u : 14u) * PZS_PRODUCT_WORK(inputs) +                  \
      PZS_ROUND_WORK(inputs) + PZS_ITERATION_WORK(inputs))
 
 /*
- * Default of the optimiser's work limit (member work_limit of pzs_control_settings): number of
- * multiply-adds that the optimiser may use in one optimisation step. Practical problems need fewer;
- * only problems that are constructed to take many iterations reach the limit.
+ * Default of the optimiser's work limit: number of multiply-adds that the optimiser may use in a
+ * tick. Practical problems need fewer; only problems that are constructed to take many iterations
+ * reach the limit.
  */
 #define PZS_WORK_LIMIT(inputs)                                                                     \
     (40u * PZS_ROUND_WORK(inputs) + (8u * (uint64_t)(inputs) + 100u) * PZS_ITERATION_WORK(inputs))
 
 /*
- * Upper bound of the multiply-adds of a control tick, for a work_limit of at least PZS_WORK_LEAST.
+ * Upper bound of the multiply-adds of a whole control tick, if work_limit is the number of
+ * multiply-adds that the optimiser may use in the tick, at least PZS_WORK_LEAST.
  */
 #define PZS_STEP_WORK(inputs, outputs, work_limit)                                                 \
     ((uint64_t)(work_limit) + 3u * (uint64_t)(inputs) * (outputs) +                                \
@@ -117,9 +120,8 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 
 /* Settings of the controller that a program may change after pzs_control_init. */
 typedef struct pzs_control_settings {
-    uint64_t work_limit; /* largest number of multiply-adds of the optimiser in one optimisation
-                            step, at least PZS_WORK_LEAST; default: work_limit of the voltage
-                            optimisation problem */
+    uint64_t work_limit; /* largest number of multiply-adds that the optimiser may use in a tick, at
+                            least PZS_WORK_LEAST; default: pzs_problem.work_limit */
 } pzs_control_settings;
 
 /* Results of the controller that a program may read. */
@@ -134,10 +136,10 @@ typedef struct pzs_control_info {
                                       input that pzs_hold keeps at a voltage, both limits are this
                                       voltage (V) */
     int32_t where;       /* index of the input or output to which the last status refers, or -1 */
-    uint16_t iterations; /* number of iterations of the optimiser in the last optimisation step */
-    uint16_t iterations_most; /* largest number of iterations in any optimisation step so far */
-    uint64_t work;      /* number of multiply-adds of the optimiser in the last optimisation step */
-    uint64_t work_most; /* largest number of multiply-adds in an optimisation step so far */
+    uint16_t iterations; /* number of iterations of the optimiser in the last tick */
+    uint16_t iterations_most; /* largest number of iterations of the optimiser in any tick so far */
+    uint64_t work;            /* number of multiply-adds of the optimiser in the last tick */
+    uint64_t work_most; /* largest number of multiply-adds of the optimiser in any tick so far */
 } pzs_control_info;
 
 typedef struct pzs_control {
@@ -153,21 +155,24 @@ typedef struct pzs_control {
      (size_t)(inputs) + (size_t)(outputs))
 
 /*
- * Return the size of the workspace of a controller for a voltage optimisation problem, including
- * the memory of limit rows (bytes).
+ * Return the size of the workspace of a controller for given tables, including the memory for
+ * limits of sums of voltages (bytes).
  */
 size_t pzs_control_bytes(const pzs_problem *problem);
 
 /*
- * Check a voltage optimisation problem and initialise a controller in the workspace. The voltages
- * start at the reference voltages, clamped to the limits. problem                     in  must
- * outlive the controller influence [outputs][inputs] in  influence matrix computed on the device
- * (m/V), read in every step; NULL: that of the problem work                        in  memory of
- * the caller, aligned for pzs_real; the controller uses it from now on bytes in  size of the
- * workspace, at least PZS_CONTROL_BYTES, with limit rows also PZS_LIMIT_ROW_BYTES Errors:
- * PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS (also for a negative step
- * limit; for limit row k, info.where is the number of inputs plus k), PZS_E_NONFINITE. After an
- * error the controller cannot be used, even if it was valid before.
+ * Check the tables of a voltage optimisation problem and initialise a controller in the workspace.
+ * The voltages start at the reference voltages, clamped to the limits.
+ *   problem                     in  tables; must outlive the controller
+ *   influence [outputs][inputs] in  influence matrix computed on the device (m/V), read in every
+ *                                   tick; NULL: that of the tables
+ *   work                        in  memory of the caller, aligned for pzs_real; the controller uses
+ *                                   it from now on
+ *   bytes                       in  size of the workspace, at least PZS_CONTROL_BYTES, with limits
+ * of sums of voltages also PZS_LIMIT_ROW_BYTES Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_WORKSPACE, PZS_E_LIMITS (also for a negative step limit; for limit row k, info.where is the
+ * number of inputs plus k), PZS_E_NONFINITE. After an error the controller cannot be used, even if
+ * it was valid before.
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
                             const pzs_real *influence, void *work, size_t bytes);
@@ -182,14 +187,15 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
 pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
 
 /*
- * Run one control tick: compute the disturbance (measured minus predicted shape), make one voltage
- * step towards the target minus the disturbance, and predict the shape of the new voltages.
+ * Run one control tick: compute the disturbance (measured minus predicted shape), change the
+ * voltages towards those that give the target minus the disturbance, and predict the shape of the
+ * new voltages.
  *   wanted   [outputs] in  target shape (m)
  *   measured [outputs] in  measured shape (m); NULL: no measurement in this tick, the last
  *                          disturbance is kept
  * PZS_W_SENSOR: a measurement that is not finite, or that stays constant although its output should
  * move, keeps its last disturbance. PZS_W_HELD: no measurement is usable or the target is not
- * finite, and the voltages are held inside the limits in force. PZS_W_ITERATIONS and
+ * finite, and the voltages are kept inside the limits in force. PZS_W_ITERATIONS and
  * PZS_W_STEP_LIMIT take precedence over PZS_W_SENSOR; so does PZS_W_LIMIT_ROWS. Errors:
  * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
@@ -223,15 +229,18 @@ pzs_status pzs_release(pzs_control *control, uint16_t input);
 
 /* ---- certificate of the voltages -------------------------------------- */
 
-/* Quality of the present voltages, computed by pzs_assess. */
+/*
+ * How well the present voltages of a controller reach the target, and how near they are to the
+ * optimum; pzs_assess computes it.
+ */
 typedef struct pzs_report {
     pzs_real relative_error; /* weighted norm of (reached shape - target) divided by the weighted
                                 norm of the target (1) */
     pzs_real kkt_violation; /* largest violation of the optimality (KKT) conditions, relative to the
                                largest entry of the gradient at zero voltage (1) */
     uint16_t active_limits; /* number of inputs whose voltage is at its lower or upper limit */
-    uint16_t active_rows;   /* number of limit rows (limits of sums of voltages) that are at their
-                               limit and have a Lagrange multiplier */
+    uint16_t active_rows; /* number of limits of sums of voltages that hold with equality and have a
+                             Lagrange multiplier */
 } pzs_report;
 
 /*

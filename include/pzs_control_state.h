@@ -20,23 +20,24 @@ struct pzs_dual_calls;
 struct pzs_absolute_row_calls;
 
 /*
- * Value of the member dual_method of a voltage optimisation problem: the dual active-set method for
- * at least PZS_DUAL_INPUTS inputs, NULL for fewer.
+ * Value of pzs_problem.dual_method for a number of inputs (voltages): the optimiser's method for
+ * many inputs, the dual active-set method, from PZS_DUAL_INPUTS inputs on, else NULL.
  */
 #define PZS_DUAL_METHOD(inputs) ((size_t)(inputs) >= PZS_DUAL_INPUTS ? &pzs_dual_method : NULL)
 
 /*
- * Number of pivot exchanges (moves of an input between the free and the active set) that the
- * optimiser collects before it applies them together to its matrix, the tableau (pivoted Hessian).
+ * Number of pivot exchanges (moves of an input between the set of free voltages and the set of
+ * voltages kept at a bound) that the optimiser collects before it applies them together to its
+ * matrix, the tableau (pivoted Hessian).
  */
 #define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
 
 /*
- * Work of the optimiser, counted in multiply-adds; a loop over the inputs that only compares counts
- * as a few of them. PZS_PRODUCT_WORK: product of the Hessian with a vector. PZS_EXCHANGE_WORK: move
- * of one input between free set and active set. PZS_ITERATION_WORK: one iteration, with at most one
- * such move. PZS_ROUND_WORK: start of a round, a sequence of iterations between two exact
- * computations of the gradient.
+ * Numbers of multiply-adds of the optimiser, in which a loop over the inputs that only compares
+ * counts as a few. PZS_PRODUCT_WORK: product of the Hessian with a vector. PZS_EXCHANGE_WORK: move
+ * of one input between the set of free voltages and the set of voltages kept at a bound.
+ * PZS_ITERATION_WORK: one iteration, with at most one such move. PZS_ROUND_WORK: start of a round,
+ * which is a sequence of iterations that ends with a gradient computed from the Hessian.
  */
 #define PZS_PRODUCT_WORK(inputs) ((uint64_t)(inputs)*PZS_CONTROL_WIDTH(inputs))
 #define PZS_EXCHANGE_WORK(inputs)                                                                  \
@@ -57,136 +58,141 @@ struct pzs_absolute_row_calls;
 #define PZS_CONTROL_ROWS(inputs) (2u * (size_t)(inputs) + 23u + PZS_PENDING)
 
 /*
- * Number of real numbers in the memory of the dual active-set method of the optimiser: a packed
- * triangular Cholesky factor with a row for each input, and two vectors; 0 for fewer than
- * PZS_DUAL_INPUTS inputs, for which the method is not used.
+ * Number of real numbers in the memory of the optimiser's method for many inputs, the dual active-
+ * set method: a packed triangular Cholesky factor with a row for each input, and two vectors; 0 for
+ * fewer than PZS_DUAL_INPUTS inputs, for which the method is not used.
  */
 #define PZS_DUAL_REALS(inputs)                                                                     \
     ((size_t)(inputs) < PZS_DUAL_INPUTS ? 0u : (size_t)(inputs) * ((size_t)(inputs) + 5u) / 2u)
 
 /*
- * One pivot exchange, which moves an input between the free set and the active set of the
- * optimiser. The matrix row that belongs to the exchange is stored in pzs_optimiser.pending.
+ * One pivot exchange of the optimiser's matrix, the tableau (pivoted Hessian): it moves an input
+ * between the set of free voltages and the set of voltages kept at a bound.
  */
 typedef struct pzs_exchange {
     uint32_t input;
-    pzs_real sign;  /* sign of the pivot of the exchange, which is the diagonal entry of the
-                       exchanged input before the exchange: +1 or -1 */
-    pzs_real scale; /* 1 / square root of the absolute value of the pivot of a pivot exchange */
-    pzs_real pivot; /* diagonal entry of the tableau (pivoted Hessian) that belongs to the exchanged
-                       input, after the exchange */
+    pzs_real sign;  /* sign (+1 or -1) of the pivot, the diagonal entry that the pivoted Hessian had
+                       before the exchange of this input */
+    pzs_real scale; /* 1 / square root of the absolute value of the pivot, the diagonal entry that
+                       the pivoted Hessian had before the exchange of this input */
+    pzs_real pivot; /* diagonal entry that the pivoted Hessian has after the exchange of this input
+                     */
 } pzs_exchange;
 
 /*
- * Active-set method for bounded least squares. The free set holds the inputs whose voltages may
- * change, the active set the inputs whose voltages are kept at a bound or, for the present, at a
- * value between the bounds. The tableau is the Hessian after one pivot exchange for each input of
- * the free set. A round is a sequence of iterations between two exact computations of the gradient.
- * Arrays with an entry for each input are padded with zeros to the length `width`, so that vector
- * loops need no remainder.
+ * State of the optimiser, an active-set method for bounded least squares. The free set holds the
+ * inputs whose voltages may change, the active set the inputs whose voltages are kept at a bound
+ * or, for the present, at a value between the bounds. The tableau is the Hessian after one pivot
+ * exchange for each input of the free set. A round is a sequence of iterations that ends with a
+ * gradient computed from the Hessian. Arrays with an entry for each input are padded with zeros to
+ * the length `width`, so that vector loops need no remainder.
  */
 typedef struct pzs_optimiser {
     const struct pzs_dual_calls *dual; /* functions of the dual active-set method; NULL: the primal
                                           method finds the active set */
     uint32_t inputs, width;
     uint32_t iterations;
-    uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this
-                                  optimisation step, and the largest number that it may use */
+    uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this tick,
+                                  and the largest number that it may use */
     pzs_real *hessian; /* [inputs][width >= inputs] Hessian H of the objective that the optimiser
                           minimises (m2/V2) */
-    pzs_real *tableau; /* [inputs][width >= inputs] tableau: the Hessian after one pivot exchange
-                          for each input of the free set, without the exchanges that are still in
-                          `pending` */
-    pzs_real *pivot; /* [width >= inputs] diagonal of the tableau (pivoted Hessian) after all pivot
-                        exchanges, also after those that are still in `pending` */
+    pzs_real *tableau; /* [inputs][width >= inputs] the optimiser's tableau: the Hessian after one
+                          pivot exchange for each input whose voltage is free, without the exchanges
+                          that are collected in `pending` */
+    pzs_real *pivot;   /* [width >= inputs] diagonal of the optimiser's tableau (pivoted Hessian)
+                          after all pivot exchanges, also after those that are still in `pending` */
     pzs_real *pending; /* [PZS_PENDING][width >= inputs] rank-one updates of the tableau (pivoted
                           Hessian): one vector for each pivot exchange that is collected but not yet
                           applied to the tableau */
-    pzs_exchange *exchange; /* [pending_most] pivot exchanges whose updates `pending` holds: the
-                               array `collected`, or memory of the dual method while the tableau
-                               (pivoted Hessian) is computed */
+    pzs_exchange *exchange; /* [pending_most] pivot exchanges that are collected but not yet applied
+                               to the tableau (pivoted Hessian); their rank-one updates are in the
+                               array `pending` */
     pzs_real *waiting; /* [width >= inputs] while the tableau (pivoted Hessian) is recomputed, 1 for
-                          an input that is to join the free set again; in iterations of the dual
-                          method, 1 for an input that is ignored because only rounding errors move
-                          it outside its bounds; else 0 */
-    pzs_real *factor;  /* [inputs (inputs + 1) / 2] dual method: Cholesky factor of the inverse of
-                          the Hessian restricted to the active set, lower triangle row by row */
-    pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
-                          lower and +1 for the upper one */
-    uint16_t *order;   /* [inputs] dual method: index of the active input to which each row of the
-                          Cholesky factor `factor` belongs */
+                          an input whose voltage is to become free again; in iterations of the dual
+                          active-set method, 1 for an input that is ignored because only rounding
+                          errors move its voltage out of its bounds; else 0 */
+    pzs_real *factor;  /* [inputs (inputs + 1) / 2] Cholesky factor of the inverse of the Hessian
+                          restricted to the inputs whose voltages are at a bound, lower triangle row
+                          by row; the dual active-set method uses it */
+    pzs_real *side;    /* [inputs] bound at which the dual active-set method keeps the voltage of an
+                          active input: -1 for the lower and +1 for the upper bound */
+    uint16_t *order;   /* [inputs] index of the input to which each row of the Cholesky factor
+                          `factor` belongs; the dual active-set method uses it */
     pzs_real *voltage; /* [width >= inputs] present voltages of the optimiser (V) */
     pzs_real *lower, *upper; /* [width >= inputs] lower and upper bounds of the voltages in the
-                                present optimisation step (V) */
+                                present tick (V) */
     pzs_real *free_set; /* [width >= inputs] 1 for an input of the free set, 0 for one of the active
                            set; real numbers, because vector loops multiply by them */
     pzs_real *base; /* [width >= inputs] base voltages: the optimiser computes the gradient of the
                        objective as its value at these voltages plus the Hessian times (voltages -
                        base voltages) (V) */
-    pzs_real *regularisation_gradient; /* [width >= inputs] gradient of the regularisation:
-                                          regularisation weight times (base voltages - reference
-                                          voltages) (m2/V) */
-    pzs_real *target_gradient; /* [width >= inputs] gradient of the target: B'W^2 (e - B base), with
-                                  influence matrix B, output weights W, target error e and base
-                                  voltages `base` (m2/V) */
-    pzs_real *model_gradient;  /* [width >= inputs] Hessian times (voltages - base voltages) plus
-                                  regularisation_gradient (m2/V); after a round of iterations
-                                  computed from the Hessian, after a single full step that no bound
-                                  blocks predicted by the tableau (pivoted Hessian) */
-    pzs_real *gradient;        /* [width >= inputs] model_gradient - target_gradient: half the
-                                  gradient of the objective with respect to the voltages (m2/V) */
-    pzs_real *direction; /* [width >= inputs] for an input of the free set its search direction (V);
-                            for one of the active set its gradient after the step (m2/V) */
+    pzs_real *regularisation_gradient; /* [width >= inputs] part of half the gradient of the
+                                          objective: regularisation weight times (`base` voltages -
+                                          reference voltages) (m2/V) */
+    pzs_real *target_gradient; /* [width >= inputs] part of half the gradient of the objective, to
+                                  be subtracted: B'W^2 (e - B v), with influence matrix B, output
+                                  weights W, target error e, and v the voltages in `base` (m2/V) */
+    pzs_real *model_gradient;  /* [width >= inputs] part of half the gradient of the objective that
+                                  depends on the voltages: Hessian times (`voltage` - `base`) plus
+                                  `regularisation_gradient` (m2/V) */
+    pzs_real *gradient;  /* [width >= inputs] half the gradient of the objective with respect to the
+                            voltages: model_gradient minus target_gradient (m2/V) */
+    pzs_real *direction; /* [width >= inputs] for an input whose voltage is free, the optimiser's
+                            search direction (V); for an input whose voltage is kept at a bound,
+                            half the gradient of the objective after the step (m2/V) */
     pzs_real *diagonal;  /* [width >= inputs] diagonal of the Hessian of the objective (m2/V2) */
     pzs_real *start_voltage;  /* [width >= inputs] voltages at the start of the present round, a
-                                 sequence of iterations between two computations of the gradient
-                                 from the Hessian (V) */
-    pzs_real *start_gradient; /* [width >= inputs] half the gradient of the objective at the start
-                                 of the present round of iterations (m2/V) */
+                                 sequence of iterations of the optimiser that ends with a gradient
+                                 computed from the Hessian (V) */
+    pzs_real *start_gradient; /* [width >= inputs] half the gradient of the optimiser's objective at
+                                 the start of the present round, a sequence of iterations (m2/V) */
     /*
-     * [width >= inputs] voltages after a full step along the search direction (V); before the
-     * direction is known, the gradient of the free set (m2/V)
+     * [width >= inputs] voltages after a full step along the optimiser's search direction (V);
+     * before the direction is known, the gradient of the inputs whose voltages are free (m2/V)
      */
     pzs_real *next_voltage;
     pzs_real *scratch; /* [width >= inputs] work array of the optimiser; after the search direction
-                          is known, next_voltage minus base voltages (V) */
-    pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs of the
-                               free set (V2/m2); 0: not computed */
-    pzs_real inverse_trace_bound; /* upper bound of inverse_trace, the trace of the inverse of the
-                                     Hessian for the free set, that follows from the regularisation
-                                     weight (V2/m2); 0: there is none */
+                          is known, next_voltage minus `base` (V) */
+    pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs whose
+                               voltages are free (V2/m2); 0: not computed */
+    pzs_real inverse_trace_bound; /* upper bound, from the regularisation weight, of the trace of
+                                     the inverse of the Hessian restricted to the inputs whose
+                                     voltages are free (V2/m2); 0: there is none */
     /*
-     * an input counts as linearly dependent on the inputs of the free set if its pivot, divided by
-     * its diagonal entry of the Hessian, is below this number (1)
+     * threshold of linear dependence: an input whose pivot, divided by its diagonal entry of the
+     * Hessian, is below this number counts as a combination of the inputs whose voltages are free
+     * (1)
      */
     pzs_real pivot_floor;
-    pzs_real pivot_rounding;    /* dual method: estimated rounding error of the pivots of limit
-                                   rows (limits of sums of voltages) (V2/m2); 0: the voltage
-                                   problem has no limit rows */
-    pzs_real multiplier_change; /* dual method: sum of the changes of multipliers in the present
-                                   round of iterations, from which rounding errors of the voltages
-                                   are estimated (m2/V) */
-    pzs_real model_rounding; /* rounding-error bound of the entries of model_gradient, the part of
-                                the gradient that depends on the voltages (m2/V) */
-    pzs_real start_rounding; /* rounding-error bound of start_gradient, the gradient at the start of
-                                a round of iterations (m2/V) */
-    pzs_real target_rounding; /* rounding-error bound of target_gradient, the part of the gradient
-                                 that depends on the target (m2/V) */
+    pzs_real pivot_rounding; /* estimated rounding error of the pivots that belong to limits of sums
+                                of voltages in the dual active-set method (V2/m2); 0: no sums are
+                                limited */
+    pzs_real multiplier_change; /* sum of the changes of the Lagrange multipliers in the present
+                                   round of iterations of the dual active-set method, from which
+                                   rounding errors of the voltages are estimated (m2/V) */
+    pzs_real model_rounding;  /* rounding-error bound of the entries of model_gradient, the part of
+                                 half the gradient of the objective that depends on the voltages
+                                 (m2/V) */
+    pzs_real start_rounding;  /* rounding-error bound of the gradient at the start of the present
+                                 round, a sequence of iterations of the optimiser (m2/V) */
+    pzs_real target_rounding; /* rounding-error bound of target_gradient, the part of half the
+                                 gradient of the objective that depends on the target shape (m2/V)
+                               */
     pzs_real target_energy;   /* weighted squared norm of the target error (target shape minus the
                                  shape without voltages), with which rounding errors of the
                                  objective are compared (m2) */
-    pzs_real kkt_violation; /* violation of the optimality (KKT) conditions (m2/V): after a round of
-                               iterations the largest of all inputs; after a single full step that
-                               no bound blocks the sum of the differences between the predicted
-                               gradient and the gradient computed from the Hessian, of the two
-                               inputs for which both were compared */
-    pzs_real rounding_bound; /* bound below which rounding errors explain a violation of the
-                                optimality (KKT) conditions (m2/V) */
-    uint32_t active_count;   /* number of inputs in the active set, whose voltages are kept constant
-                              */
-    uint32_t active_most;   /* dual method: largest number of inputs that the active set may hold */
-    uint32_t checked_next;  /* index of the next input for which the gradient is computed exactly to
-                               verify the tableau (pivoted Hessian) */
+    pzs_real kkt_violation;   /* largest violation of the optimality (KKT) conditions by an input
+                                 (m2/V); where the gradient was predicted by the tableau (pivoted
+                                 Hessian), instead the sum of the errors of this prediction for the
+                                 two inputs that were checked */
+    pzs_real rounding_bound;  /* bound below which rounding errors explain a violation of the
+                                 optimality (KKT) conditions (m2/V) */
+    uint32_t active_count; /* number of inputs in the active set, whose voltages are kept constant
+                            */
+    uint32_t active_most;  /* largest number of inputs that the dual active-set method may keep at a
+                              bound */
+    uint32_t checked_next; /* index of the next input whose gradient is computed from the Hessian,
+                              to verify the gradient that the tableau (pivoted Hessian) predicts */
     uint32_t pending_count; /* number of pivot exchanges collected but not yet applied to the
                                tableau (pivoted Hessian) */
     uint32_t pending_most;  /* largest number of pivot exchanges that are collected before they are
@@ -194,57 +200,57 @@ typedef struct pzs_optimiser {
     uint32_t exchanges; /* number of pivot exchanges (moves of an input between free and active set)
                            since the tableau (pivoted Hessian) was last computed from the Hessian */
     uint32_t rebuilds;  /* number of times that the tableau (pivoted Hessian) was computed anew from
-                           the Hessian in this optimisation step */
+                           the Hessian in this tick */
     pzs_exchange collected[PZS_PENDING];
     bool is_rebuilding; /* whether the tableau (pivoted Hessian) is incomplete, because some inputs
-                           that are to join the free set again are not yet exchanged */
-    bool is_predicted; /* whether model_gradient was predicted by the tableau (pivoted Hessian), not
-                          computed from the Hessian; during a round of iterations: whether it was
-                          predicted at the start of the round */
-    bool is_cut; /* whether the last optimisation step stopped at its work limit before the optimum
-                  */
-    bool is_fresh; /* whether the tableau (pivoted Hessian) has been computed anew from the Hessian
-                      since the last round of iterations that ended at the optimum */
-    bool is_verified; /* whether the last round of iterations with the present tableau (pivoted
-                         Hessian) ended at the optimum */
-    bool is_dual;     /* whether the tableau (pivoted Hessian) is the negative inverse of the whole
-                         Hessian and is not exchanged, because the dual method handles the active
-                         set */
+                           whose voltages are to become free again are not yet exchanged */
+    bool is_predicted;  /* whether model_gradient, the part of the gradient that depends on the
+                           voltages, was predicted by the tableau (pivoted Hessian) and not computed
+                           from the Hessian */
+    bool is_cut;   /* whether the optimiser stopped at its work limit before the optimum in the last
+                      tick */
+    bool is_fresh; /* whether the tableau (pivoted Hessian) was computed anew from the Hessian after
+                      the optimiser last found an optimum */
+    bool is_verified; /* whether the optimiser has found an optimum with the present tableau
+                         (pivoted Hessian) */
+    bool is_dual; /* whether the optimiser uses the dual active-set method, for which the tableau
+                     stays the negative inverse of the whole Hessian */
     bool is_optimal;
 } pzs_optimiser;
 
 /*
- * Optimiser for a voltage optimisation problem with limit rows (limits of weighted sums of
- * voltages). Each vector has one entry for each input, followed by one for each limit row, and is
- * padded to the length `width`.
+ * Optimiser for voltages of which weighted sums are limited, too (`rows` limits of sums). Each
+ * vector has one entry for each input, followed by one for each limited sum, and is padded to the
+ * length `width`.
  */
 typedef struct pzs_row_solver {
     pzs_optimiser extended; /* state of the active-set optimiser, in whose matrices and vectors the
-                               limit rows (limits of sums of voltages) follow the inputs */
-    pzs_real *scale;   /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
-                          reciprocal of its largest absolute coefficient, by which the optimiser
-                          multiplies the row; for an input the sign (1 or -1) that its voltage keeps
-                          while the optimiser treats the limits of sums of absolute values as limits
-                          of sums with these signs */
-    pzs_real *margin;  /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
-                          distance by which the optimiser narrows the row, so that its sum is inside
-                          its limits despite rounding errors; for an input the largest of these
-                          distances (V) */
-    pzs_real gap;      /* upper bound of the distance of half the objective from its minimum (m2) */
-    pzs_real last_gap; /* `gap` at the start of the last round of iterations if that round lowered
-                          the objective by no more than its rounding error, else infinity (m2) */
-    pzs_real least_curvature; /* smallest diagonal entry that the Hessian may have after a shift of
-                                 its diagonal by the optimiser, relative to its largest diagonal
-                                 entry (1); 0: the Hessian is not shifted */
+                               entries of the limited sums of voltages follow those of the inputs */
+    pzs_real *scale;  /* [width >= inputs + rows] for a limited sum of voltages, the reciprocal of
+                         its largest absolute coefficient: the optimiser multiplies the sum by this
+                         number; for an input, the sign (1 or -1) that its voltage keeps while sums
+                         of absolute values are treated as sums of voltages with these signs */
+    pzs_real *margin; /* [width >= inputs + rows] for a limited sum of voltages, the distance by
+                         which the optimiser narrows its limits, so that the sum is inside them
+                         despite rounding errors; for an input, the largest of these distances (V)
+                       */
+    pzs_real gap; /* duality gap: upper bound of the distance of half the optimiser's objective from
+                     its minimum (m2) */
+    pzs_real last_gap; /* duality gap (upper bound of the distance of half the objective from its
+                          minimum) at the start of the optimiser's last round of iterations, if that
+                          round lowered the objective by no more than its rounding error; else
+                          infinity (m2) */
+    pzs_real least_curvature; /* size of the shift that the optimiser may add to the diagonal of the
+                                 Hessian: smallest diagonal entry after the shift, relative to the
+                                 largest one (1); 0: no shift */
     pzs_real least_rounding;  /* rounding-error bound of the violation of the optimality (KKT)
-                                 conditions at the start of the optimisation step (m2/V); 0: not yet
-                                 computed */
-    uint32_t failures; /* number of rounds of iterations in this optimisation step that did not
-                          lower the objective */
+                                 conditions at the start of the tick (m2/V); 0: not yet computed */
+    uint32_t failures; /* number of rounds (sequences of iterations of the optimiser) in this tick
+                          that did not lower the objective */
 } pzs_row_solver;
 
 /*
- * One array of a constant table whose checksum is compared while the control loop runs; an absent
+ * One array of a constant table whose checksum is verified while the control loop runs; an absent
  * array has 0 bytes.
  */
 typedef struct pzs_table_part {
@@ -252,7 +258,7 @@ typedef struct pzs_table_part {
     size_t bytes;
 } pzs_table_part;
 
-/* Largest number of arrays in the constant tables of a block of the loop. */
+/* Largest number of arrays in the constant tables of a block (stage of the control tick). */
 #define PZS_TABLE_PARTS 14u
 
 /*
@@ -271,25 +277,24 @@ typedef struct pzs_scrub {
 
 /*
  * Results of the controller that are out of date because voltages were changed otherwise than by
- * pzs_step.
+ * the optimiser.
  */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
-    PZS_BEHIND_PREDICTION, /* the predicted shape, info.predicted of the controller, is out of date,
-                              because voltages were changed outside an optimisation step */
-    PZS_BEHIND_GRADIENT /* the predicted shape, info.predicted of the controller, and the gradient
-                           of its optimiser are out of date, because voltages were changed outside a
-                           optimisation step */
+    PZS_BEHIND_PREDICTION, /* the shape that the controller predicts for its voltages,
+                              info.predicted, is out of date */
+    PZS_BEHIND_GRADIENT /* the shape that the controller predicts for its voltages, info.predicted,
+                           and the gradient of its optimiser are out of date */
 } pzs_control_behind;
 
 typedef struct pzs_control_state {
     const struct pzs_problem *problem;
-    const pzs_real *influence; /* [outputs][inputs] influence matrix in use, passed to
-                                  pzs_control_init or taken from the voltage optimisation problem
-                                  (m/V) */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix in use: the one passed to
+                                  pzs_control_init, or that of pzs_problem (m/V) */
     pzs_optimiser optimiser;
-    pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables, narrowed by
-                                pzs_hold (V) */
+    pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of pzs_problem; for an input
+                                that pzs_hold keeps at a voltage, both limits are this voltage (V)
+                              */
     pzs_real *held[3];   /* [inputs] voltage at which pzs_hold keeps an input (V); NaN: the input is
                             not held. Three copies are stored, so that two outvote a damaged
                             third */
@@ -298,7 +303,7 @@ typedef struct pzs_control_state {
     pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
     pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
     pzs_real *step_limit;  /* [inputs] step limits: largest change of the voltage on each input in
-                              one optimisation step of the controller (V) */
+                              one tick (V) */
     pzs_real *weighted; /* [2][outputs] first row: work array for the squared output weights times
                            (target shape - expected shape) (m); second row: expected measurements,
                            the predicted shape plus the last difference between measured and
@@ -307,51 +312,53 @@ typedef struct pzs_control_state {
                            its output should have moved */
     uint8_t *faulty;    /* [inputs] 1: the fault detector keeps the voltage of the input constant
                            because the shape did not respond to it; otherwise 0 */
-    const pzs_real *damping; /* [inputs] damping gradient, which a control step that also damps
-                                vibration subtracts from the gradient of the objective (m2/V); NULL:
-                                no damping */
+    const pzs_real *damping; /* [inputs] damping gradient: term that a tick which also damps
+                                vibration subtracts from half the gradient of its objective, so that
+                                the voltages take energy out of the vibration (m2/V); NULL: no
+                                damping */
     pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not made
                         because of their converter steps and dead band (V); NULL: such parts are
                         ignored */
-    pzs_real share;  /* factor, from 0 to 1, by which a control step that also damps
-                        vibration multiplies the gradient of the objective */
-    pzs_real base_energy; /* weighted squared norm of the shape at the base voltages, around which
-                             the optimiser linearises (m2) */
+    pzs_real share; /* factor, from 0 to 1, by which a tick that also damps vibration multiplies the
+                       gradient of the objective */
+    pzs_real base_energy;    /* weighted squared norm of the shape at the voltages in
+                                pzs_optimiser.base, around which the gradient is computed (m2) */
     pzs_real largest_column; /* square root of the largest diagonal entry of the Hessian: the
                                 largest weighted norm of a column of the influence matrix (m/V) */
     bool is_paused; /* true while a fault detector measures the response to a test pulse: the ticks
                        of the loop then damp vibration, but do not follow target and loads */
-    bool has_step_limits; /* whether at least one step limit is shorter than the distance between
-                             the voltage limits of its input */
+    bool has_step_limits; /* whether a step limit (largest change of a voltage in a tick) is shorter
+                             than the distance between the voltage limits of its input */
     pzs_control_behind behind;
-    uint16_t scrub_row; /* index of the row of the Hessian that the next tick checks for damage
-                           against the voltage optimisation problem */
+    uint16_t scrub_row; /* index of the row of the optimiser's Hessian that the next tick compares
+                           with its source, the constant tables, to find and repair damaged memory
+                         */
     void *work;         /* workspace (memory of the caller) that was passed to pzs_control_init */
-    pzs_row_solver *row_solver; /* optimiser for voltage optimisation problems with limit rows
-                                   (limits of weighted sums of voltages); NULL: the problem has no
-                                   limit rows
-                                 */
+    pzs_row_solver *row_solver; /* optimiser where weighted sums of voltages are limited; NULL: no
+                                   sums are limited */
     uint8_t stage;
 } pzs_control_state;
 
 /*
- * One test of the fault detector: an electrode is set to two voltages in turn to see whether the
- * shape responds.
+ * One test of the fault detector for electrodes: the voltage of an electrode alternates between two
+ * values to see whether the shape responds.
  */
 typedef struct pzs_test_signal {
     uint16_t input;         /* index of the input whose electrode is tested; 0xFFFF: no test */
-    uint8_t shapes, moves;  /* number of measured shapes and number of voltage changes in this test
-                               of an electrode so far */
-    bool is_upper, is_dead; /* is_upper: whether the upper of the two test voltages is applied now;
-                               is_dead: whether the electrode seems to be at 0 V rather than stuck
-                               at another voltage */
+    uint8_t shapes, moves;  /* number of measured shapes, and number of voltage changes, since the
+                               fault detector began to test the electrode */
+    bool is_upper, is_dead; /* is_upper: whether the upper of the two test voltages of an electrode
+                               is applied now; is_dead: whether the electrode seems to be at 0 V
+                               rather than stuck at another voltage */
     pzs_real middle, set;   /* mean of the two test voltages of an electrode, and the test voltage
                                applied now (V) */
-    pzs_real lower, upper;  /* lower and upper voltage limit of the electrode before the test (V) */
+    pzs_real lower, upper;  /* lower and upper voltage limit that an electrode has when the fault
+                               detector does not test it (V) */
     pzs_real sum, square, response_sum,
-        response_square; /* sum of the changes of the electrode's voltage in this test and of their
-                            squares, and sum of the changes that the measured shape indicates and of
-                            their squares (V, V2) */
+        response_square; /* sums over the changes of the voltage of the electrode that the fault
+                            detector tests: of the commanded changes and of their squares (sum,
+                            square), of the changes that the measured shape indicates and of their
+                            squares (response_sum, response_square) (V, V2) */
 } pzs_test_signal;
 
 /* Largest number of electrodes that the fault detector tests at the same time. */
@@ -371,87 +378,102 @@ typedef struct pzs_fault_detector_state {
     pzs_real *deviation;      /* [inputs] change of each electrode's voltage since the last measured
                                  shape, estimated from the shape by least squares, minus the
                                  commanded change (V) */
-    pzs_real *moved, *response; /* [inputs] exponentially decaying sums of squared voltage changes
-                                   over the measured shapes: `moved` of the commanded changes,
-                                   `response` of the changes that the shape indicates (V2) */
-    pzs_real *lost_voltage; /* [inputs] exponentially decaying sum of `deviation` over the measured
-                               shapes: the voltage that each electrode seems to have lost (V) */
-    pzs_real *disturbance;  /* [outputs] measured minus predicted shape at the time of the last
-                               measured shape (m) */
-    pzs_real *change;       /* [outputs] squared output weight times the change of (measured minus
-                               predicted shape) since the last measured shape (m) */
-    uint8_t *electrode;     /* [inputs] state of each electrode in the fault detector, a value of
-                               pzs_electrode_state */
+    pzs_real *moved, *response; /* [inputs] exponentially decaying sums over the measured shapes of
+                                   squared voltage changes of each electrode: `moved` of the
+                                   commanded changes, `response` of the changes that the shape
+                                   indicates (V2) */
+    /*
+     * [inputs] voltage that each electrode seems to have lost: exponentially decaying sum of the
+     * differences between two changes of its voltage, the one that the measured shape indicates and
+     * the commanded one (V)
+     */
+    pzs_real *lost_voltage;
+    pzs_real *disturbance; /* [outputs] measured minus predicted shape at the time of the last
+                              measured shape (m) */
+    pzs_real *change;      /* [outputs] squared output weight times the change of (measured minus
+                              predicted shape) since the last measured shape (m) */
+    uint8_t *electrode;    /* [inputs] state of each electrode in the fault detector, a value of
+                              pzs_electrode_state */
     uint8_t *missing; /* [outputs] bit 0: the output was not measured in the last measured shape;
                          bit 1: the output is excluded from the least-squares estimate of the
                          electrode voltages */
     uint8_t *pause;   /* [inputs] number of measured shapes to come in which an electrode that has
                          passed its test is not suspected */
     pzs_test_signal test[PZS_TEST_SIGNALS];
-    pzs_real ridge; /* regularisation of the least-squares estimate of electrode voltages, relative
-                       to the diagonal of its matrix (1) */
+    pzs_real ridge; /* weight of the regularisation in the least-squares estimate of electrode
+                       voltages from the measured shape, relative to the diagonal of the normal
+                       matrix (1) */
     uint16_t delay, oldest;
-    bool is_stale; /* whether the set of measured outputs has changed since the matrix for the
-                      least-squares estimate of electrode voltages was factored */
+    bool is_stale; /* whether other outputs are measured than when the matrix of the least-squares
+                      estimate of electrode voltages was factored */
     uint8_t stage;
 } pzs_fault_detector_state;
 
 typedef struct pzs_pulse_detector_state {
     struct pzs_control *control;
     const struct pzs_selftest_tables *tables;
-    const pzs_real *direct;  /* [sensors][inputs] static reading of each sensor per volt on each
-                                input (unit of each sensor / V) */
-    pzs_envelope columns;    /* L D L^T factors of the matrix of the least-squares estimate of the
-                                voltages that electrodes have lost (1/V2): D'S^2 D plus
-                                regularisation, with the static readings D per volt and the scales
-                                S of the sensors */
-    pzs_real *diagonal;      /* [inputs] diagonal of D'S^2 D without regularisation, with the static
-                                readings D per volt and the scales S of the sensors (1/V2) */
-    pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present window (in which
-                                readings are averaged) or test pulse; after a window the mean
-                                voltages (V) */
-    pzs_real *voltage;       /* [inputs] weighted sum of the voltages minus those of the first tick,
-                                over the present window (in which readings are averaged) or test
-                                pulse (V) */
-    pzs_real *late_voltage;  /* [inputs] sum over the present test pulse of the voltages minus those
-                                of its first tick, each times a weight that is antisymmetric in time
-                                about the middle of the pulse (V) */
-    pzs_real *effect;        /* [inputs] effects of the voltages of the last tick by the identified
-                                model of hysteresis (V) */
-    pzs_real *cleared_loss;  /* [inputs] voltage that each electrode seemed to have lost when
-                                the fault detector last suspected it (V) */
-    pzs_real *base_voltage;  /* [inputs] mean voltages of an earlier standstill of the target (V) */
-    pzs_real *move; /* [inputs] mean voltages of the last window (in which readings were averaged)
-                       minus those of an earlier standstill of the target; during the evaluation of
-                       a test pulse `late_voltage` times the measured gain of each electrode (V) */
-    pzs_real *loss; /* [inputs] voltages that the electrodes seem to have lost between an
-                       earlier standstill of the target and the last window (in which
-                       readings were averaged) (V) */
+    const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
+                               input (unit of each sensor / V) */
+    pzs_envelope columns; /* L D L^T factors of D'S^2 D plus regularisation (1/V2), with the static
+                             readings D per volt and the scales S of the sensors: the matrix of the
+                             least-squares estimate of the voltages that amplifiers gave but that do
+                             not show in the readings */
+    pzs_real *diagonal;   /* [inputs] diagonal of D'S^2 D without regularisation, with the static
+                             readings D per volt and the scales S of the sensors (1/V2) */
+    pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present window (interval
+                                in which readings are averaged) or test pulse; after a window its
+                                mean voltages (V) */
+    /*
+     * [inputs] sum over the ticks of the present window (interval in which readings are averaged)
+     * or test pulse of the voltage minus that of the first tick, times the weight of the tick in
+     * the mean (V)
+     */
+    pzs_real *voltage;
+    pzs_real *late_voltage; /* [inputs] sum over the present test pulse of the voltages minus those
+                               of its first tick, each times a weight that is antisymmetric in time
+                               about the middle of the pulse (V) */
+    pzs_real *effect; /* [inputs] effects of the voltages of the last tick by the identified model
+                         of hysteresis: the voltages that electrodes without hysteresis would need
+                         for the same displacement (V) */
+    pzs_real *cleared_loss; /* [inputs] difference between the voltage given to each electrode and
+                               the voltage that the readings showed, when the fault detector last
+                               suspected the electrode (V) */
+    pzs_real *base_voltage; /* [inputs] mean voltages of an earlier interval in which the target
+                               shape stood still (V) */
+    pzs_real *move; /* [inputs] mean voltages of the last window (interval in which readings are
+                       averaged) minus those of an earlier interval in which the target shape stood
+                       still; while a test pulse is evaluated, work array (V) */
+    pzs_real *loss; /* [inputs] change of the voltage given to each electrode minus the change that
+                       the readings show, from an earlier interval in which the target shape stood
+                       still to the last window of averaged readings (V) */
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */
-    pzs_real *first_reading; /* [sensors] readings in the first tick of the present window, in which
-                                readings are averaged, or test pulse; after a window the mean
-                                readings (unit of each sensor) */
-    pzs_real *reading;      /* [sensors] weighted sum over the present window, in which readings are
-                               averaged, or test pulse of the readings minus those of its first tick
-                               (unit of each sensor) */
+    pzs_real *first_reading; /* [sensors] readings in the first tick of the present window (interval
+                                in which readings are averaged) or test pulse; after a window its
+                                mean readings (unit of each sensor) */
+    /*
+     * [sensors] sum over the ticks of the present window (interval in which readings are averaged)
+     * or test pulse of the reading minus that of the first tick, times the weight of the tick in
+     * the mean (unit of each sensor)
+     */
+    pzs_real *reading;
     pzs_real *late_reading; /* [sensors] sum over the present test pulse of the readings minus those
                                of its first tick, each times a weight that is antisymmetric in time
                                about the middle of the pulse (unit of each sensor) */
-    pzs_real *base_reading; /* [sensors] mean readings of an earlier standstill of the target (unit
-                               of each sensor) */
-    pzs_real *difference;   /* [sensors] change of the readings since an earlier standstill of the
-                               target that the voltages do not explain; during the evaluation of a
-                               test pulse the part of `late_reading` that the voltages explain (unit
-                               of each sensor) */
-    pzs_real *wanted;    /* [outputs] target shape of the last tick in which the target moved (m) */
-    uint8_t *electrode;  /* [inputs] state of each electrode, a value of pzs_electrode_state */
-    uint8_t *fault;      /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
-    uint8_t *pause;      /* [inputs] number of further windows (in which readings are averaged)
-                            during which an electrode that has passed its test is not suspected */
-    uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present window (in which
-                            readings are averaged) or test pulse */
-    pzs_real ridge; /* regularisation in the least-squares estimate of the voltages that electrodes
-                       have lost (1/V2) */
+    pzs_real *base_reading; /* [sensors] mean readings of an earlier interval in which the target
+                               shape stood still (unit of each sensor) */
+    pzs_real *difference;   /* [sensors] part of the change of the readings that the voltages do not
+                               explain, since an earlier interval in which the target shape stood
+                               still; while a test pulse is evaluated, work array (unit of each
+                               sensor) */
+    pzs_real *wanted;   /* [outputs] target shape of the last tick in which the target moved (m) */
+    uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
+    uint8_t *fault;     /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
+    uint8_t *pause; /* [inputs] number of further windows (intervals in which readings are averaged)
+                       during which an electrode that has passed its test is not suspected */
+    uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present window (interval in
+                            which readings are averaged) or test pulse */
+    pzs_real ridge; /* weight of the regularisation in the least-squares estimate of the voltages
+                       that amplifiers gave but that do not show in the readings (1/V2) */
     pzs_real least_energy;     /* sum of the squared weighted output changes that a full test pulse
                                   causes, for the input with the smallest sum (m2) */
     pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
@@ -459,19 +481,20 @@ typedef struct pzs_pulse_detector_state {
                                   (start), and in the next tick (set) (V) */
     pzs_real height[2]; /* heights of the voltage pulses that test two electrodes: the one suspected
                            of a fault [0] and the healthy one with which it is compared [1] (V) */
-    pzs_real suspect_voltage; /* voltage of the electrode suspected of a fault (V), averaged over
-                                 the window of ticks in which it was first suspected */
+    pzs_real suspect_voltage; /* voltage of the electrode suspected of a fault, averaged over the
+                                 interval in which it was first suspected (V) */
     pzs_real suspect_move; /* change of the mean voltage of the electrode suspected of a fault, from
-                              an earlier standstill of the target to the time when it was first
+                              an earlier interval in which the target shape stood still to the
+                              interval in which it was first suspected (V) */
+    pzs_real suspect_loss; /* difference between the voltage given to the electrode suspected of a
+                              fault and the voltage that the readings showed, when it was first
                               suspected (V) */
-    pzs_real suspect_loss; /* voltage that the electrode suspected of a fault seemed to have lost
-                              when it was first suspected (V) */
-    uint32_t position; /* number of ticks since the fault detector began its present phase: a window
-                          in which readings are averaged, or a test pulse */
+    uint32_t position;     /* number of ticks since the fault detector began its present window
+                              (interval in which readings are averaged) or test pulse */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
                                     fault, and the healthy one with which it is compared; 0xFFFF:
                                     none */
-    uint8_t phase; /* what the fault detector does now: average readings, or make test pulses */
+    uint8_t phase; /* activity of the fault detector: averaging readings, or making test pulses */
     uint8_t tries; /* number of unsuccessful test pulses in the test of a suspected electrode: those
                       that were disturbed, and those to which the electrode taken as healthy did not
                       respond */
@@ -480,11 +503,11 @@ typedef struct pzs_pulse_detector_state {
     bool is_grown;  /* whether test pulses are large, because neither electrode under test responded
                        to small ones */
     bool is_compensated; /* whether the loop compensates hysteresis */
-    bool is_moving; /* whether the target has moved in the present window, in which readings are
-                       averaged */
-    bool has_base, has_taken; /* has_base: there was a standstill of the target with which later
-                                 readings are compared; has_taken: the fault detector sets the
-                                 voltages of the two electrodes under test */
+    bool is_moving; /* whether the target shape has changed in the present window, the interval in
+                       which readings are averaged */
+    bool has_base, has_taken; /* has_base: there was an interval in which the target shape stood
+                                 still, with which later readings are compared; has_taken: the fault
+                                 detector sets the voltages of the two electrodes under test */
 } pzs_pulse_detector_state;
 
 typedef struct pzs_estimate_state {
@@ -502,12 +525,12 @@ typedef struct pzs_estimate_state {
 typedef struct pzs_damper_state {
     struct pzs_control *control;
     const struct pzs_vibration *tables;
-    pzs_real *late; /* [3][width >= modes] state of the vibration modes at the time of the readings:
-                       modal position, modal velocity divided by angular frequency, and static modal
-                       position under the loads (m) */
-    pzs_real *now;  /* [3][width >= modes] state of the vibration modes at the present tick: modal
-                       position, modal velocity divided by angular frequency, and static modal
-                       position under the loads (m) */
+    pzs_real *late; /* [3][width >= modes] estimated state of the vibration modes at the time of the
+                       readings: modal position, modal velocity divided by angular frequency, and
+                       static modal position under the loads (m) */
+    pzs_real *now;  /* [3][width >= modes] estimated state of the vibration modes at the present
+                       tick: modal position, modal velocity divided by angular frequency, and static
+                       modal position under the loads (m) */
     pzs_real *velocity_before; /* [width >= modes] velocity of each vibration mode divided by its
                                   angular frequency, at the last tick (m) */
     pzs_real *residual_modes;  /* [width >= modes] coordinates of the vibration modes that fit the
@@ -526,8 +549,9 @@ typedef struct pzs_damper_state {
     pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
     pzs_real *residual; /* [sensors] low-passed innovation: reading minus predicted reading (unit of
                            each sensor) */
-    pzs_real *damping;  /* [inputs] damping gradient, which the control step subtracts from the
-                           gradient of its objective (m2/V) */
+    pzs_real *damping;  /* [inputs] damping gradient: term that a tick which damps vibration
+                           subtracts from half the gradient of its objective, so that the voltages
+                           take energy out of the vibration (m2/V) */
     pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
@@ -589,16 +613,16 @@ typedef struct pzs_supervisor_core {
     uint32_t mode;   /* present operating mode of the supervisor, a value of pzs_supervisor_mode */
     uint32_t obeyed; /* last command of the program that the supervisor has carried out: 256 times a
                         command counter plus the command */
-    uint32_t is_flat;   /* end of the ramps on which the supervisor moves the voltages; 1:
-                           reference voltages of the voltage optimisation problem; 0: park voltages,
-                           the safe   voltages of the amplifiers in the tables */
+    uint32_t is_flat;   /* end of the ramps on which the supervisor moves the voltages: 1 for the
+                           reference voltages of the optimisation (pzs_problem), 0 for the park
+                           voltages (safe voltages in the supervisor's tables) */
     uint32_t remaining; /* number of ticks until the end of the ramp on which the supervisor moves
                            the voltages; 0: no ramp */
     uint32_t silent;    /* number of consecutive ticks without usable readings */
-    uint32_t over;      /* counter that a tick with an implausible measured shape raises by one and
-                           another tick lowers by two */
-    uint32_t cause; /* event that has taken control away, a value of pzs_supervisor_event; 0: none
-                     */
+    uint32_t over;      /* number by which the supervisor judges the measured shape: a tick with an
+                           implausible shape raises it by one, any other tick lowers it by two */
+    uint32_t cause;     /* event for which the supervisor has taken control away, a value of
+                           pzs_supervisor_event; 0: none */
 } pzs_supervisor_core;
 
 /*
@@ -645,42 +669,51 @@ typedef struct pzs_amplifier_state {
 } pzs_amplifier_state;
 
 /*
- * Progress of a self-test. All members are 32-bit words without padding, because three copies of
- * the struct are compared word by word.
+ * Progress of a self-test, which tests amplifiers, electrodes, cables and sensors by test pulses.
+ * All members are 32-bit words without padding, because three copies of the struct are compared
+ * word by word.
  */
 typedef struct pzs_selftest_core {
     uint32_t position;  /* number of ticks of the self-test so far */
     uint32_t verdict;   /* result of the self-test, a value of pzs_selftest_verdict */
     uint32_t disturbed; /* 1: noise or vibration hides the response of at least one amplifier to its
                            test pulse */
-    uint32_t stage;     /* stage of the self-test's evaluation of the measured responses; its first
-                           stage is 0 */
-    uint32_t step;      /* number of comparisons of responses so far in the present stage of the
-                           self-test's evaluation */
-    uint32_t pair; /* amplifier or sensor of which the self-test's evaluation asks whether its cable
-                      is exchanged with another one: index among the amplifiers and sensors, the
-                      kind with fewer first */
-    uint32_t nearest;  /* index of the amplifier (or sensor) whose modelled response is, so far,
-                          nearest to the measured response that the evaluation compares with all */
-    uint32_t searches; /* number of faults that the self-test's evaluation has found by searching
-                          for the amplifier or sensor whose response differs most from the model */
+    uint32_t stage;     /* stage, from 0, of the self-test's evaluation, which compares the measured
+                           responses of all sensors to all amplifiers with the modelled ones */
+    uint32_t step; /* number of comparisons between measured and modelled responses of sensors to
+                      amplifiers that the self-test has made so far in the present stage of its
+                      evaluation */
+    /*
+     * amplifier or sensor of which the self-test checks whether its cable is exchanged with another
+     * one: index in a list of all amplifiers and sensors, in which the kind with fewer members
+     * comes first
+     */
+    uint32_t pair;
+    uint32_t nearest;  /* index of the amplifier (or sensor) whose modelled response is, so far, the
+                          nearest to the measured response that the self-test compares with the
+                          modelled responses of all amplifiers (or sensors) */
+    uint32_t searches; /* number of faults that the self-test has found by searching for the
+                          amplifier or sensor whose measured response differs most from the model */
 } pzs_selftest_core;
 
 /*
- * Sums over the entries of a measured and of a modelled column (responses of all sensors to one
- * amplifier) or row (responses of one sensor to all amplifiers) of the matrix of responses. Each
- * entry is multiplied by the scale of its sensor.
+ * Sums with which the self-test compares a measured and a modelled response: of all sensors to one
+ * amplifier, or of one sensor to all amplifiers. Each response is multiplied by the scale of its
+ * sensor.
  */
 typedef struct pzs_selftest_sums {
-    pzs_real product;  /* sum of the products of measured and modelled responses (1/V2) */
-    pzs_real size;     /* sum of the absolute values of the products of measured and modelled
-                          responses (1/V2) */
-    pzs_real measured; /* sum of the squared measured responses of the sensors to the amplifiers
-                          (1/V2) */
-    pzs_real modelled; /* sum of the squared responses that the model predicts, each times the
-                          scale of its sensor (1/V2) */
-    pzs_real noise;    /* expected contribution of noise and vibration to the sum of the squared
-                          measured responses (1/V2) */
+    pzs_real product; /* sum of the products of measured and modelled responses over the sensors
+                         (for one amplifier) or the amplifiers (for one sensor) of a self-test
+                         (1/V2) */
+    pzs_real size; /* sum of the absolute values of the products of measured and modelled responses
+                      over the sensors (for one amplifier) or the amplifiers (for one sensor) of a
+                      self-test (1/V2) */
+    pzs_real measured; /* sum of the squares of the measured responses of sensors to amplifiers in a
+                          self-test (1/V2) */
+    pzs_real modelled; /* sum of the squares of the modelled responses of sensors to amplifiers in a
+                          self-test (1/V2) */
+    pzs_real noise; /* expected contribution of noise and vibration to the sum of the squares of the
+                       measured responses of sensors to amplifiers in a self-test (1/V2) */
 } pzs_selftest_sums;
 
 typedef struct pzs_selftest_state {
@@ -692,9 +725,9 @@ typedef struct pzs_selftest_state {
                                input (unit of each sensor / V) */
     struct pzs_wiring *amplifier; /* [inputs] finding of the self-test about each amplifier */
     struct pzs_wiring *sensor;    /* [sensors] finding of the self-test about each sensor */
-    pzs_real *response; /* [inputs][sensors] measured response of each sensor to each amplifier,
-                           times the scale factor that makes sensors of different units comparable
-                           (1/V) */
+    pzs_real *response; /* [inputs][sensors] measured response of each sensor to the test pulse of
+                           each amplifier: change of the reading per volt, times the factor that
+                           makes sensors of different units comparable (1/V) */
     pzs_real *first; /* [sensors] first finite reading of each sensor in the self-test (unit of each
                         sensor) */
     pzs_real *last;  /* [sensors] last finite reading of each sensor in the self-test; NaN: there is
@@ -704,42 +737,46 @@ typedef struct pzs_selftest_state {
     pzs_real *noise;  /* [sensors] sum of the squared second differences of the readings of each
                          sensor; after the measurement the variance of its noise (squared unit of
                          each sensor) */
-    pzs_real *even;   /* [sensors] sum of the readings of each sensor during the present test pulse,
-                         each times the weight of its tick, weights that are symmetric in time about
-                         the middle of the pulse (unit of each sensor) */
-    pzs_real *odd;    /* [sensors] sum of the readings of each sensor during the present test pulse,
-                         each times the weight of its tick, weights that are antisymmetric in time
-                         about the middle of the pulse (unit of each sensor) */
-    pzs_real *null;   /* [sensors] largest squared response of each sensor to noise and vibration,
-                         measured while no amplifier moved, times the squared height of a pulse
-                         (squared unit of each sensor) */
-    pzs_real *start;  /* [inputs] voltages before the self-test, to which each amplifier returns
-                         after its test pulse (V) */
-    pzs_real difference[2]; /* largest squared difference between the measured response of an
-                               amplifier [0], or of a sensor [1], and the modelled response (1/V2)
-                             */
+    pzs_real *even; /* [sensors] sum over the ticks of the present test pulse of the reading of each
+                       sensor times the weight of the tick; the weights are symmetric in time about
+                       the middle of the pulse (unit of each sensor) */
+    pzs_real *odd;  /* [sensors] sum over the ticks of the present test pulse of the reading of each
+                       sensor times the weight of the tick; the weights are antisymmetric in time
+                       about the middle of the pulse (unit of each sensor) */
+    pzs_real *null; /* [sensors] largest squared response of each sensor to noise and vibration,
+                       measured while no amplifier moved, times the squared height of a pulse
+                       (squared unit of each sensor) */
+    pzs_real *start; /* [inputs] voltages before the self-test, to which each amplifier returns
+                        after its test pulse (V) */
+    pzs_real difference[2]; /* largest squared difference, over all amplifiers [0] and over all
+                               sensors [1], between the measured and the modelled response (1/V2) */
     pzs_real least_angle;   /* smallest squared sine, so far, of the angle between the modelled
-                               response of an amplifier (or sensor) and those of all others (1) */
-    pzs_selftest_sums own, nearest; /* measured response of the amplifier (or sensor) that the
-                                       evaluation compares with all modelled ones, against its own
-                                       modelled response, and against the nearest one so far */
-    pzs_selftest_sums partner_own, partner_nearest; /* measured response of the amplifier (or
-                                       sensor) with this nearest modelled response, against its own
-                                       modelled response, and against that of the first one */
-    uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs
-                          most from the model; PZS_WIRING_NONE: none differs */
-    pzs_real pulse; /* sum over the ticks of the present test pulse of its relative height times the
-                       weight of the tick, symmetric in time (1) */
+                               response of one amplifier (or sensor) and those of the others, as
+                               vectors (1) */
+    pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
+                                       sensor) that the self-test evaluates at present: with its own
+                                       modelled response (own), and with the modelled response of
+                                       another one that is nearest so far (nearest) */
+    pzs_selftest_sums partner_own,
+        partner_nearest; /* comparisons of the measured response of a second amplifier (or sensor),
+                            whose cable may be exchanged with that of a first one: with its own
+                            modelled response (partner_own), and with the modelled response of the
+                            first one (partner_nearest) */
+    uint16_t worst[2];   /* index of the amplifier [0] and of the sensor [1] whose response differs
+                            most from the model; PZS_WIRING_NONE: none differs */
+    pzs_real pulse; /* sum over the ticks of the present test pulse of its voltage, divided by its
+                       height, times the weight of the tick; the weights are symmetric in time about
+                       the middle of the pulse (1) */
 } pzs_selftest_state;
 
 typedef struct pzs_calibration_state {
     const struct pzs_problem *problem;
     const pzs_real *influence; /* [outputs][inputs] influence matrix from which a calibration takes
                                   the columns that its records do not determine (m/V) */
-    pzs_real *factor; /* [inputs + 1][inputs + outputs] first `inputs` columns: triangular factor of
-                         the sum of v v' over the recorded voltages v (V); other columns: the
-                         readings of the records, rotated by the same plane rotations (m); last row:
-                         record being added */
+    pzs_real *factor; /* [inputs + 1][inputs + outputs] memory of the recursive least squares of a
+                         calibration. First `inputs` columns: triangular factor of the sum of v v'
+                         over the recorded voltages v (V); other columns: the readings of the
+                         records, rotated in the same way (m); last row: record being added */
     pzs_real *direction; /* [inputs] work vector of a calibration: triangular factor of the sum of v
                             v' over the recorded voltages v, times the voltages of a record (V2) */
     pzs_real *noise;     /* [outputs] variance of the noise of each output's readings (m2) */
@@ -748,28 +785,28 @@ typedef struct pzs_calibration_state {
     pzs_real *proposal; /* [inputs] test voltages of a calibration before they are brought inside
                            all limits (V); also a work vector for the reciprocals of the diagonal
                            entries of its triangular factor (1/V) */
-    pzs_real *free; /* [inputs] NaN for each input, which means that a calibration holds no input at
-                       a fixed voltage */
-    pzs_real *least;   /* [inputs] size below which a diagonal entry of the triangular factor of the
-                          calibration (`factor`) counts as zero (V) */
-    pzs_real *last[3]; /* [inputs] three copies of the test voltages of a calibration, so that two
-                          outvote a damaged third (V) */
+    pzs_real *free;  /* [inputs] NaN for each input: a calibration holds no input at a fixed voltage
+                      */
+    pzs_real *least; /* [inputs] size below which a diagonal entry of the triangular factor
+                        (`factor`) of a calibration counts as zero (V) */
+    pzs_real *last[3];  /* [inputs] three copies of the test voltages of a calibration, so that two
+                           outvote a damaged third (V) */
     uint32_t limit_sum; /* checksum of the voltage limits and the step limits of a calibration */
     uint32_t pattern;   /* number of the present test pattern of a calibration, from 0 */
-    uint32_t rest;      /* number of ticks for which the test voltages of a calibration have been
-                           constant */
-    uint32_t surplus;   /* number of records of a calibration beyond those that are needed to
-                           determine the influence matrix */
+    uint32_t rest; /* number of consecutive ticks in which the test voltages of a calibration have
+                      been constant */
+    uint32_t surplus; /* number of records of a calibration beyond those that are needed to
+                         determine the influence matrix */
     uint8_t stage;
 } pzs_calibration_state;
 
 /*
- * Pointers and sizes from which a tick of the loop finds its blocks, arrays and tables; they stay
- * constant from tick to tick.
+ * Pointers and sizes from which a tick of the control loop finds its blocks (stages of the tick),
+ * arrays and tables; they stay constant from tick to tick.
  */
 typedef struct pzs_loop_core {
-    const struct pzs_block *blocks; /* [count] list of the blocks of the loop, the stages of
-                                       computation that it runs in each tick */
+    const struct pzs_block *blocks; /* [count] list of the blocks of the control loop, which are the
+                                       stages of its tick */
     uint8_t *memory; /* start of the workspace of the loop, rounded up to a multiple of 8 bytes */
     struct pzs_control *control;
     void *control_work; /* workspace of the controller, a part of the workspace of the loop */
@@ -789,12 +826,17 @@ typedef struct pzs_loop_state {
     pzs_loop_core core[3]; /* three copies of the pointers and sizes of the loop, so that two
                               outvote a damaged third */
     pzs_scrub problem_scrub, influence_scrub;
-    pzs_scrub block_scrub; /* check of the tables of all blocks except the step block against their
-                              checksums, slice by slice, one table after the other */
-    uint16_t scrubbed_block;  /* index, in the list of blocks of the loop, of the block whose tables
-                                 are compared with their checksums at present */
+    /*
+     * check of the constant tables of the blocks (stages of the control tick) against their
+     * checksums, one slice in each tick; the tables of the optimisation are checked by
+     * problem_scrub
+     */
+    pzs_scrub block_scrub;
+    uint16_t scrubbed_block;  /* index, in the list of the blocks (stages) of the control tick, of
+                                 the block whose tables are compared with their checksum at present
+                               */
     uint16_t scrubbed_number; /* number of the table that is compared with its checksum at present,
-                                 among the tables of its block of the loop */
+                                 among the tables of its block (stage of the control tick) */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
 } pzs_loop_state;
 

@@ -1,8 +1,6 @@
 /*
- * piezoshape, control image: limits of weighted sums of voltages, beside the limits of each
- * voltage. SPDX-License-Identifier: BSD-2-Clause
- *
- * pzs_control.h includes this header.
+ * Limits of weighted sums of voltages, which the controller (pzs_control.h) obeys beside the limits
+ * of each voltage. pzs_control.h includes this header. SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef PZS_LIMIT_ROWS_H
 #define PZS_LIMIT_ROWS_H
@@ -25,42 +23,43 @@ extern "C" {
  * problem has no limit rows does not link their code.
  */
 typedef struct pzs_limit_rows {
-    const struct pzs_limit_row_calls *call; /* pointer to the functions that implement limit rows:
+    const struct pzs_limit_row_calls *call; /* functions that implement limits of sums of voltages:
                                                always &pzs_limit_rows_calls */
-    pzs_rows sums; /* coefficients of the voltages in the limited sums (1): `count` rows whose
-                      columns `dof` are inputs, each input at most once in a row */
-    const pzs_real *lower; /* [sums.count] lower limit of each weighted sum, or -infinity (V) */
-    const pzs_real *upper; /* [sums.count] upper limit of each weighted sum, or infinity (V); above
-                              the lower limit by more than twice the rounding error of the sum */
-    const pzs_real *safe;  /* [inputs] safe voltages inside all voltage limits and limit rows, to
-                              which the controller can always return (V) */
-    uint16_t absolute_count; /* number of limit rows, the last ones, that limit weighted sums of
+    pzs_rows sums; /* coefficients of the voltages in the limited sums (1): row k holds those of sum
+                      k, and the column numbers `dof` are inputs, each at most once in a row */
+    const pzs_real *lower; /* [sums.count] lower limit of each weighted sum of voltages, or
+                              -infinity (V) */
+    const pzs_real *upper; /* [sums.count] upper limit of each weighted sum of voltages, or infinity
+                              (V); above the lower limit by more than twice the rounding error of
+                              the sum */
+    const pzs_real *safe;  /* [inputs] safe voltages inside the limits of all voltages and of all
+                              their sums, to which the controller can always return (V) */
+    uint16_t absolute_count; /* number of limited sums, the last ones, that are weighted sums of
                                 absolute values of voltages; their coefficients are not negative,
                                 their lower limits are -infinity */
-    const struct pzs_absolute_row_calls *absolute_call; /* pointer to the functions for limits of
-                                                           sums of absolute values:
+    const struct pzs_absolute_row_calls *absolute_call; /* functions for limits of sums of absolute
+                                                           values of voltages:
                                                            &pzs_absolute_rows_calls, or NULL where
                                                            absolute_count is 0 */
 } pzs_limit_rows;
 
 /*
- * Functions that implement limit rows, which are limits of weighted sums of voltages. The member
- * `call` of pzs_limit_rows points to them.
+ * Functions that implement limits of weighted sums of voltages; pzs_limit_rows.call points to them.
  */
 extern const struct pzs_limit_row_calls pzs_limit_rows_calls;
 
 /*
- * Functions that implement limits of weighted sums of absolute values of voltages. The member
- * absolute_call of pzs_limit_rows points to them; a program without such limits does not link them.
+ * Functions that implement limits of weighted sums of absolute values of voltages;
+ * pzs_limit_rows.absolute_call points to them. A program without such limits does not link them.
  */
 extern const struct pzs_absolute_row_calls pzs_absolute_rows_calls;
 
-#define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limit rows, limits of sums of voltages */
+#define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limited sums of voltages */
 
 /*
- * For a problem with limit rows (limits of weighted sums of voltages), PZS_LIMIT_ROW_WORK_LEAST and
- * PZS_LIMIT_ROW_WORK_LIMIT replace PZS_WORK_LEAST and PZS_WORK_LIMIT, the smallest and the default
- * work limit of the optimiser (multiply-adds).
+ * Where sums of voltages are limited, PZS_LIMIT_ROW_WORK_LEAST and PZS_LIMIT_ROW_WORK_LIMIT replace
+ * PZS_WORK_LEAST and PZS_WORK_LIMIT, the smallest and the default number of multiply-adds that the
+ * optimiser may use in a tick. `rows` is the number of limited sums.
  */
 #define PZS_LIMIT_ROW_WORK_LEAST(inputs, rows)                                                     \
     (PZS_WORK_LEAST((inputs) + (rows)) + 10u * PZS_PRODUCT_WORK((inputs) + (rows)))
@@ -69,15 +68,15 @@ extern const struct pzs_absolute_row_calls pzs_absolute_rows_calls;
 /*
  * Number of multiply-adds by which limits of weighted sums of absolute values of voltages raise the
  * smallest work limit of the optimiser above PZS_LIMIT_ROW_WORK_LEAST. `rows` is the number of all
- * limit rows, absolute_count the number of those that limit sums of absolute values.
+ * limited sums, absolute_count the number of sums of absolute values among them.
  */
 #define PZS_ABSOLUTE_ROW_WORK(inputs, rows, absolute_count)                                        \
     ((uint64_t)(absolute_count) * ((inputs) + 8u) * PZS_PRODUCT_WORK((inputs) + (rows)))
 
 /*
- * PZS_LIMIT_ROW_BYTES is the memory that limit rows (limits of weighted sums of voltages) need in
- * addition to PZS_CONTROL_BYTES, or to the memory of a block that holds a controller (bytes).
- * PZS_LIMIT_ROW_VECTORS is the number of vectors that this memory holds.
+ * PZS_LIMIT_ROW_BYTES is the memory that limits of weighted sums of voltages need in addition to
+ * PZS_CONTROL_BYTES (bytes); `rows` is the number of limited sums. PZS_LIMIT_ROW_VECTORS is the
+ * number of vectors in this memory, each with an entry for each input and each limited sum.
  */
 #define PZS_LIMIT_ROW_VECTORS (12u + PZS_PENDING)
 #define PZS_LIMIT_ROW_BYTES(inputs, rows)                                                          \

@@ -1,9 +1,9 @@
 /*
- * The control loop: a list of blocks around the control step, which one call runs in each tick.
- * Blocks of the library: self-test of the wiring, correction of late readings, feed-forward of
- * known loads, shape estimator, vibration damper, governor for moving targets, compensation of
- * hysteresis, control step, converter steps of the amplifiers, fault detector for electrodes,
- * supervisor.
+ * The control loop: a list of blocks, which are the stages of a tick, and one call that runs them
+ * in each tick. Blocks of the library: self-test of the wiring, correction of late readings, feed-
+ * forward of known loads, shape estimator, vibration damper, governor (slows targets down),
+ * compensation of hysteresis, control step (optimisation of the voltages), converter steps of the
+ * amplifiers, fault detector for electrodes, supervisor.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  *
@@ -39,43 +39,42 @@ extern "C" {
 /* ---- the loop: a list of blocks (lib/control/loop.c) -------------------- */
 
 /*
- * Phase of a control tick in which a block of the loop acts. The loop runs its list of blocks, the
- * stages of computation of a tick, which must be in the order of their phases.
+ * Phase of a control tick in which a block (stage of the tick) runs. The list of the blocks of a
+ * loop must be in the order of their phases.
  */
 typedef enum pzs_block_phase {
-    PZS_PHASE_COMMISSION, /* phase in which a block runs before the loop takes control: as long as
-                             the block returns a warning or an error, no other block runs; a list
-                             has at most one such block */
-    PZS_PHASE_READINGS,   /* phase in which a block changes the sensor readings or the target shape
-                             before the control step uses them */
-    PZS_PHASE_SHAPE, /* phase in which a block computes the measured shape from the sensor readings;
-                        a list has at most one such block */
-    PZS_PHASE_STEP,  /* phase in which a block, whose tables are a voltage optimisation problem
-                        (pzs_problem),  chooses the voltages; a list has exactly one such block */
-    PZS_PHASE_VOLTAGE, /* phase in which a block changes the chosen voltages in the way in which the
-                          amplifiers will change them */
-    PZS_PHASE_OBSERVE, /* phase in which a block compares voltages and measured shape to detect
-                          faulty electrodes, and may fix their voltages */
-    PZS_PHASE_SUPERVISE /* phase in which a block runs in every tick, also after an error of another
-                           block, and sets the final voltages and the final status of the tick; a
-                           list has at most one such block */
+    PZS_PHASE_COMMISSION, /* blocks of this phase run before the control loop takes over the
+                             voltages: as long as such a block returns a warning or an error, no
+                             other block (stage of the tick) runs; a loop has at most one */
+    PZS_PHASE_READINGS,   /* blocks (stages of a control tick) of this phase change the sensor
+                             readings or the target shape before the voltages are chosen */
+    PZS_PHASE_SHAPE, /* blocks (stages of a control tick) of this phase compute the measured shape
+                        from the sensor readings; a loop has at most one */
+    PZS_PHASE_STEP,  /* blocks (stages of a control tick) of this phase choose the voltages; a loop
+                        has exactly one, with tables of type pzs_problem */
+    PZS_PHASE_VOLTAGE, /* blocks (stages of a control tick) of this phase change the chosen voltages
+                          in the way in which the amplifiers will change them */
+    PZS_PHASE_OBSERVE, /* blocks (stages of a control tick) of this phase compare voltages and
+                          measured shape to detect faulty electrodes, and may fix their voltages */
+    PZS_PHASE_SUPERVISE /* blocks (stages of a control tick) of this phase run in every tick, also
+                           after an error of another block, and set the final voltages and the final
+                           status; a loop has at most one */
 } pzs_block_phase;
 
 /*
- * Signals that the blocks of a loop pass on in one tick. All arrays are read-only: a block that
- * changes a signal redirects the pointer to an array of its own.
+ * Signals that the blocks (stages of a control tick) pass on to each other. All arrays are read-
+ * only: a block that changes a signal redirects the pointer to an array of its own.
  */
 typedef struct pzs_loop_signals {
-    pzs_control *control; /* controller of the loop; NULL until the block that chooses the voltages
-                             is initialised */
-    const pzs_real *influence; /* [outputs][inputs] influence matrix for the block that chooses the
-                                  voltages, as passed to pzs_loop_init (m/V), or NULL */
+    pzs_control *control;      /* controller of the loop; NULL until it is initialised */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix that was passed to
+                                  pzs_loop_init for the controller (m/V), or NULL */
     const pzs_real *wanted;    /* [outputs] target shape (m) */
     const pzs_real *readings;  /* [sensors] sensor readings (unit of each sensor); NULL: no readings
                                   arrived in this tick */
     const pzs_real *measured;  /* [outputs] measured shape (m); NULL: no readings arrived in this
-                                  tick. Until a block of PZS_PHASE_SHAPE has run, this member points
-                                  to the readings */
+                                  tick. This member points to the readings until they are converted
+                                  to a shape (by a block of PZS_PHASE_SHAPE) */
     const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken, as
                                   multiples of the loads in the scene file; NULL: no load is known
                                 */
@@ -83,21 +82,21 @@ typedef struct pzs_loop_signals {
                                    multiples of the loads in the scene file; NULL: no load is known
                                  */
     const uint8_t *electrode;   /* [inputs] state of each electrode, a value of pzs_electrode_state;
-                                   NULL: the list has no fault detector */
-    const void *tables;    /* constant tables of the block that is running, as given in the list of
-                              blocks */
+                                   NULL: the loop has no fault detector */
+    const void *tables;    /* constant tables of the block (stage of the control tick) that runs at
+                              present */
     const pzs_real *given; /* [inputs] voltages that have been applied since the last tick (V) */
-    struct pzs_compensator *compensator; /* memory of the compensation of hysteresis, which the
-                                            block pzs_effect_block shares with the block
-                                            pzs_inverse_block; NULL: the list has no such blocks */
-    bool has_inverse; /* during the initialisation of the loop: whether its list contains
-                         pzs_inverse_block, the second block of the compensation of hysteresis */
+    struct pzs_compensator *compensator; /* memory of the compensation of hysteresis, which two
+                                            stages of the control tick share; NULL: the loop does
+                                            not compensate hysteresis */
+    bool has_inverse; /* during the initialisation of the loop: whether pzs_inverse_block, the
+                         second stage of the compensation of hysteresis, is in its list of blocks */
     uint32_t missed;  /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
                        */
-    pzs_real deviation; /* RMS amplitude by which the measured motion deviates from the prediction
-                           of the model (m); negative: no block has computed it */
-    uint32_t warnings;  /* one bit, 1 << status, for each warning that a block has returned in this
-                           tick */
+    pzs_real deviation; /* RMS amplitude by which the measured motion of the structure deviates from
+                           the prediction of the model (m); negative: not computed in this tick */
+    uint32_t warnings;  /* one bit, 1 << status, for each warning that a block (stage of the control
+                           tick) has returned in this tick */
     pzs_status status;  /* status of the tick so far (of the blocks that have run), which the
                            supervisor block reads */
     uint16_t sensors;   /* number of sensor readings that the following blocks need: the length of
@@ -112,40 +111,42 @@ typedef struct pzs_loop_signals {
  * library.
  */
 typedef struct pzs_block_type {
-    const char *name; /* name of this type of block of the control loop in messages to users */
+    const char *name; /* name of this type of block (stage of the control tick) in messages to users
+                       */
     pzs_block_phase phase;
     /*
-     * Return the size of the memory that a block of the loop needs (bytes), which may depend only
-     * on the sizes in its tables and in the voltage optimisation problem.
+     * Return the size of the memory that a block (stage of the control tick) needs (bytes); it may
+     * depend only on the sizes in its tables and in pzs_problem, the tables of the controller.
      */
     size_t (*block_bytes)(const void *tables, const pzs_problem *problem);
     /*
-     * Check the tables of a block and initialise its memory `self`, which has block_bytes bytes and
-     * is aligned for pointers and doubles. pzs_loop_init initialises the step block first, then the
-     * other blocks from the last to the first.
+     * Check the tables of a block (stage of the control tick) and initialise its memory `self`,
+     * which has as many bytes as block_bytes returns and is aligned for pointers and doubles.
+     * pzs_loop_init initialises the block with the controller first, then the other blocks from the
+     * last of the list to the first.
      */
     pzs_status (*block_init)(void *self, const void *tables, pzs_loop_signals *signals);
-    /* Run a block of the loop in one tick. An error ends the tick. */
+    /* Run a block (stage of the control tick) in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
     /*
-     * List the arrays of a table of the block in the order in which its checksum covers them, so
-     * that the loop can check them again while it runs. The function writes the expected checksum
-     * to `crc` and returns the number of arrays; 0: the block has no table of this number. A NULL
-     * function means that the tables have no checksum.
+     * List the arrays of a table of a block (stage of the control tick) in the order in which their
+     * checksum covers them, so that the loop can verify them while it runs. The function writes the
+     * expected checksum to `crc` and returns the number of arrays; 0: the block has no table of
+     * this number. A NULL function means that the tables have no checksum.
      */
     uint32_t (*block_parts)(const void *tables, uint32_t number,
                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc);
 } pzs_block_type;
 
-/* One entry of the list of blocks of a loop. */
+/* One entry of the list of the blocks of a control loop, which are the stages of its tick. */
 typedef struct pzs_block {
     const pzs_block_type *type;
-    const void *tables; /* tables of the block, of the struct type that the block type expects; not
-                           NULL */
+    const void *tables; /* constant tables of the block (stage of the control tick), not NULL; the
+                           comment on each block type of the library names their struct */
 } pzs_block;
 
-#define PZS_BLOCK_LIMIT 16 /* largest number of blocks in the list of a loop */
-/* Largest number of missed ticks over which the blocks of a loop predict readings and vibration. */
+#define PZS_BLOCK_LIMIT 16 /* largest number of blocks (stages of the tick) of a control loop */
+/* Largest number of missed ticks over which a control loop predicts readings and vibration. */
 #define PZS_MISSED_LIMIT 64
 
 /* Results of the loop that a program may read. */
@@ -160,14 +161,14 @@ typedef struct pzs_loop_info {
     const pzs_real *measured; /* [outputs] measured shape that the last tick used (m); NULL: it used
                                  none */
     const uint8_t *electrode; /* [inputs] state of each electrode after the last tick, a value of
-                                 pzs_electrode_state; NULL: the list has no fault detector */
+                                 pzs_electrode_state; NULL: the loop has no fault detector */
     pzs_control *control;     /* controller of the loop, to be passed to pzs_hold, pzs_release and
                                  pzs_assess */
-    const pzs_block_type *block; /* type of the block that returned the last status; NULL: the
-                                    status was not returned by a block */
-    int32_t where; /* index of the input, output or reading to which the last status refers, or -1;
-                      if pzs_loop_init refused the list of blocks, index of the wrong block in the
-                      list */
+    const pzs_block_type *block; /* type of the block (stage of the control tick) that returned the
+                                    last status; NULL: the status comes from the loop itself */
+    int32_t where; /* index of the input, output or reading to which the last status of the loop
+                      refers, or -1; if pzs_loop_init refused the list of blocks (stages of the
+                      tick), index of the wrong block in the list */
 } pzs_loop_info;
 
 typedef struct pzs_loop {
@@ -176,25 +177,27 @@ typedef struct pzs_loop {
 } pzs_loop;
 
 /*
- * Size of the workspace of a loop (bytes): PZS_LOOP_BYTES plus, for each block of the list, its
- * PZS_..._BLOCK_BYTES. PZS_ALIGNED rounds a size up to a multiple of 8 bytes.
+ * Size of the workspace of a control loop (bytes): PZS_LOOP_BYTES plus PZS_NAME_BLOCK_BYTES for
+ * each block NAME (stage of the tick) in its list. PZS_ALIGNED rounds a size up to a multiple of 8
+ * bytes.
  */
 #define PZS_ALIGNED(bytes) (((size_t)(bytes) + 7u) / 8u * 8u)
 #define PZS_LOOP_BYTES(blocks, inputs)                                                             \
     (8u + 0u * (size_t)(blocks) + PZS_ALIGNED(5u * (size_t)(inputs) * sizeof(pzs_real)))
 
 /*
- * Check a list of control-loop blocks with their tables and initialise a loop in the workspace.
+ * Check the list of the blocks of a control loop, the stages of its tick, with their tables, and
+ * initialise the loop in the workspace.
  *   blocks [count]              in  list in the order of the phases, each type at most once; the
  *                                   list and the tables must outlive the loop
  *   influence [outputs][inputs] in  influence matrix computed on the device (m/V); NULL: that of
- *                                   the voltage optimisation problem
+ *                                   the tables (pzs_problem)
  *   work                        in  memory of the caller, aligned for pzs_real; the loop uses it
  *                                   from now on
  *   bytes                       in  size of the workspace
  * Errors (info.block is the type of the block concerned): PZS_E_ARGUMENT (no block or too many, no
- * step block, a block type twice, a block without tables, tables of other sizes), PZS_E_STAGE (a
- * block follows one of a later phase), PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_FORMAT
+ * pzs_step_block, a block type twice, a block without tables, tables of other sizes), PZS_E_STAGE
+ * (a block follows one of a later phase), PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_FORMAT
  * (also for tables of another scene), and the errors of the blocks. After an error the loop cannot
  * be used, even if it was valid before.
  */
@@ -202,17 +205,17 @@ pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
                          const pzs_real *influence, void *work, size_t bytes);
 
 /*
- * Set the present voltages of a loop to those that the amplifiers already give, clamped to the
- * limits, so that no voltage jumps after a reset. All other blocks are initialised again, and
- * electrodes that pzs_hold held must be held again.
+ * Set the present voltages of a control loop to those that the amplifiers already give, clamped to
+ * the limits, so that no voltage jumps after a reset. All other stages of the tick are initialised
+ * again, and electrodes that pzs_hold held must be held again.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE; after an error nothing has changed.
  */
 pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
 
 /*
- * Announce the values of the known loads for the coming ticks. After pzs_loop_init, and after a
- * call with NULL, no load is known.
+ * Announce the values of loads that the program knows (pressures, temperatures), for the coming
+ * ticks of a control loop. After pzs_loop_init, and after a call with NULL, no load is known.
  *   now  [loads] in  values when the readings of a tick were taken, 1 being the value in the scene
  *                    file
  *   next [loads] in  values under the next voltages
@@ -222,48 +225,48 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
 pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *next);
 
 /*
- * Inform a loop of missed ticks, during which the amplifiers kept the present voltages. To be
- * called before the next tick; the blocks then know how old the last readings and voltages are.
- * Several calls add up, to at most PZS_MISSED_LIMIT ticks, because after so many the phase of a
- * vibration is unknown. A loop that is not informed stays inside all limits and settles later: `pzs
- * check` simulates fast jumps of the target with 5 % of the ticks missed in that way. Errors:
+ * Inform a control loop of missed ticks, during which the amplifiers kept the present voltages. To
+ * be called before the next tick, so that the loop knows how old the last readings and voltages
+ * are. Several calls add up, to at most PZS_MISSED_LIMIT ticks, because after so many the phase of
+ * a vibration is unknown. A loop that is not informed stays inside all limits and settles later:
+ * `pzs check` simulates fast jumps of the target with 5 % of the ticks missed in that way. Errors:
  * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
 /*
- * Run one tick of a control loop: all blocks in the order of the list, then the last gate, a
- * check of the voltages.
+ * Run one tick of a control loop: all blocks (stages of the tick) in the order of their list, then
+ * the last gate, a check of the voltages.
  *   wanted   [outputs] in  target shape (m)
- *   readings [sensors] in  sensor readings, NaN where a sensor gives nothing; in a list without
+ *   readings [sensors] in  sensor readings, NaN where a sensor gives nothing; in a loop without
  *                          estimator and damper the measured shape [outputs] (m); NULL: no readings
  *                          arrived, and the last deviations from the model are kept
  * Status: an error ends the tick, and the following blocks do not run. Otherwise the status is the
- * warning of the step block, or else the first warning in the order of the list. info.block is the
+ * warning of pzs_step_block, or else the first warning in the order of the list. info.block is the
  * type of the block that returned the status. After an error info.voltage keeps the voltages of the
- * last tick. After PZS_W_HELD of the step block the voltages are kept, clamped to the limits in
+ * last tick. After PZS_W_HELD of pzs_step_block the voltages are kept, clamped to the limits in
  * force. After PZS_W_HELD of the estimator or the damper (no usable reading) the last deviations
- * from the model are kept, and the step still follows the target.
+ * from the model are kept, and the voltages still follow the target.
  *
  * The last gate compares each voltage with the limits in flash and with the voltage of the last
  * tick. A voltage beyond a voltage limit or a step limit is clamped, and one that is not finite is
  * replaced by the last one; both mean that working memory was damaged, and PZS_W_OUTPUT takes
  * precedence over other warnings.
  *
- * Damaged memory: each tick derives pointers, sizes and limits again from three copies of the list,
- * of which two outvote a damaged third. It compares one row of the Hessian with its source, so that
- * all rows are compared within `inputs` ticks, and adds 64 bytes of the voltage optimisation
- * problem and 64 bytes of the tables of the other blocks to checksums. PZS_E_CRC reports damaged
- * tables, with info.block unless they are those of the problem: at once where limits are damaged,
- * otherwise after at most three complete readings of the tables. Damage of the loop therefore does
- * not reach the amplifiers beyond voltage limits and step limits, except between the end of a tick
- * and the moment at which info.voltage is read.
+ * Damaged memory: each tick derives pointers, sizes and limits again from three copies of the list
+ * of blocks, of which two outvote a damaged third. It compares one row of the optimiser's Hessian
+ * with the tables, so that all rows are compared within `inputs` ticks, and adds 64 bytes of
+ * pzs_problem and 64 bytes of the tables of the other blocks to checksums. PZS_E_CRC reports
+ * damaged tables, with info.block unless they are those of pzs_problem: at once where limits are
+ * damaged, otherwise after at most three complete readings of the tables. Damage of the loop
+ * therefore does not reach the amplifiers beyond voltage limits and step limits, except between the
+ * end of a tick and the moment at which info.voltage is read.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
 /*
- * Copy the voltages published last, for a part of the program that does not wait for the tick: an
- * interrupt that feeds converters, or a task of lower priority.
+ * Copy the voltages that a control loop published last, for a part of the program that does not
+ * wait for the tick: an interrupt that feeds converters, or a task of lower priority.
  *   voltage [inputs] out  voltages to apply (V)
  * All copied voltages belong to one tick, because a tick fills the array that is not published and
  * then moves the volatile members info.voltage and info.frames. On a processor that reorders
@@ -273,15 +276,15 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
 pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage);
 
 /*
- * Return the memory of the block of a given type in the list of a loop; the comment on each block
- * type of the library names the struct in this memory. Returns NULL if the list has no such block
- * or the loop is not initialised.
+ * Return the memory of the block (stage of the control tick) of a given type in a control loop; the
+ * comment on each block type of the library names the struct in this memory. Returns NULL if the
+ * loop has no such block or is not initialised.
  */
 void *pzs_loop_find(const pzs_loop *loop, const pzs_block_type *type);
 
 /*
- * The control step pzs_tick as a block of the loop, in PZS_PHASE_STEP. Tables: pzs_problem. Memory
- * returned by pzs_loop_find: pzs_control.
+ * Block (stage of the control tick, in PZS_PHASE_STEP) that chooses the voltages by pzs_tick.
+ * Tables: pzs_problem. Memory returned by pzs_loop_find: pzs_control.
  */
 extern const pzs_block_type pzs_step_block;
 #define PZS_STEP_BLOCK_BYTES(inputs, outputs)                                                      \
@@ -297,10 +300,10 @@ extern const pzs_block_type pzs_step_block;
  */
 typedef struct pzs_estimator {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which the tables were generated, which must equal the hash in
-                               the voltage optimisation problem */
-    uint32_t crc; /* checksum of the following members of the estimator tables and of their arrays,
-                     computed by pzs_estimator_seal */
+                               from which `pzs tables` generated the tables, equal to that in the
+                               controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
     const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
                                C/V or m/V) */
@@ -348,8 +351,8 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
 pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs_real *shape);
 
 /*
- * The shape estimator as a block of the loop, in PZS_PHASE_SHAPE. Tables: pzs_estimator. Memory
- * returned by pzs_loop_find: pzs_estimate.
+ * Block (stage of the control tick, in PZS_PHASE_SHAPE) that estimates the shape from a few
+ * sensors. Tables: pzs_estimator. Memory returned by pzs_loop_find: pzs_estimate.
  */
 extern const pzs_block_type pzs_estimator_block;
 #define PZS_ESTIMATOR_BLOCK_BYTES(sensors, outputs)                                                \
@@ -358,13 +361,16 @@ extern const pzs_block_type pzs_estimator_block;
 
 /* ---- late readings of a loop without a damper (lib/control/delay.c) ------ */
 
-/* Tables of the correction of late readings. All arrays are const and may stay in flash. */
+/*
+ * Tables of the correction of late sensor readings, for a loop that does not damp vibration. All
+ * arrays are const and may stay in flash.
+ */
 typedef struct pzs_reading_delay {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which the tables were generated, which must equal the hash in
-                               the voltage optimisation problem */
-    uint32_t crc; /* checksum of the following members of the tables of late readings and of their
-                     arrays, computed by pzs_reading_delay_seal */
+                               from which `pzs tables` generated the tables, equal to that in the
+                               controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_reading_delay_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
                                PZS_DELAY_LIMIT */
@@ -380,10 +386,10 @@ typedef struct pzs_reading_delay {
 pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 
 /*
- * The correction of late readings as a block of the loop, in PZS_PHASE_READINGS, the first of a
- * list except for pzs_effect_block (compensation of hysteresis). It adds to each reading the change
- * that the model predicts from the voltages applied since the reading was taken. A missing or stuck
- * reading becomes NaN. A list with a vibration block needs no correction, because that block takes
+ * Block (stage of the control tick, in PZS_PHASE_READINGS) that corrects late readings: it adds to
+ * each reading the change that the model predicts from the voltages applied since the reading was
+ * taken. A missing or stuck reading becomes NaN. The block is the first of its list except for
+ * pzs_effect_block. A list with the vibration damper needs no correction, because the damper takes
  * the delay into account. Tables: pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT
  * (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
  */
@@ -398,9 +404,10 @@ extern const pzs_block_type pzs_reading_delay_block;
 /* ---- supervisor (lib/control/supervisor.c) --------------------------- */
 
 /*
- * Operating modes of the supervisor, which decides in each tick whether the loop is in control.
- * Where it is not, the supervisor keeps the voltages at the park voltages, the safe voltages in its
- * tables, or ramps them there along a straight line inside voltage limits and step limits.
+ * Operating modes of the supervisor, which decides in each tick whether the loop controls the
+ * voltages. Where it does not, the supervisor keeps the voltages at the park voltages, the safe
+ * voltages in its tables, or ramps them there along a straight line inside voltage limits and step
+ * limits.
  *
  *     pzs_loop_init
  *     INITIALISE --ARM--> ARMED --all readings usable, parked--> RUNNING <--readings, none-->
@@ -408,13 +415,14 @@ extern const pzs_block_type pzs_reading_delay_block;
  *     RUNNING, HOLDING --PARK, FLAT--> PARKING --arrived--> PARKED --RESUME--> ARMED
  *     any --STOP, alarm, time-out, error of a block--> STOPPING --arrived--> LATCHED
  *
- * The status of pzs_loop_tick tells the program what to do. In control: the status of the other
- * blocks. PZS_W_PARKED: before control begins, or by command, the voltages are at the park or
- * reference voltages or on their way there. PZS_W_RAMP: control is lost and the voltages are on
- * their way to the park voltages, so the program must keep calling pzs_loop_tick. PZS_E_LATCHED:
- * the park voltages are published and the loop is over. A program that ticks until an error, and
- * writes info.voltage to the amplifiers after each tick, thus ends with the amplifiers at the park
- * voltages after at most pzs_supervisor_longest_ramp ticks:
+ * The status of pzs_loop_tick tells the program what to do. While the loop controls the voltages:
+ * the status of the other stages of the tick. PZS_W_PARKED: before control begins, or by command,
+ * the voltages are at the park voltages or the reference voltages of the optimisation, or on their
+ * way there. PZS_W_RAMP: control is lost and the voltages are on their way to the park voltages, so
+ * the program must keep calling pzs_loop_tick. PZS_E_LATCHED: the park voltages are published and
+ * the loop is over. A program that ticks until an error, and writes info.voltage to the amplifiers
+ * after each tick, thus ends with the amplifiers at the park voltages after at most
+ * pzs_supervisor_longest_ramp ticks:
  *
  *     while (!PZS_IS_ERROR(status)) {
  *         read_target(wanted);
@@ -423,86 +431,97 @@ extern const pzs_block_type pzs_reading_delay_block;
  *         write_amplifiers(loop.info.voltage);
  *     }
  *
- * In a list without a supervisor an error of a block ends this program at once, at the last
- * voltages. Damaged limits (PZS_E_CRC with info.block NULL) always end it at once, because no
- * voltage can be checked without limits.
+ * In a loop without a supervisor, the first error ends this program at once, at the last voltages.
+ * Damaged limits (PZS_E_CRC with info.block NULL) always end it at once, because no voltage can be
+ * checked without limits.
  */
 typedef enum pzs_supervisor_mode {
-    PZS_MODE_INITIALISE = 0, /* operating mode before the command ARM: the voltages are at the park
-                                voltages (safe voltages of the amplifiers, set in the tables) or on
-                                their way there */
-    PZS_MODE_ARMED,   /* operating mode in which the supervisor waits until the voltages are at the
-                         park voltages and every reading of a tick is usable */
-    PZS_MODE_RUNNING, /* operating mode in which the loop is in control */
-    PZS_MODE_HOLDING, /* operating mode in which the loop is in control by the model alone, because
-                         no reading of this tick is usable */
-    PZS_MODE_PARKING, /* operating mode in which the voltages ramp to the park or reference
-                         voltages, by command */
-    PZS_MODE_PARKED, /* operating mode in which the voltages stay at the park or reference voltages,
-                        by command */
-    PZS_MODE_STOPPING, /* operating mode in which the voltages ramp to the park voltages after
-                          control was lost */
-    PZS_MODE_LATCHED,  /* operating mode in which the voltages stay at the park voltages after
-                          control was lost, until the next initialisation */
+    PZS_MODE_INITIALISE = 0, /* operating mode of the supervisor before the command PZS_COMMAND_ARM:
+                                the voltages are at the park voltages (safe voltages of the
+                                amplifiers) or on their way there */
+    PZS_MODE_ARMED, /* operating mode of the supervisor in which it waits until the voltages are at
+                       the park voltages (safe voltages of the amplifiers) and every reading of a
+                       tick is usable */
+    PZS_MODE_RUNNING, /* operating mode of the supervisor in which the loop controls the voltages
+                         from target and readings */
+    PZS_MODE_HOLDING, /* operating mode of the supervisor in which the loop controls the voltages
+                         from target and model alone, because no reading of this tick is usable */
+    PZS_MODE_PARKING, /* operating mode of the supervisor in which, by command, the voltages ramp to
+                         the park voltages (safe voltages of the amplifiers) or to the reference
+                         voltages of the optimisation */
+    PZS_MODE_PARKED,  /* operating mode of the supervisor in which, by command, the voltages stay at
+                         the park voltages (safe voltages of the amplifiers) or at the reference
+                         voltages of the optimisation */
+    PZS_MODE_STOPPING, /* operating mode of the supervisor in which the voltages ramp to the park
+                          voltages (safe voltages of the amplifiers) after an error or an alarm */
+    PZS_MODE_LATCHED,  /* operating mode of the supervisor in which the voltages stay at the park
+                          voltages (safe voltages of the amplifiers) after an error or an alarm,
+                          until the next initialisation */
     PZS_MODES
 } pzs_supervisor_mode;
 
 typedef enum pzs_supervisor_command {
     PZS_COMMAND_NONE = 0,
-    PZS_COMMAND_ARM,  /* supervisor command: leave PZS_MODE_INITIALISE, the operating mode after the
-                         initialisation */
-    PZS_COMMAND_PARK, /* supervisor command: ramp to the park voltages (safe voltages of the
-                         amplifiers, set in the tables) and stay there */
-    PZS_COMMAND_FLAT, /* supervisor command: ramp to the reference voltages of the voltage
-                         optimisation problem and stay there */
-    PZS_COMMAND_RESUME, /* supervisor command: return from the park or reference voltages to control
-                         */
-    PZS_COMMAND_STOP    /* supervisor command: emergency stop, which ramps to the park voltages and
-                           ends the loop */
+    PZS_COMMAND_ARM,    /* supervisor command: begin to control the voltages as soon as all readings
+                           are usable */
+    PZS_COMMAND_PARK,   /* supervisor command: ramp to the park voltages (safe voltages of the
+                           amplifiers, set in the tables) and stay there */
+    PZS_COMMAND_FLAT,   /* supervisor command: ramp to the reference voltages of the optimisation
+                           (pzs_problem) and stay there */
+    PZS_COMMAND_RESUME, /* supervisor command: control the voltages again after PZS_COMMAND_PARK or
+                           PZS_COMMAND_FLAT */
+    PZS_COMMAND_STOP /* supervisor command: emergency stop, which ramps to the park voltages (safe
+                        voltages of the amplifiers) and ends the loop */
 } pzs_supervisor_command;
 
 /*
  * Events that change the operating mode of the supervisor. The events of one tick are processed in
- * the order of this list, so that a later one prevails.
+ * the order of this enum, so that a later one prevails.
  */
 typedef enum pzs_supervisor_event {
     PZS_EVENT_FRAME = 0, /* supervisor event: usable readings arrived; in PZS_MODE_ARMED: all
-                            readings were usable and the voltages were at the park voltages */
+                            readings were usable and the voltages were at the park voltages (safe
+                            voltages of the amplifiers) */
     PZS_EVENT_NO_FRAME,  /* supervisor event: no reading was usable, or the target was not finite */
-    PZS_EVENT_ARM,       /* supervisor event: the program gave the command PZS_COMMAND_ARM */
-    PZS_EVENT_PARK, /* supervisor event: the program gave the command PZS_COMMAND_PARK (ramp to the
-                       park voltages) or PZS_COMMAND_FLAT (ramp to the reference voltages) */
+    PZS_EVENT_ARM,       /* supervisor event: the program gave the command PZS_COMMAND_ARM, to begin
+                            control */
+    /*
+     * supervisor event: the program gave the command PZS_COMMAND_PARK or PZS_COMMAND_FLAT, to ramp
+     * the voltages to safe ones or to reference voltages and keep them there
+     */
+    PZS_EVENT_PARK,
     PZS_EVENT_RESUME,
     PZS_EVENT_STOP,
     PZS_EVENT_TIMEOUT, /* supervisor event: no reading was usable for pzs_supervision.timeout ticks
                         */
     PZS_EVENT_ALARM,   /* supervisor event: the divergence monitor found the measured shape
                           implausible for too long */
-    PZS_EVENT_ERROR, /* supervisor event: another block returned an error, or tables are damaged */
-    PZS_EVENT_ARRIVED, /* supervisor event: the ramp to the park or reference voltages has ended */
+    PZS_EVENT_ERROR,   /* supervisor event: a stage of the control tick returned an error, or tables
+                          are damaged */
+    PZS_EVENT_ARRIVED, /* supervisor event: the ramp of the voltages to safe ones or to reference
+                          voltages has ended */
     PZS_EVENTS
 } pzs_supervisor_event;
 
 /* Tables of the supervisor. All arrays are const and may stay in flash. */
 typedef struct pzs_supervision {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which the tables were generated, which must equal the hash in
-                               the voltage optimisation problem */
-    uint32_t crc; /* checksum of the following members of the supervisor tables and of their arrays,
-                     computed by pzs_supervision_seal */
+                               from which `pzs tables` generated the tables, equal to that in the
+                               controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_supervision_seal */
     uint16_t inputs;
     uint16_t timeout; /* number of consecutive ticks without usable readings after which control is
                          lost; 0: no time-out */
-    uint16_t ramp_ticks;  /* shortest duration of a ramp to the park or reference voltages (ticks),
-                             at least 1; step limits may make a ramp longer */
+    uint16_t ramp_ticks;  /* shortest duration of a ramp of the voltages when the loop does not
+                             control them (ticks), at least 1; step limits may make a ramp longer */
     uint16_t alarm_ticks; /* value at which the supervisor gives an alarm, of a counter that a tick
                              with an implausible measured shape raises by one and any other tick
                              lowers by two */
-    uint16_t waits; /* 1: the supervisor leaves PZS_MODE_INITIALISE, the operating mode after the
-                       initialisation, by the command ARM; 0: it leaves that mode without a command
-                     */
-    const pzs_real *park; /* [inputs] park voltages, to which the output ramps when control ends,
-                             inside voltage limits and limit rows (V) */
+    uint16_t waits;       /* 1: the loop begins to control the voltages only after the command
+                             PZS_COMMAND_ARM; 0: it begins without a command */
+    const pzs_real *park; /* [inputs] park voltages, to which the voltages ramp when control ends,
+                             inside the limits of all voltages and of all their sums (V) */
     pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
                         predicted shape decays in each tick after a target change */
     pzs_real noise;  /* RMS noise of the measured shape (m) */
@@ -520,8 +539,8 @@ typedef struct pzs_supervisor_info {
     pzs_supervisor_mode mode;
     pzs_supervisor_event cause; /* event for which the supervisor has ended control; valid in
                                    PZS_MODE_STOPPING and PZS_MODE_LATCHED */
-    uint32_t remaining; /* number of ticks until the end of the ramp to the park or reference
-                           voltages; 0: no ramp */
+    uint32_t remaining; /* number of ticks until the end of the present ramp of the voltages to safe
+                           ones or to reference voltages; 0: no ramp */
     pzs_real amplitude; /* amplitude by which the measured shape deviates from the shape that the
                            model predicts, as the divergence monitor of the supervisor computes it
                            (m) */
@@ -536,19 +555,20 @@ typedef struct pzs_supervisor {
 } pzs_supervisor;
 
 /*
- * Give the supervisor a command, which the next tick carries out. A later command replaces it,
- * except that PZS_COMMAND_STOP stays. The function may be called from an interrupt. A command that
- * does not apply to the present operating mode is ignored.
+ * Give the supervisor of a control loop a command, which the next tick carries out. A later command
+ * replaces it, except that PZS_COMMAND_STOP stays. The function may be called from an interrupt. A
+ * command that does not apply to the present operating mode is ignored.
  *   supervisor in/out  returned by pzs_loop_find(&loop, &pzs_supervisor_block)
  * Errors: PZS_E_ARGUMENT.
  */
 pzs_status pzs_supervisor_give(pzs_supervisor *supervisor, pzs_supervisor_command command);
 
 /*
- * pzs_supervisor_ramp returns the duration (ticks) of a ramp between two voltage vectors.
- * pzs_supervisor_longest_ramp returns the duration of the longest ramp to the park or reference
- * voltages from anywhere inside the limits. Inputs whose step limit is 0 cannot move and do not
- * count. UINT32_MAX: there is no bound, because a limit is infinite.
+ * pzs_supervisor_ramp returns the duration (ticks) of the supervisor's ramp between two voltage
+ * vectors. pzs_supervisor_longest_ramp returns the duration of the longest ramp from anywhere
+ * inside the limits to the park voltages (safe voltages of the amplifiers) or to the reference
+ * voltages of the optimisation. Inputs whose step limit is 0 cannot move and do not count.
+ * UINT32_MAX: there is no bound, because a limit is infinite.
  *   from, to [inputs] in  voltages at the start and at the end (V)
  */
 uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *problem,
@@ -562,10 +582,12 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
 pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event);
 
 /*
- * The supervisor as a block of the loop, in PZS_PHASE_SUPERVISE. Tables: pzs_supervision. Memory
+ * Block (stage of the control tick, in PZS_PHASE_SUPERVISE) that decides whether the loop controls
+ * the voltages or ramps them to safe ones, the park voltages. Tables: pzs_supervision. Memory
  * returned by pzs_loop_find: pzs_supervisor. Errors of its initialisation: PZS_E_ARGUMENT (also for
  * tables of other sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the park voltage
- * of input info.where is outside its voltage limits, or the park voltages violate a limit row).
+ * of input info.where is outside its voltage limits, or the park voltages violate a limit of a sum
+ * of voltages).
  */
 extern const pzs_block_type pzs_supervisor_block;
 #define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \
@@ -580,10 +602,10 @@ extern const pzs_block_type pzs_supervisor_block;
  */
 typedef struct pzs_vibration {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which the tables were generated, which must equal the hash in
-                               the voltage optimisation problem */
-    uint32_t crc; /* checksum of the following members of the vibration tables and of their arrays,
-                     computed by pzs_vibration_seal */
+                               from which `pzs tables` generated the tables, equal to that in the
+                               controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_vibration_seal */
     uint16_t inputs, outputs, sensors, modes;
     uint16_t delay;          /* age of the sensor readings when a tick uses them (ticks) */
     const pzs_real *shape;   /* [outputs][modes] displacement of each output per coordinate of each
@@ -593,17 +615,18 @@ typedef struct pzs_vibration {
                                 outputs */
     const pzs_real *direct;  /* [sensors][inputs] static reading of each sensor per volt on each
                                 input; NULL: the sensors are the outputs */
-    const pzs_real *gain; /* [outputs][sensors] gain: shape per residual of a reading; the residual
-                             is the part of the reading's deviation from its prediction that the
-                             vibration modes do not explain; NULL: the sensors are the outputs */
+    const pzs_real *gain;    /* [outputs][sensors] shape (m) per residual of a reading (unit of the
+                                sensor), the part of its deviation from the prediction that the
+                                vibration modes do not explain; NULL: the sensors are the outputs */
     const pzs_real *precision; /* [sensors] inverse variance of the noise of each sensor, relative
                                   to the noise for which the observer was designed (1); NULL: all 1
                                 */
     const pzs_real *modal; /* [modes][inputs] static coordinate of each vibration mode per volt on
                               each input (m/V) */
     /*
-     * [4][modes] 2 x 2 matrix of each vibration mode that advances its deviation from the
-     * equilibrium and its scaled velocity by one tick (1): entries 11, 12, 21, 22 in four rows
+     * [4][modes] four entries 11, 12, 21, 22 of the 2 x 2 matrix of each vibration mode that
+     * advances, by one tick, the deviation of its coordinate from static equilibrium and its
+     * velocity divided by the angular frequency (1)
      */
     const pzs_real *turn;
     const pzs_real *observer; /* [3][modes][modes] observer gains, which correct the state of the
@@ -611,18 +634,20 @@ typedef struct pzs_vibration {
                                  angular frequency, and static modal coordinate under loads */
     const pzs_real *explain; /* [modes][modes] inverse of the normal matrix of the least-squares fit
                                 of vibration-mode coordinates to sensor readings */
-    const pzs_real *damping; /* [modes][inputs] damping gradient, the term that a damped tick
-                                subtracts from the gradient of its objective, for each input per
-                                deviation of a vibration mode from its equilibrium (m/V) */
+    const pzs_real *damping; /* [modes][inputs] damping gradient for each input per deviation of a
+                                vibration mode from static equilibrium (m/V): a tick that damps
+                                vibration subtracts it from half the gradient of its objective */
     const pzs_real *inverse_angle; /* [modes] 1 / (angular frequency of each vibration mode times
                                       the duration of a tick) (1) */
-    pzs_real share; /* factor, above 0 and at most 1, by which a damped tick multiplies the gradient
-                       of its objective: the smaller, the more slowly the voltages approach the
-                       static optimum */
-    pzs_real mix;   /* weight (0 to 1) of the first of two estimates of the deviation of a vibration
-                       mode from its equilibrium; the second has the remaining weight. The first is
-                       computed from the change of the modal velocity in a tick, the second from the
-                       modal position */
+    pzs_real share; /* factor, above 0 and at most 1, by which a tick that damps vibration
+                       multiplies the gradient of its objective: the smaller, the more slowly the
+                       voltages approach the static optimum */
+    /*
+     * weight (0 to 1) of the first of two estimates of the deviation of a vibration mode from
+     * static equilibrium; the second has the remaining weight. The first is computed from the
+     * change of the modal velocity in a tick, the second from the modal coordinate
+     */
+    pzs_real mix;
     pzs_real slow; /* gain (0 to 1) of the low-pass filter of the residual readings, the part of the
                       readings that the vibration modes do not explain */
 } pzs_vibration;
@@ -642,14 +667,15 @@ typedef struct pzs_damper_info {
     const pzs_real *load; /* [modes] estimated static coordinate of each vibration mode due to loads
                              (m) */
     /*
-     * amplitude of the vibration: root of the sum over the vibration modes of squared deviation
-     * from the equilibrium plus squared scaled velocity (m, RMS over the outputs)
+     * amplitude of the vibration (m, RMS over the outputs): root of the sum over the vibration
+     * modes of the squared deviation from static equilibrium and the squared velocity divided by
+     * the angular frequency
      */
     pzs_real deviation;
-    pzs_real innovation; /* RMS of reading minus predicted reading over the sensors in the last tick
-                            (m); where the target has free functions and every target node is
-                            measured, that of the part which the vibration modes explain, because
-                            the readings contain motion along the free functions, too */
+    pzs_real innovation; /* RMS over the sensors of reading minus predicted reading in the last tick
+                            (m). Where parts of the target shape are free (may take any size, such
+                            as a rigid motion) and every target node is measured, only the part that
+                            the vibration modes explain */
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
 } pzs_damper_info;
@@ -699,8 +725,9 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
 pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks);
 
 /*
- * The vibration damper as a block of the loop, in PZS_PHASE_SHAPE instead of the shape estimator.
- * Tables: pzs_vibration. Memory returned by pzs_loop_find: pzs_damper.
+ * Block (stage of the control tick, in PZS_PHASE_SHAPE) that estimates and damps vibration; it
+ * replaces the shape estimator. Tables: pzs_vibration. Memory returned by pzs_loop_find:
+ * pzs_damper.
  */
 extern const pzs_block_type pzs_vibration_block;
 #define PZS_VIBRATION_BLOCK_BYTES(modes, inputs, outputs, sensors, delay)                          \
@@ -711,45 +738,48 @@ extern const pzs_block_type pzs_vibration_block;
 /* ---- governor: moving targets of a damped tick (lib/control/governor.c) */
 
 /*
- * Tables of the governor, which slows a moving target down so that the vibration damper can follow
- * it. For each new target the governor computes the static optimum within the limits. In each tick
- * it moves all voltages towards this optimum by the same fraction of their distances, at most by a
- * set part of each step limit. In a list of blocks the governor comes after the feed-forward and
- * before the vibration damper.
+ * Tables of the governor, a stage of the control tick that slows a moving target down so that the
+ * vibration damper can follow it. For each new target the governor computes the voltages that are
+ * optimal in static equilibrium. In each tick it moves all voltages towards this optimum by the
+ * same fraction of their distances, at most by a set part of each step limit (largest change of a
+ * voltage in a tick). In the list of blocks the governor comes after the feed-forward and before
+ * the vibration damper.
  */
 typedef struct pzs_governor {
     pzs_real share; /* factor by which a tick that damps vibration multiplies the gradient of its
                        objective, equal to pzs_vibration.share */
-    pzs_real part;  /* largest change of a voltage by the governor in one tick, relative to the step
-                       limit of the input, above 0 and at most 1 */
+    pzs_real part;  /* largest change of a voltage per tick to which the governor slows the target
+                       down, relative to the step limit of the input, above 0 and at most 1 */
 } pzs_governor;
 
 /*
- * Memory of the governor block, which slows a moving target down so that the vibration damper can
- * follow it.
+ * Memory of the governor, a stage of the control tick that slows a moving target down so that the
+ * vibration damper can follow it.
  */
 typedef struct pzs_governor_state {
     const pzs_governor *tables;
     pzs_control *control; /* controller of the loop, which computes the voltages of each tick; the
-                             governor reads its held inputs */
-    pzs_control optimum;  /* second controller, which finds the static optimum within the limits for
-                             the target */
-    pzs_real *reference;  /* [inputs] voltages that the governor moves gradually to the static
-                             optimum (V) */
-    pzs_real *ahead;      /* [inputs] optimum - `reference` - (move of `reference` in this tick) /
-                             share (V), where `share` is the part of the way to the optimum that a
-                             tick goes if it also damps vibration. The governor subtracts the
-                             shape of these voltages from the target; the tick then makes the
-                             whole move */
-    pzs_real *target;     /* [outputs] target shape for which the static optimum was computed (m) */
-    pzs_real *wanted;     /* [outputs] target shape that is passed on to the following blocks (m) */
-    bool has_target; /* whether the governor has computed the static optimum for the target shape in
-                        the array `target` */
+                             governor asks it which inputs are held at a fixed voltage */
+    pzs_control optimum;  /* controller of the governor's own, which finds the voltages that are
+                             optimal for the target in static equilibrium */
+    pzs_real *reference;  /* [inputs] voltages that the governor moves gradually to those that are
+                             optimal for the target in static equilibrium (V) */
+    /*
+     * [inputs] voltages whose shape the governor subtracts from the target (V): optimal voltages,
+     * minus `reference`, minus the change of `reference` in this tick divided by pzs_governor.share
+     */
+    pzs_real *ahead;
+    pzs_real *target; /* [outputs] target shape for which the static optimum was computed (m) */
+    pzs_real *wanted; /* [outputs] target shape, slowed down by the governor for the vibration
+                         damper (m) */
+    bool has_target;  /* whether the optimal voltages belong to the target shape in the array
+                         `target` */
 } pzs_governor_state;
 
 /*
- * The governor as a block of the loop, in PZS_PHASE_READINGS. Tables: pzs_governor. Memory returned
- * by pzs_loop_find: pzs_governor_state.
+ * Block (stage of the control tick, in PZS_PHASE_READINGS) that slows a moving target down so that
+ * the vibration damper can follow it: the governor. Tables: pzs_governor. Memory returned by
+ * pzs_loop_find: pzs_governor_state.
  */
 extern const pzs_block_type pzs_governor_block;
 #define PZS_GOVERNOR_BLOCK_BYTES(inputs, outputs)                                                  \
@@ -760,15 +790,16 @@ extern const pzs_block_type pzs_governor_block;
 /* ---- feed-forward of known loads and temperatures (lib/control/feed_forward.c) */
 
 /*
- * Table of the feed-forward: sensitivity of the shape, or of the readings, to loads and
- * temperatures whose values the firmware knows. All arrays are const and may stay in flash.
+ * Table of the feed-forward, which compensates known loads: change of the shape, or of the
+ * readings, per unit of loads and temperatures whose values the firmware knows. All arrays are
+ * const and may stay in flash.
  */
 typedef struct pzs_feed_forward_table {
     uint32_t format, scene; /* format: format number of the table; scene: hash of the scene file
-                               from which the table was generated, which the caller must compare
-                               with the hash in its other tables */
-    uint32_t crc; /* checksum of the following members of the feed-forward table and of their
-                     arrays, computed by pzs_feed_forward_seal */
+                               from which `pzs tables` generated the table, which the caller
+                               compares with that in its other tables */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_feed_forward_seal */
     uint16_t inputs, outputs;
     const pzs_real *sensitivity; /* [outputs][inputs] change of the shape per unit of each known
                                     load or temperature (m/N, m/Pa or m/K) */
@@ -781,17 +812,17 @@ typedef struct pzs_feed_forward_table {
 pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table);
 
 /*
- * Check a feed-forward table, once at start-up. Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC,
- * PZS_E_NONFINITE.
+ * Check a table that holds the effects of known loads, pzs_feed_forward_table, once at start-up.
+ * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
  */
 pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table);
 
 /*
  * Subtract the effect of known loads from a shape, so that the controller sees only unknown
  * disturbances and compensates known loads before they act. Before each tick, call the function for
- * the measured shape with the values at the time of the measurement, and for the target with the
- * coming values. With an estimator, call it for the readings instead of the measured shape, with a
- * table of one row for each sensor.
+ * the measured shape with the load values at the time of the measurement, and for the target shape
+ * with the coming values. With a shape estimator, call it for the readings instead of the measured
+ * shape, with a table of one row for each sensor.
  *   value [inputs]  in      values of the known loads (unit of each load)
  *   shape [outputs] in/out  shape, or readings (m, or unit of each sensor)
  * Errors: PZS_E_ARGUMENT, PZS_E_NONFINITE (the shape is unchanged).
@@ -800,8 +831,8 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
                             pzs_real *shape);
 
 /*
- * Tables of the feed-forward block: one table for each signal from which known loads are
- * subtracted.
+ * Tables of the stage of the control tick that compensates known loads: one table for each signal
+ * from which their effect is subtracted.
  */
 typedef struct pzs_known_loads {
     const pzs_feed_forward_table *shape; /* [outputs][loads] effect of the known loads on the shape
@@ -812,8 +843,9 @@ typedef struct pzs_known_loads {
 } pzs_known_loads;
 
 /*
- * The feed-forward of known loads as a block of the loop, in PZS_PHASE_READINGS. Tables:
- * pzs_known_loads. Its tick returns PZS_E_NONFINITE for a load value that is not finite.
+ * Block (stage of the control tick, in PZS_PHASE_READINGS) that subtracts the effects of known
+ * loads from readings and target. Tables: pzs_known_loads. Its tick returns PZS_E_NONFINITE for a
+ * load value that is not finite.
  */
 extern const pzs_block_type pzs_feed_forward_block;
 #define PZS_FEED_FORWARD_BLOCK_BYTES(sensors, outputs)                                             \
@@ -848,45 +880,60 @@ extern const pzs_block_type pzs_feed_forward_block;
 
 typedef struct pzs_hysteresis {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which the tables were generated, which must equal the hash in
-                               the voltage optimisation problem */
-    uint32_t crc; /* checksum of the following members of the hysteresis tables and of their arrays,
-                     computed by pzs_hysteresis_seal */
+                               from which `pzs tables` generated the tables, equal to that in the
+                               controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_hysteresis_seal */
     uint16_t inputs;
-    uint16_t sets; /* number of sets of hysteresis parameters: 1 if all electrodes are alike,
-                      otherwise the number of inputs */
+    uint16_t sets; /* number of sets of hysteresis parameters: 1 for all electrodes together,
+                      otherwise one for each input */
     uint16_t plays, creeps;
-    const pzs_real *middle;     /* [sets] middle of the voltage range of an electrode (V) */
-    const pzs_real *half_range; /* [sets] half of the voltage range of an electrode (V) */
-    const pzs_real *offset;     /* [sets] effect of an electrode (voltage without hysteresis) in the
-                                   middle of its voltage range while its plays (elements with
-                                   backlash) and creep terms are at 0 (V) */
-    const pzs_real *slope; /* [sets][4] slopes of the piecewise linear part of an electrode's effect
-                              (voltage without hysteresis), from the lowest quarter of the voltage
-                              range to the highest, at least PZS_LEAST_SLOPE (1) */
-    const pzs_real *slack; /* [sets][plays] slack of each play (element with backlash), half the
-                              width of its backlash, above 0 and ascending (V) */
-    const pzs_real *above; /* [sets][plays] weight of the position of each play (element with
-                              backlash) in the effect of an electrode (voltage without hysteresis)
-                              while the position is positive, at least 0 (1) */
-    const pzs_real *below; /* [sets][plays] weight of the position of each play (element with
-                              backlash) in the effect of an electrode (voltage without hysteresis)
-                              while the position is negative, at least 0 (1) */
-    const pzs_real *creep; /* [sets][creeps] final value of each creep term per volt on the
-                              electrode, at least 0 (1) */
+    const pzs_real *middle; /* [sets: 1 or inputs] middle of the voltage range of each electrode (V)
+                             */
+    const pzs_real *half_range; /* [sets: 1 or inputs] half of the voltage range of each electrode
+                                   (V) */
+    const pzs_real *offset;     /* [sets: 1 or inputs] effect of an electrode (voltage without
+                                   hysteresis) in the middle of its voltage range while its plays
+                                   (elements with backlash) and creep terms are at 0 (V) */
+    /*
+     * [sets: 1 or inputs][4] slopes of the piecewise linear part of an electrode's effect (voltage
+     * without hysteresis), from the lowest quarter of the voltage range to the highest, at least
+     * PZS_LEAST_SLOPE (1)
+     */
+    const pzs_real *slope;
+    const pzs_real *slack; /* [sets: 1 or inputs][plays] slack of each play (element with backlash
+                              that models hysteresis) of an electrode: half the width of its
+                              backlash, above 0 and ascending (V) */
+    const pzs_real *above; /* [sets: 1 or inputs][plays] weight of the position of each play
+                              (element with backlash) in the effect of an electrode (voltage without
+                              hysteresis) while the position is positive, at least 0 (1) */
+    const pzs_real *below; /* [sets: 1 or inputs][plays] weight of the position of each play
+                              (element with backlash) in the effect of an electrode (voltage without
+                              hysteresis) while the position is negative, at least 0 (1) */
+    const pzs_real *creep; /* [sets: 1 or inputs][creeps] final value of each creep term of an
+                              electrode per volt on it, at least 0 (1); the creep terms add to the
+                              effect of the electrode (voltage without hysteresis) */
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
     /*
-     * Model of the electrodes as it was identified, for the fault detector, where the members above
-     * describe a ceramic with less hysteresis, with which the inverse of the model is more robust;
-     * all four are NULL if the members above are the identified model.
+     * The fault detector uses the parameters of the hysteresis model as they were identified:
+     * identified_offset, identified_slope, identified_above and identified_below. The compensation
+     * uses offset, slope, above and below, which may describe a ceramic with less hysteresis,
+     * because the inverse of that model is more robust. The identified arrays are NULL where both
+     * models are equal.
      */
-    const pzs_real *identified_offset; /* [sets] identified value of the member `offset` (V) */
-    const pzs_real *identified_slope;  /* [sets][4] identified value of the member `slope` (1) */
-    const pzs_real *identified_above;  /* [sets][plays] identified value of the member `above` (1)
-                                        */
-    const pzs_real *identified_below;  /* [sets][plays] identified value of the member `below` (1)
-                                        */
+    const pzs_real *identified_offset; /* [sets: 1 or inputs] effect of an electrode (voltage
+                                          without hysteresis) in the middle of its voltage range, by
+                                          the identified model (V) */
+    const pzs_real *identified_slope;  /* [sets: 1 or inputs][4] slopes of the piecewise linear part
+                                          of an electrode's effect (voltage without hysteresis), by
+                                          the identified model (1) */
+    const pzs_real *identified_above;  /* [sets: 1 or inputs][plays] weight of each play (element
+                                          with backlash) of an electrode at positive positions, by
+                                          the identified hysteresis model (1) */
+    const pzs_real *identified_below;  /* [sets: 1 or inputs][plays] weight of each play (element
+                                          with backlash) of an electrode at negative positions, by
+                                          the identified hysteresis model (1) */
 } pzs_hysteresis;
 
 /*
@@ -908,23 +955,23 @@ typedef struct pzs_compensator {
 } pzs_compensator;
 
 /*
- * Compensation of hysteresis and creep by two blocks around the control step, which share their
+ * Compensation of hysteresis and creep by two blocks (stages of the control tick) that share their
  * tables. The effect block, in PZS_PHASE_READINGS and the first one of a list, replaces the
- * voltages of the last tick by their effects, and the limits by the effects at the ends of the
- * range of this tick. The following blocks observe and choose effects. The inverse block, the first
- * one of PZS_PHASE_VOLTAGE, restores the voltages that have the chosen effects. Voltages thus stay
- * inside voltage limits and step limits to the last bit, and the control step is optimal for the
- * range of effects in this tick. While the target or all readings are missing, the effects are
- * held, and the voltages follow the creep.
+ * voltages of the last tick by their effects (the voltages that electrodes without hysteresis would
+ * need), and the limits by the effects at the ends of the range of this tick. The following blocks
+ * observe and choose effects. The inverse block, the first one of PZS_PHASE_VOLTAGE, restores the
+ * voltages that have the chosen effects. Voltages thus stay inside voltage limits and step limits
+ * to the last bit, and are optimal for the range of effects in this tick. While the target or all
+ * readings are missing, the effects are kept, and the voltages follow the creep.
  *
- * The influence matrix is per volt of effect. The memory of an electrode cannot be measured; a
- * wrong memory is forgotten after the next large change of voltage.
+ * The influence matrix is the displacement per volt of effect. The state of hysteresis of an
+ * electrode cannot be measured; a wrong state is forgotten after the next large change of voltage.
  *
  * Memory of the effect block, returned by pzs_loop_find: pzs_compensator. Errors of its
- * initialisation: PZS_E_ARGUMENT (also for tables of other sizes, and for a problem with limit rows
- * (limits of sums of voltages), which limit voltages and not effects), PZS_E_FORMAT, PZS_E_CRC,
- * PZS_E_STAGE (no inverse block in the list), PZS_E_LIMITS (input info.where has an infinite
- * voltage limit, or parameters outside the ranges that pzs_hysteresis states).
+ * initialisation: PZS_E_ARGUMENT (also for tables of other sizes, and where sums of voltages are
+ * limited, because such limits do not hold for effects), PZS_E_FORMAT, PZS_E_CRC, PZS_E_STAGE (no
+ * inverse block in the list), PZS_E_LIMITS (input info.where has an infinite voltage limit, or
+ * parameters outside the ranges that pzs_hysteresis states).
  */
 extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 #define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \
@@ -935,19 +982,20 @@ extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */
 
 /*
- * After pzs_tick, replace control.info.voltage by the voltages that amplifiers with converter steps
- * and a dead band will really give, so that the next tick predicts the shape with them. An
- * amplifier does not follow a change of at most dead_band. After any other change it gives the last
- * multiple of `step` on the way to the wanted voltage, inside voltage limits and step limits.
+ * Replace the voltages that pzs_tick has chosen, control.info.voltage, by those that amplifiers
+ * with converter steps and a dead band will really give, so that the next tick predicts the shape
+ * with them. An amplifier does not follow a change of at most dead_band. After any other change it
+ * gives the last multiple of `step` on the way to the wanted voltage, inside voltage limits and
+ * step limits.
  *   given [inputs] in/out  voltages that the amplifiers give (V); at the start those of
  *                          control.info.voltage, afterwards kept by this function
- *   step in smallest voltage step of the converter (V); 0: none
+ *   step           in      smallest voltage step of the converter (V); 0: none
  *   dead_band      in      largest change that an amplifier does not follow (V)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band);
 
-/* Tables of the block for amplifiers with converter steps and a dead band. */
+/* Tables of amplifiers with converter steps and a dead band. */
 typedef struct pzs_amplifier {
     pzs_real step;      /* step between two voltages that the digital-to-analogue converter of the
                            amplifiers can give (V); 0: no steps */
@@ -956,8 +1004,8 @@ typedef struct pzs_amplifier {
 } pzs_amplifier;
 
 /*
- * Amplifiers with converter steps and a dead band as a block of the loop, in PZS_PHASE_VOLTAGE.
- * Tables: pzs_amplifier.
+ * Block (stage of the control tick, in PZS_PHASE_VOLTAGE) that changes the chosen voltages as
+ * amplifiers with converter steps and a dead band do. Tables: pzs_amplifier.
  */
 extern const pzs_block_type pzs_amplifier_block;
 #define PZS_AMPLIFIER_BLOCK_BYTES(inputs)                                                          \
@@ -966,33 +1014,33 @@ extern const pzs_block_type pzs_amplifier_block;
 /* ---- fault detector: dead and stuck electrodes (lib/control/faults.c) -- */
 
 /*
- * The fault detector finds electrodes that do not follow their amplifiers, from the measured shape
- * alone, and keeps their voltages constant. A suspected electrode is tested for about ten ticks: it
- * is set to two voltages in turn, one test amplitude above and below its present voltage and inside
- * all limits, while the control step compensates with the other electrodes. At most
- * PZS_TEST_SIGNALS electrodes are tested at the same time.
+ * The fault detector for structures that do not vibrate finds electrodes that do not follow their
+ * amplifiers, from the measured shape alone, and keeps their voltages constant. A suspected
+ * electrode is tested for about ten ticks: it is set to two voltages in turn, one test amplitude
+ * above and below its present voltage and inside all limits, while the controller compensates with
+ * the other electrodes. At most PZS_TEST_SIGNALS electrodes are tested at the same time.
  *
  * An electrode that loses more than two test amplitudes of voltage at once, or does not follow a
  * command of that size, is detected within 12 ticks plus the delay of the sensors: 2 for the
- * suspicion, 9 for the test and 1 to hold it. While more than an eighth of the outputs is not
- * measured, no electrode is observed. The detector assumes static shapes: on a structure that
- * vibrates, or with strong hysteresis, it suspects healthy electrodes. Behind the vibration block,
- * whose static shape changes slowly, the detector finds nothing; pzs_pulse_detector_block is for
- * such loops.
+ * suspicion, 9 for the test and 1 to keep its voltage. While more than an eighth of the outputs is
+ * not measured, no electrode is observed. The detector assumes static shapes: on a structure that
+ * vibrates, or with strong hysteresis, it suspects healthy electrodes. In a loop with the vibration
+ * damper, whose estimate of the static shape changes slowly, the detector finds nothing;
+ * pzs_pulse_detector_block is for such loops.
  */
 
-/* Largest delay of the measured shapes or readings that the blocks of a loop accept (ticks). */
+/* Largest age of measured shapes or readings that a control loop accepts (ticks). */
 #define PZS_DELAY_LIMIT 16
 
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,
-    PZS_ELECTRODE_TESTED,  /* electrode state: the fault detector applies a test signal to the
-                              electrode */
-    PZS_ELECTRODE_CLEARED, /* electrode state: the electrode has passed a test, and is not suspected
-                              during the next measured shapes */
+    PZS_ELECTRODE_TESTED,       /* electrode state: the fault detector applies a test signal to the
+                                   electrode */
+    PZS_ELECTRODE_CLEARED,      /* electrode state: the electrode has passed a test, and the fault
+                                   detector does not suspect it again for some time */
     PZS_ELECTRODE_UNOBSERVABLE, /* electrode state: the electrode cannot be tested, because the
-                                   shape does not depend on its voltage, or as on a combination of
-                                   the voltages of other electrodes */
+                                   shape does not depend on its voltage, or the effect of its
+                                   voltage is a combination of the effects of other electrodes */
     PZS_ELECTRODE_HELD /* electrode state: the electrode was found faulty, and its voltage is kept
                           constant until pzs_release */
 } pzs_electrode_state;
@@ -1033,29 +1081,30 @@ typedef struct pzs_fault_detector {
  * Initialise a fault detector, which observes the electrodes from the present voltages of the
  * controller on.
  *   control in/out  an initialised controller, which must outlive the detector
- *   delay   in      delay of the measurements (ticks), at most PZS_DELAY_LIMIT
+ *   delay   in      age of the measured shapes (ticks), at most PZS_DELAY_LIMIT
  *   work    in      memory of the caller, aligned for pzs_real, at least PZS_FAULT_DETECTOR_BYTES
  * With a delay, the measured shape that is passed to pzs_tick and to pzs_fault_detector_tick must
- * be corrected for the delay: the shape measured `delay` ticks ago, plus the shape predicted for
- * the present voltages, minus the shape predicted for the voltages at the time of the measurement.
- * In both predictions an electrode that is held has the voltage at which it is held. Errors:
- * PZS_E_ARGUMENT (also for a problem with limit rows (limits of sums of voltages), which a test
- * signal could violate), PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
+ * be corrected for it: the shape measured `delay` ticks ago, plus the shape predicted for the
+ * present voltages, minus the shape predicted for the voltages at the time of the measurement. In
+ * both predictions an electrode that pzs_hold keeps at a voltage has that voltage. Errors:
+ * PZS_E_ARGUMENT (also where sums of voltages are limited, because a test signal could violate such
+ * a limit), PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
  */
 pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *control,
                                    uint16_t delay, void *work, size_t bytes);
 
 /*
- * Run the fault detector after each pzs_tick (and pzs_quantise), with the measured shape that was
- * passed to pzs_tick.
+ * Run the fault detector for electrodes after each pzs_tick (and pzs_quantise), with the measured
+ * shape that was passed to pzs_tick.
  *   measured [outputs] in  measured shape (m); NULL: none
- * PZS_W_ELECTRODE: input info.where was found faulty; where there are several, info.where is the
- * first one and all have the state PZS_ELECTRODE_HELD. Until pzs_release a dead electrode is held
- * at 0 V and any other at its last voltage. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * PZS_W_ELECTRODE: the electrode of input info.where was found faulty; where there are several,
+ * info.where is the first one and all have the state PZS_ELECTRODE_HELD. Until pzs_release the
+ * voltage of a dead electrode is kept at 0 V, that of any other at its last value. Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real *measured);
 
-/* Tables of the block of the loop that detects faulty electrodes from the measured shape. */
+/* Tables of the fault detector for electrodes of structures that do not vibrate. */
 typedef struct pzs_fault_detection {
     uint16_t delay;     /* delay of the measured shapes (ticks), at most PZS_DELAY_LIMIT */
     pzs_real amplitude; /* amplitude of the test signals (V), at most half the step limit; 0: the
@@ -1063,8 +1112,9 @@ typedef struct pzs_fault_detection {
 } pzs_fault_detection;
 
 /*
- * The fault detector as a block of the loop, in PZS_PHASE_OBSERVE. Tables: pzs_fault_detection.
- * Memory returned by pzs_loop_find: pzs_fault_detector.
+ * Block (stage of the control tick, in PZS_PHASE_OBSERVE) that finds electrodes which do not follow
+ * their amplifiers, on a structure that does not vibrate. Tables: pzs_fault_detection. Memory
+ * returned by pzs_loop_find: pzs_fault_detector.
  */
 extern const pzs_block_type pzs_fault_detector_block;
 #define PZS_FAULT_DETECTOR_BLOCK_BYTES(inputs, outputs, delay)                                     \
@@ -1075,25 +1125,26 @@ extern const pzs_block_type pzs_fault_detector_block;
 
 /*
  * The self-test moves each amplifier in turn by a small voltage and compares the readings with the
- * influence matrix. Before the loop takes control, it finds amplifiers and sensors that do not
- * respond, respond with the wrong sign or a wrong gain, or have exchanged cables. A program needs
- * no call for it:
+ * influence matrix. Before the loop controls the voltages, the self-test finds amplifiers and
+ * sensors that do not respond, respond with the wrong sign or a wrong gain, or have exchanged
+ * cables. A program needs no call for it:
  *
  *     status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
  *     while (!PZS_IS_ERROR(status)) { ... status = pzs_loop_tick(&loop, wanted, readings); ... }
  *
  * The test takes at most PZS_SELFTEST_TICKS ticks. All but its last tick return PZS_W_SELFTEST, and
- * no other block runs. If no fault is found, the last tick of the test is the first tick in
- * which the loop is in control. Otherwise this tick and all later ticks return PZS_E_SELFTEST and
- * keep the voltages before the test; the result of pzs_loop_find(&loop, &pzs_selftest_block) holds
- * the findings, and pzs_selftest_accept makes the loop run despite them. If noise or vibration
- * hides the response of a tested amplifier, the loop does not take control either. A sensor that
- * cannot be tested, because no amplifier moves it enough, does not prevent control.
+ * no other stage of the tick runs. If no fault is found, the last tick of the test is the first
+ * tick in which the loop controls the voltages. Otherwise this tick and all later ticks return
+ * PZS_E_SELFTEST and keep the voltages before the test; the result of pzs_loop_find(&loop,
+ * &pzs_selftest_block) holds the findings, and pzs_selftest_accept makes the loop run despite them.
+ * If noise or vibration hides the response of a tested amplifier, the loop does not begin to
+ * control either. A sensor that cannot be tested, because no amplifier moves it enough, does not
+ * prevent control.
  *
- * A pulse lasts pzs_selftest_tables.pulse_ticks ticks. Its shape leaves less than 1 % of its height
- * as vibration of a mode with at least 5.4 periods in a pulse, and its evaluation suppresses
- * constant loads, a linear drift, and 97 % of such a vibration from other causes. The voltages obey
- * voltage limits and step limits, and end where they began.
+ * A test pulse of an amplifier lasts pzs_selftest_tables.pulse_ticks ticks. Its shape leaves less
+ * than 1 % of its height as vibration of a mode with at least 5.4 periods in a pulse, and its
+ * evaluation suppresses constant loads, a linear drift, and 97 % of such a vibration from other
+ * causes. The voltages obey voltage limits and step limits, and end where they began.
  */
 typedef enum pzs_wiring_state {
     PZS_WIRING_UNTESTED = 0,
@@ -1139,10 +1190,10 @@ typedef struct pzs_wiring {
 /* Tables of the self-test. All arrays are const and may stay in flash. */
 typedef struct pzs_selftest_tables {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which the tables were generated, which must equal the hash in
-                               the voltage optimisation problem */
-    uint32_t crc; /* checksum of the following members of the self-test tables and of their arrays,
-                     computed by pzs_selftest_seal */
+                               from which `pzs tables` generated the tables, equal to that in the
+                               controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_selftest_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
                                PZS_DELAY_LIMIT */
@@ -1186,17 +1237,18 @@ typedef struct pzs_selftest_tables {
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 
 /*
- * Work that a tick of the evaluation of the self-test does before it ends: number of compared
- * entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for each comparison of the
- * response of one amplifier or sensor. The last comparison of a tick may exceed this work by the
- * larger of the numbers of inputs and sensors, plus PZS_SELFTEST_STEP_WORK.
+ * Work that a tick of the self-test's evaluation does before it ends: number of compared entries of
+ * the measured responses, plus PZS_SELFTEST_STEP_WORK for each comparison of the response of one
+ * amplifier or sensor. The last comparison of a tick may exceed this work by the larger of the
+ * numbers of inputs and sensors, plus PZS_SELFTEST_STEP_WORK.
  */
 #define PZS_SELFTEST_WORK 768u
 #define PZS_SELFTEST_STEP_WORK 16u
 
 /*
  * Largest work of the whole evaluation of a self-test, in which each amplifier and each sensor has
- * a fault: each stage compares all responses once, except for the stage that compares a pair.
+ * a fault: number of compared entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for
+ * each comparison of the response of one amplifier or sensor.
  */
 #define PZS_SELFTEST_LINES(inputs, sensors) ((uint64_t)(inputs) + (uint64_t)(sensors))
 #define PZS_SELFTEST_STAGE_WORK(inputs, sensors)                                                   \
@@ -1210,8 +1262,8 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 /*
  * Largest number of ticks of a self-test: two pulse durations in which all amplifiers move
  * together, two pulse durations without motion, in which noise and vibration are measured, one
- * pulse for each input, and the evaluation, which takes about a third of the stated ticks where no
- * fault is found. A tick of a pulse takes 8 operations for each sensor and input.
+ * pulse for each input, and the evaluation, which takes about a third of its share of ticks where
+ * no fault is found. A tick of a pulse takes 8 operations for each sensor and input.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
     (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) + 4u +                \
@@ -1236,7 +1288,9 @@ typedef struct pzs_selftest_info {
     const pzs_wiring *sensor;    /* [sensors] finding of the self-test about each sensor */
     uint32_t remaining; /* largest number of ticks until the end of the self-test; 0: it has ended
                          */
-    uint32_t work;      /* work of the last tick in the unit of pzs_selftest_settings.work_limit */
+    uint32_t work;      /* work of the self-test's evaluation in the last tick: number of compared
+                           entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for each
+                           comparison */
     uint16_t findings;  /* number of amplifiers and sensors with a fault: pzs_wiring.state is
                            PZS_WIRING_SILENT or larger */
     pzs_real gain; /* mean gain of the amplifiers that respond: measured response divided by the
@@ -1245,9 +1299,10 @@ typedef struct pzs_selftest_info {
 
 /* Settings of the self-test that a program may change after the initialisation. */
 typedef struct pzs_selftest_settings {
-    uint32_t work_limit; /* work of a tick of the evaluation, PZS_SELFTEST_WORK by default; a fast
-                            processor may do more in a tick, so that the evaluation takes fewer
-                            ticks; the findings do not depend on it */
+    uint32_t work_limit; /* largest work of the self-test's evaluation in a tick: number of compared
+                            entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for each
+                            comparison; default: PZS_SELFTEST_WORK; the larger the limit, the fewer
+                            ticks the evaluation takes */
 } pzs_selftest_settings;
 
 typedef struct pzs_selftest {
@@ -1257,12 +1312,11 @@ typedef struct pzs_selftest {
 } pzs_selftest;
 
 /*
- * End a self-test, whatever its findings, so that the control loop runs in the next tick. If a
- * program calls the function before the first tick, for example after a reset and pzs_loop_start,
- * there is no self-test.
- * The voltages of amplifiers with a finding are kept constant (pzs_hold) until pzs_release: 0 V for
- * an amplifier that does not respond, the present voltage for any other. The readings of a faulty
- * sensor are to be passed as NaN.
+ * End a self-test, whatever faults it has found, so that the loop controls the voltages from the
+ * next tick on. If a program calls the function before the first tick, for example after a reset
+ * and pzs_loop_start, there is no self-test. The voltages of faulty amplifiers are kept constant
+ * (pzs_hold) until pzs_release: 0 V for an amplifier that does not respond, the present voltage for
+ * any other. The readings of a faulty sensor are to be passed as NaN.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
@@ -1270,21 +1324,21 @@ pzs_status pzs_selftest_accept(pzs_selftest *selftest);
 
 /*
  * Repeat the self-test at the present voltages, for example once a day while the target stands
- * still, or where an electrode is suspected. During the test the loop is not in control, and all
- * amplifiers without a pulse keep their voltages. If no fault is found, the loop continues
- * afterwards. Otherwise the voltages do not change until the program calls pzs_selftest_accept. An
- * amplifier whose voltage is kept constant by pzs_hold is not tested.
+ * still, or where an electrode is suspected. During the test the loop does not control the
+ * voltages, and all amplifiers without a pulse keep theirs. If no fault is found, the loop
+ * continues afterwards. Otherwise the voltages do not change until the program calls
+ * pzs_selftest_accept. An amplifier whose voltage is kept constant by pzs_hold is not tested.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_selftest_repeat(pzs_selftest *selftest);
 
 /*
- * Block of the control loop that makes the self-test; it is the first block of a list, in
- * PZS_PHASE_COMMISSION. Tables: pzs_selftest_tables. Memory returned by pzs_loop_find:
- * pzs_selftest. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes),
- * PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too
- * high).
+ * Block (stage of the control tick, in PZS_PHASE_COMMISSION, the first of a list) that tests
+ * amplifiers, electrodes, cables and sensors before the loop controls the voltages. Tables:
+ * pzs_selftest_tables. Memory returned by pzs_loop_find: pzs_selftest. Errors of its
+ * initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too high).
  */
 extern const pzs_block_type pzs_selftest_block;
 #define PZS_SELFTEST_BLOCK_BYTES(inputs, sensors)                                                  \
@@ -1296,12 +1350,13 @@ extern const pzs_block_type pzs_selftest_block;
 /* ---- fault detector of a loop that damps vibration (lib/control/pulse_faults.c) */
 
 /*
- * The fault detector for loops whose structure vibrates finds electrodes that are dead, stuck or
- * reversed, and holds them, while the loop goes on. It compares mean readings over half a pulse
- * with those of an earlier standstill of the target, also while the target moves. An electrode that
- * seems to have lost its voltage or its move makes slow test pulses, together with an electrode
- * that seems healthy. The electrode is held if it does not respond in two pulses in which the other
- * one does, or responds with the wrong sign.
+ * The fault detector for structures that vibrate finds electrodes that are dead, stuck or reversed,
+ * and keeps their voltages constant, while the loop goes on. It compares mean readings with those
+ * of an earlier interval in which the target stood still. If the readings show less voltage on an
+ * electrode, or less change of it, than its amplifier gave, the electrode makes slow test pulses of
+ * voltage, together with an electrode that seems healthy. The suspected electrode is faulty if in
+ * two pulses it does not respond although the other one does, or if it responds with the wrong
+ * sign.
  *
  * The pulses begin a quarter of a pulse after the last motion of the target. During the pulses the
  * loop damps vibration, but does not follow loads. A target that moves interrupts them, and they
@@ -1309,13 +1364,13 @@ extern const pzs_block_type pzs_selftest_block;
  * no electrode is found. An electrode that lacks less than about 5 % of its voltage range is not
  * suspected until it lacks more.
  *
- * The gain of a suspect is compared with that of another electrode, so that what hides both
- * responses makes no healthy electrode a faulty one. Where the loop compensates hysteresis, the
- * readings are predicted by the model of hysteresis as it was identified. Where both electrodes
- * respond weakly, as with strong hysteresis, the pulses are repeated with up to four times their
- * height, at most half the voltage range; with 30 % hysteresis some faults are still not found, and
- * without compensation most of them. A load that jumps during a pulse is noticed, and the pulse is
- * repeated.
+ * The gain (measured divided by modelled response) of the suspected electrode is compared with that
+ * of the other electrode, so that what hides both responses makes no healthy electrode a faulty
+ * one. Where the loop compensates hysteresis, the readings are predicted by the model of hysteresis
+ * as it was identified. Where both electrodes respond weakly, as with strong hysteresis, the pulses
+ * are repeated with up to four times their height, at most half the voltage range; with 30 %
+ * hysteresis some faults are still not found, and without compensation most of them. A load that
+ * jumps during a pulse is noticed, and the pulse is repeated.
  */
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
@@ -1325,11 +1380,12 @@ typedef enum pzs_electrode_fault {
     PZS_FAULT_REVERSED /* electrode fault: the electrode responds with the wrong sign */
 } pzs_electrode_fault;
 
-/* Results of the fault detector of a damped loop that a program may read. */
+/* Results of the fault detector of a loop that damps vibration, which a program may read. */
 typedef struct pzs_pulse_detector_info {
     const uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
-    const uint8_t *fault; /* [inputs] fault of each electrode, a value of pzs_electrode_fault; dead
-                             and stuck are told apart by the voltage that the electrode has lost */
+    const uint8_t *fault; /* [inputs] fault of each electrode, a value of pzs_electrode_fault; the
+                             readings show whether a faulty electrode is at 0 V (dead) or at another
+                             voltage (stuck) */
     pzs_real gain;  /* gain of the electrode suspected of a fault: its response to the last test
                        pulse divided by the response of the model (1) */
     int32_t where;  /* index of the input to which the last status of the fault detector refers, or
@@ -1346,11 +1402,12 @@ typedef struct pzs_pulse_detector {
 } pzs_pulse_detector;
 
 /*
- * The fault detector of a damped loop as a block of the loop, in PZS_PHASE_OBSERVE. Tables:
- * pzs_selftest_tables, of which it uses heights and duration of the pulses, static readings, scales
- * and delay. Memory returned by pzs_loop_find: pzs_pulse_detector. Its tick returns PZS_W_ELECTRODE
- * if an electrode was found faulty, which is held at its present voltage until pzs_release. Errors
- * of its initialisation: those of pzs_selftest_block.
+ * Block (stage of the control tick, in PZS_PHASE_OBSERVE) that finds dead, stuck and reversed
+ * electrodes in a loop that damps vibration. Tables: pzs_selftest_tables, of which the block uses
+ * heights and duration of the pulses, static readings, scales and delay. Memory returned by
+ * pzs_loop_find: pzs_pulse_detector. The tick of the block returns PZS_W_ELECTRODE if an electrode
+ * was found faulty, which is kept at its present voltage until pzs_release. Errors of its
+ * initialisation: those of pzs_selftest_block.
  */
 extern const pzs_block_type pzs_pulse_detector_block;
 #define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \

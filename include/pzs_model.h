@@ -21,20 +21,23 @@ extern "C" {
 /*
  * One element type: geometry and material of a four-node shell element, as the element computations
  * need them. Equal elements share one type. The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and
- * (-,+) along the surface coordinates theta1 and theta2 (directions a = 0, 1), and corner r' is the
- * neighbour of corner r in direction a. The derivatives of the displacement along theta_a, in the
- * local frame of corner r, are lambda_a = S_a u_r + T_a u_r', with the displacements u_r and u_r'
- * of the two corners. Element formulations (as published, or improved) differ only in these
- * numbers.
+ * (-,+) along the surface coordinates theta1 and theta2, of which the direction a = 0 or 1 names
+ * one; corner r' is the neighbour of corner r in direction a. With the displacements u_r and u_r'
+ * [3] of both corners, the derivative of the displacement along theta_a, in the local frame of
+ * corner r, is S_a u_r + T_a u_r' with two 3 x 3 matrices S_a and T_a. The element formulations
+ * `published` (dissertation of Plotnikova, 2013) and `improved` differ only in these numbers.
  */
 typedef struct pzs_element_type {
-    pzs_real s[4][2][3][3]; /* matrix S for each corner and direction of the element: derivative of
-                               the displacement at the corner along the surface coordinate of the
-                               direction, per displacement of this corner (1/m) */
-    pzs_real t[4][2][3][3]; /* matrix T for each corner and direction of the element: derivative of
-                               the displacement at the corner along the surface coordinate of the
-                               direction, per displacement of the neighbouring corner in this
-                               direction (1/m) */
+    /*
+     * matrix [3][3] for each corner and each of both directions of an element: derivative of the
+     * displacement at the corner along the surface coordinate of the direction, per displacement of
+     * this corner (1/m)
+     */
+    pzs_real s[4][2][3][3];
+    pzs_real t[4][2][3][3];   /* matrix [3][3] for each corner and each of both directions of an
+                                 element: derivative of the displacement at the corner along the
+                                 surface coordinate of the direction, per displacement of the
+                                 neighbouring corner in this direction (1/m) */
     pzs_real g_mean[4][2][3]; /* base vectors at each corner of the element along the surface
                                  coordinates theta1 and theta2, mean of outer and inner face of the
                                  shell (1) */
@@ -79,17 +82,20 @@ typedef struct pzs_node {
 
 /*
  * One element type in compact form, for meshes on which nearly every element is a type of its own.
- * The matrices s and t and the base vectors of pzs_element_type are left out; the library computes
- * them, to the same bits, from the nodes of one element of this type. 104 of 293 reals remain.
+ * The matrices and base vectors of pzs_element_type (its members s, t, g_mean and g_diff) are left
+ * out; the library computes them, to the same bits, from the nodes of one element of this type. 104
+ * of 293 reals remain.
  */
 typedef struct pzs_compact_type {
-    pzs_real d[88];     /* stiffness of the four strain modes, as in pzs_element_type (N m) */
+    pzs_real d[88]; /* stiffness of the four strain modes (constant, linear and bilinear over the
+                       element) of an element type, as in pzs_element_type.d (N m) */
     pzs_real thickness; /* thickness of the element (m) */
     pzs_real middle;    /* height of the middle of the shell above the reference surface, on which
                            the nodes lie (m) */
     pzs_real warp[9];   /* factors of the nine strains that a warped element adds to its mean strain
-                           12, as in pzs_element_type (1) */
-    pzs_real skew[3];   /* skew and length ratio of the element, as in pzs_element_type (1) */
+                           12, in the order of pzs_element_type.warp (1) */
+    pzs_real skew[3];   /* skew alpha_1, alpha_2 of the element and its length ratio, as
+                           pzs_element_type.skew defines them (1) */
     pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along
                                    theta2 (1/m) */
     uint16_t corner[4]; /* indices of the nodes at the corners of one element of this type */
@@ -102,13 +108,13 @@ typedef struct pzs_compact_type {
 typedef struct pzs_structure {
     uint32_t format; /* format number of the tables of the structure, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc;    /* checksum of the following members of the structure and of their arrays,
-                        computed by pzs_structure_seal */
+    uint32_t crc;    /* checksum of the members below and of their arrays, computed by
+                        pzs_structure_seal */
     uint16_t nodes, elements, types;
     /*
-     * degrees of freedom of a node, 6 or 7: mean displacement u1 u2 u3 of the two faces (m);
-     * (displacement of the outer face - that of the inner face) / thickness for u1 u2 u3 (1); with
-     * 7 also (u3 of the middle surface - mean u3 of the faces) / thickness (1)
+     * number of degrees of freedom of a node, 6 or 7: displacement u1 u2 u3, mean of both faces of
+     * the shell (m); (displacement of the outer face - that of the inner face) / thickness for u1
+     * u2 u3 (1); with 7 also (u3 of the middle surface - mean u3 of the faces) / thickness (1)
      */
     uint16_t dof_per_node;
     uint16_t free_dof;
@@ -123,9 +129,9 @@ typedef struct pzs_structure {
                                      type, a packed lower triangle of 4 dof_per_node rows; NULL:
                                      pzs_assemble computes each matrix from its element type */
     const pzs_element_type *type; /* [types] geometry and material of each element type; where this
-                                     member and `compact` are NULL, solutions of the linear
-                                     equations are not refined, the nonlinear solver cannot be used,
-                                     and `stiffness` must not be NULL */
+                                     member and `compact` are NULL, the model solves without
+                                     iterative refinement, the nonlinear solver cannot be used, and
+                                     `stiffness` must not be NULL */
     const pzs_compact_type *compact; /* [types] element types in compact form; not used where `type`
                                         is not NULL */
     const pzs_node *node;            /* [nodes] nodes of the structure, from which compact element
@@ -140,15 +146,16 @@ typedef struct pzs_structure {
                                        */
     /*
      * Rotated axes at the nodes of oblique supports: the first three degrees of freedom of such a
-     * node are its mean displacements along other axes than those of its triad (local axes).
+     * node are the displacements, mean of both faces of the shell, along other axes than those of
+     * its triad (local axes).
      */
     uint16_t turns; /* number of different sets of rotated axes, along which the displacements of
                        nodes at oblique supports are counted */
     const uint16_t *node_turn;    /* [nodes] index of the set of rotated axes of each node, or
                                      PZS_UNTURNED; not read where `turns` is 0 */
-    const pzs_real (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of
-                                     the unit vectors (rows) along which its mean displacements act
-                                   */
+    const pzs_real (*turn)[3][3]; /* [turns] rotation matrices, one for each set of rotated axes at
+                                     oblique supports: each row is an axis, a unit vector in
+                                     components along the triad (local axes) of the node */
 } pzs_structure;
 
 /*
@@ -166,12 +173,12 @@ typedef struct pzs_model_info {
     /*
      * residual of the last solve: norm of (stiffness times displacement - force) divided by the
      * norm of the force, with scaled matrix rows, computed from the strains of the elements; -1
-     * without element types
+     * where the structure contains stiffness matrices alone and no element types
      */
     pzs_real residual;
     pzs_real error_estimate; /* estimated relative error of the last solution in the energy norm,
-                                without the discretisation error of the mesh; -1 without element
-                                types */
+                                without the discretisation error of the mesh; -1 where the structure
+                                contains stiffness matrices alone and no element types */
     int32_t where; /* index to which the last status of the model refers, for example of a free
                       degree of freedom, or -1 */
     uint16_t refinements;     /* number of iterations that refined the last solution of the linear
@@ -241,16 +248,17 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
                         const uint8_t *constrained);
 
 /*
- * Scale the stiffness matrix to unit diagonal by powers of two, factor it as L D L^T, and estimate
- * its condition number. Errors: PZS_E_STAGE; PZS_E_LOOSE and PZS_E_NEGATIVE (info.where = free
- * degree of freedom); PZS_E_CONDITION if the estimate exceeds 1.2/epsilon, or 600/epsilon where the
- * structure has element types, or 1e14, with the machine epsilon.
+ * Scale the stiffness matrix of a model to unit diagonal by powers of two, factor it as L D L^T,
+ * and estimate its condition number. Errors: PZS_E_STAGE; PZS_E_LOOSE and PZS_E_NEGATIVE
+ * (info.where = free degree of freedom); PZS_E_CONDITION if the estimate exceeds 1.2/epsilon with
+ * the machine epsilon or, where solutions are refined iteratively, 600/epsilon or 1e14.
  */
 pzs_status pzs_factor(pzs_model *model);
 
 /*
- * Compute the displacement under given input values, refined iteratively where the structure has
- * element types.
+ * Compute the displacement under given input values. If the structure contains element types
+ * (pzs_structure.type or compact), the solution is refined iteratively with residuals computed from
+ * the strains of the elements.
  *   value        [inputs]   in   input values (V, K, Pa or load factors)
  *   displacement [free_dof] out  displacement (m and 1)
  * Errors: PZS_E_STAGE, PZS_E_NONFINITE, PZS_E_RESIDUAL (the displacement is then the best that was
@@ -285,8 +293,8 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 typedef struct pzs_electrodes {
     uint32_t format, scene; /* format number of the electrode tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc; /* checksum of the following members of the electrode tables and of their arrays,
-                     computed by pzs_electrodes_seal */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_electrodes_seal */
     uint16_t count;
     const uint16_t *input; /* [count] index of the input whose value is the voltage of the electrode
                             */

@@ -25,14 +25,15 @@ extern "C" {
  * with the shell. A load that keeps its direction is a row of pzs_structure.input instead.
  */
 typedef struct pzs_prescribed_resultants {
-    uint16_t values;         /* number of rows of the array `value`, each a different set of stress
-                                resultants */
-    const uint32_t *start;   /* [inputs + 1] index of the first entry of each input in the arrays
-                                `element` and `which`; an input without entries is a load */
-    const uint16_t *element; /* [start[inputs]] index of the element on which each prescribed
-                                resultant acts */
-    const uint16_t *which; /* [start[inputs]] index of the row of the array `value` that holds each
-                              prescribed resultant */
+    uint16_t values; /* number of different sets of stress resultants, the rows of the array `value`
+                      */
+    const uint32_t *start;   /* [inputs + 1] index in the arrays `element` and `which` at which the
+                                elements begin on which each input acts; an input that acts on no
+                                element by prescribed resultants is a load */
+    const uint16_t *element; /* [start[inputs]] indices of the elements on which an input acts by
+                                prescribed stress resultants, one input after the other */
+    const uint16_t *which;   /* [start[inputs]] index of the prescribed stress resultants of each
+                                entry of the array `element`: a row of the array `value` */
     const pzs_real (*value)[10]; /* [values] stress resultants per unit of an input, times the area
                                     of the element (N m), in the strain order of pzs_element_type.d
                                   */
@@ -44,23 +45,23 @@ typedef struct pzs_prescribed_resultants {
  */
 typedef struct pzs_prescribed_motion {
     uint16_t count;
-    uint16_t input; /* index of the input whose value scales the prescribed motion; the force vector
-                       of this input is empty */
-    const uint16_t *dof;   /* [count] indices of the free degrees of freedom whose motion is
+    uint16_t input; /* index of the input whose value scales the prescribed displacements of some
+                       degrees of freedom; the force vector of this input is empty */
+    const uint16_t *dof;   /* [count] indices of the free degrees of freedom whose displacement is
                               prescribed */
-    const pzs_real *value; /* [count] prescribed displacement of each degree of freedom per unit of
-                              the input (m or 1) */
+    const pzs_real *value; /* [count] prescribed displacement of each degree of freedom in the array
+                              `dof` per unit of the input `input` (m or 1) */
 } pzs_prescribed_motion;
 
 /*
- * Tables of the nonlinear solver, in addition to those of the structure (pzs_structure), which must
- * contain element types. All arrays are const and may stay in flash.
+ * Tables of the nonlinear solver, in addition to those of the structure, which must contain element
+ * types (pzs_structure.type or compact). All arrays are const and may stay in flash.
  */
 typedef struct pzs_nonlinear {
     uint32_t format, scene; /* format number of the nonlinear tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc; /* checksum of the following members of the nonlinear tables and of their arrays,
-                     computed by pzs_nonlinear_seal */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_nonlinear_seal */
     pzs_prescribed_resultants resultants;
     pzs_prescribed_motion prescribed;
 } pzs_nonlinear;
@@ -128,34 +129,36 @@ typedef struct pzs_solver_info {
 typedef struct pzs_solver_state {
     pzs_model *model;
     const pzs_nonlinear *tables;
-    pzs_solver_option *option; /* first option (such as a contact) in the linked list of options
-                                  attached to the solver, or NULL */
+    pzs_solver_option *option; /* first option of the equilibrium solver (such as a contact) in the
+                                  linked list of its options, or NULL */
     pzs_real *displacement; /* [free_dof] present displacement of the equilibrium solver (m and 1)
                              */
     pzs_real *input_value;  /* [inputs] present input values of the equilibrium solver, such as
                                voltages */
-    pzs_real (*resultant)[22];  /* [elements] stress resultants of each element (N m): extrapolated
-                                   during the iteration, those of the displacement after convergence
-                                 */
-    pzs_real (*prescribed)[10]; /* [elements] prescribed stress resultants of the present input
-                                   values (N m) */
+    pzs_real (*resultant)[22];  /* [elements] stress resultants of each element, each times the area
+                                   of the element (N m): extrapolated during the iteration, those of
+                                   the displacement after convergence */
+    pzs_real (*prescribed)[10]; /* [elements] stress resultants that the present input values
+                                   prescribe (piezoelectric actuation, temperature), each times the
+                                   area of the element (N m) */
     pzs_real *load; /* [free_dof] applied forces at the last linear solve, without support reactions
                        (N and N m) */
     pzs_real *converged_displacement; /* [free_dof] displacement of the last equilibrium (m and 1)
                                        */
-    pzs_real *converged_input_value;  /* [inputs] input values of the last equilibrium */
-    pzs_real (*converged_resultant)[22]; /* [elements] stress resultants of the last equilibrium (N
-                                            m) */
+    pzs_real *converged_input_value; /* [inputs] input values (V, K, Pa or load factors) of the last
+                                        equilibrium that the solver has found */
+    pzs_real (*converged_resultant)[22]; /* [elements] stress resultants of each element at the last
+                                            equilibrium, each times the area of the element (N m) */
     uint16_t iteration; /* number of linear solves of the equilibrium solver in the present load
                            step */
-    pzs_status pending_error; /* status of an option (such as a contact) that had not converged when
-                                 the last load step ended, or PZS_OK */
-    pzs_status refused; /* error with which an option (such as a contact) rejected the last load
-                           step, or PZS_OK */
-    int32_t refused_at; /* index, for example of an element, to which `refused` refers, the error
-                           with which an option rejected the last load step */
-    pzs_status warned;  /* warning of an option (such as a contact) about the last converged load
-                           step, or PZS_OK */
+    pzs_status pending_error; /* status of an option of the solver (such as a contact) that had not
+                                 converged when the last load step ended, or PZS_OK */
+    pzs_status refused; /* error with which an option of the solver (such as a contact) rejected the
+                           last load step, or PZS_OK */
+    int32_t refused_at; /* index to which the status `refused` refers: for example of the element
+                           that the contact body would enter */
+    pzs_status warned;  /* warning of an option of the solver (such as a contact) about the last
+                           converged load step, or PZS_OK */
     bool is_balanced; /* whether the imbalance of the forces in the present load step is at most as
                          large as the applied force, or is a rounding error */
     uint8_t stage;
@@ -174,8 +177,8 @@ typedef struct pzs_solver {
 
 /*
  * Initialise an equilibrium solver in the workspace: undeformed state, default settings.
- *   model  in/out  an initialised model with element types; from now on its stiffness matrix holds
- *                  tangent matrices
+ *   model  in/out  an initialised model of a structure with element types; from now on its
+ *                  stiffness matrix holds tangent matrices
  *   tables in      must outlive the solver
  *   work   in      memory of the caller, aligned for pzs_real, at least PZS_SOLVER_BYTES
  * Errors: PZS_E_ARGUMENT (also for a structure without element types or an index out of range),
@@ -229,8 +232,8 @@ pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
 typedef struct pzs_follower {
     uint32_t format, scene; /* format number of the follower-load tables and hash of their scene
                                file, which must be those of the structure */
-    uint32_t crc;   /* checksum of the following members of the follower-load tables and of their
-                       arrays, computed by pzs_follower_seal */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_follower_seal */
     uint16_t input; /* index of the input whose value scales the follower pressure; the force vector
                        of this input is empty */
     uint8_t load_face; /* face of the shell on which the follower pressure acts: 0 inner, 1 outer, 2
@@ -245,9 +248,10 @@ typedef struct pzs_follower {
                             corner (1) */
     const pzs_real (*area)[4]; /* [types] part of the area of an element of each type that belongs
                                   to each of its four corners (m2) */
-    const pzs_real (*lean)[4][2]; /* [types] component along the director of the shell of the two
-                                     base vectors at each corner of an element, not zero where a
-                                     flat element approximates a curved shell; NULL: all zero */
+    const pzs_real (*lean)[4][2]; /* [types] for each corner of an element, the components of its
+                                     two base vectors along the director of the shell there (1): not
+                                     zero where a flat element approximates a curved shell; NULL:
+                                     all zero */
     const pzs_real *pressure;     /* [nodes] follower pressure at each node per unit of the input,
                                      positive along the normal e3 (N/m2) */
 } pzs_follower;
@@ -337,7 +341,7 @@ pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables
  */
 typedef struct pzs_body {
     /*
-     * Return the signed distance of a point from the body (m), positive outside.
+     * Return the signed distance of a point from the rigid contact body (m), positive outside.
      *   position [3]    in   the point (m)
      *   normal   [3]    out  gradient of the distance (1)
      *   hessian  [3][3] out  second derivatives of the distance (1/m)
@@ -380,9 +384,9 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
 typedef struct pzs_contact_face {
     uint32_t format, scene; /* format number of the contact tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc;   /* checksum of the following members of the contact tables and of their arrays,
-                       computed by pzs_contact_face_seal */
-    uint8_t face;   /* face of the shell that may come into contact: 0 inner, 1 outer */
+    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
+                               pzs_contact_face_seal */
+    uint8_t face;           /* face of the shell that may come into contact: 0 inner, 1 outer */
     uint16_t input; /* index of the input that moves the contact body by its value times `motion`,
                        with an empty force vector; 0xFFFF: the body does not move */
     pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */
@@ -402,7 +406,10 @@ typedef struct pzs_contact_face {
  */
 pzs_status pzs_contact_face_seal(pzs_contact_face *tables, const pzs_structure *structure);
 
-/* Settings of the contact that a program may change after pzs_attach_contact. */
+/*
+ * Settings of the contact between the shell and a rigid body that a program may change after
+ * pzs_attach_contact.
+ */
 typedef struct pzs_contact_settings {
     /*
      * penalty stiffness of the contact in the first iteration of a load step, relative to the
@@ -422,7 +429,10 @@ typedef enum pzs_penetration {
     PZS_PENETRATION_PASSED /* kind of penetration: the contact body has passed through an element */
 } pzs_penetration;
 
-/* Results of the contact that a program may read after an equilibrium. */
+/*
+ * Results of the contact between the shell and a rigid body that a program may read after an
+ * equilibrium.
+ */
 typedef struct pzs_contact_info {
     const pzs_real *pressure; /* [nodes] contact pressure per undeformed area (N/m2), 0 without
                                  contact */
@@ -478,8 +488,9 @@ typedef struct pzs_contact {
 #define PZS_CONTACT_BYTES(nodes) ((3u * sizeof(pzs_real) + 2u) * (size_t)(nodes))
 
 /*
- * Attach a contact to an equilibrium solver in the undeformed state; contact, face and body must
- * outlive the solver. A shell that its supports leave loose must touch the body from the start.
+ * Attach a contact between a face of the shell and a rigid body to an equilibrium solver in the
+ * undeformed state; contact, face and body must outlive the solver. A shell that its supports leave
+ * loose must touch the body from the start.
  *
  * At an equilibrium every gap is open, or closed to within 1e-8 of pzs_contact_face.size (in float:
  * to within rounding), no contact pressure is negative, and no contact pressure acts across an open
@@ -490,22 +501,23 @@ typedef struct pzs_contact {
  * After each load step the shape is checked against the body. A load step that fails the check is
  * halved, and finally rejected with PZS_E_PENETRATION. The check covers:
  *
- * - Nodes: every node of both faces must lie outside the body, up to twice the closed gap. - Points
- * between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
- *   side. A flat element whose nodes touch a body of radius R enters it by length^2 / (8 R), which
- *   is an error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the largest
- *   found. A body smaller than the diagonals of an element may enter it only if a node is in
- *   contact.
- * - Motion: no point of an element may have passed through the body since the last equilibrium, on
- *   a straight way relative to the body.
- * - Length of a load step: the body moves freely until its distance from a node is half of the
- *   longest diagonal of an element, and then by at most half of its smallest radius of curvature
- *   (or half of pzs_contact_face.size, if that is smaller). solver->info.shortened_steps counts the
- *   load steps that this rule shortens.
+ *   - Nodes: every node of both faces must lie outside the body, up to twice the closed gap.
+ *   - Points between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
+ *     side. A flat element whose nodes touch a body of radius R enters it by length^2 / (8 R),
+ * which is an error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the
+ * largest found. A body smaller than the diagonals of an element may enter it only if a node is in
+ *     contact.
+ *   - Motion: no point of an element may have passed through the body since the last equilibrium,
+ * on a straight way relative to the body.
+ *   - Length of a load step: the body moves freely until its distance from a node is half of the
+ *     longest diagonal of an element, and then by at most half of its smallest radius of curvature
+ *     (or half of pzs_contact_face.size, if that is smaller). solver->info.shortened_steps counts
+ *     the load steps that this rule shortens.
  *
  * The check is exact for flat elements and convex bodies. It does not find a tip that enters by
- * less than (side/512)^2 / (2 R), a second local minimum of the gap in a strongly warped element, a
- * body inside the thickness that touches neither face, or parts of a body that is not convex.
+ * less than (side/512)^2 / (2 R) with the side length of an element and the radius R of the body, a
+ * second local minimum of the gap in a strongly warped element, a body inside the thickness that
+ * touches neither face, or parts of a body that is not convex.
  *
  * Errors: PZS_E_ARGUMENT (also if attached already, or for an index out of range, an axis that is
  * not a unit vector, a radius that is not positive), PZS_E_FORMAT, PZS_E_CRC (also of the body),

@@ -3,18 +3,18 @@
  * Limits of weighted sums of absolute values of voltages, for example of the current that a common
  * supply gives:
  *
- *   sum over the entries of a limit row of (weight * |voltage|) <= upper limit.
+ *   sum over the inputs of (weight * |voltage|) <= upper limit.
  *
- * While no voltage changes its sign, such a limit is a limit of a weighted sum, whose coefficients
- * are the weights with the signs of the voltages. Therefore the optimiser chooses a sign for each
- * input, bounds each voltage at 0 V as well, and solves this problem with limit rows
- * (row_solver.c). At its optimum some voltages are at 0 V. A voltage at 0 V whose change of sign
- * lowers the objective gets the other sign, and the optimiser solves the next problem. The voltages
- * always obey the bounds of the problem that is solved next, so that the objective never rises. It
- * falls with each problem, so that no choice of signs occurs twice and their number is finite.
+ * While no voltage changes its sign, such a limit is a limit of a weighted sum of voltages, whose
+ * coefficients are the weights with the signs of the voltages. Therefore this file chooses a sign
+ * for each input and bounds each voltage at 0 V as well; row_solver.c optimises the voltages with
+ * these signs. At the optimum some voltages are at 0 V. A voltage at 0 V whose change of sign
+ * lowers the objective gets the other sign, and row_solver.c optimises again. The voltages always
+ * obey the bounds of the next optimisation, so that the objective never rises. It falls each time,
+ * so that no choice of signs occurs twice and their number is finite.
  *
- * The response matrix of the optimiser has a row for each limit row. Changed signs change the rows
- * of the limits of absolute values, which are sums of the rows of the inputs, and nothing else.
+ * The matrix of row_solver.c has a row for each limited sum. Changed signs change the rows of the
+ * sums of absolute values, which are combinations of the rows of the inputs, and nothing else.
  */
 #include <string.h>
 #include "row_solver.h"
@@ -22,15 +22,15 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-/* Return the number of the first limit row that limits a sum of absolute values of voltages. */
+/* Return the index of the first limited sum that is a sum of absolute values of voltages. */
 static uint32_t first_absolute(const rows_run *run)
 {
     return run->rows->sums.count - run->rows->absolute_count;
 }
 
 /*
- * Compute for each input the absolute value of the contribution of all active limits of sums of
- * absolute values to its gradient, or -1 for an input that occurs in no such limit.
+ * Compute, for each input, the absolute value of what the active limits of sums of absolute values
+ * of voltages contribute to the gradient, or -1 for an input in no such sum.
  *   force [inputs] out  contributions (m2/V)
  */
 static void add_forces(const rows_run *run, pzs_real *force)
@@ -50,10 +50,9 @@ static void add_forces(const rows_run *run, pzs_real *force)
 }
 
 /*
- * Return the derivative of the objective by which input i, if it changed its sign at 0 V, would
- * violate the optimality (KKT) conditions (m2/V); it is positive where the change of sign lowers
- * the objective.
- *   reduced in  gradient of the input minus the contributions of the active limit rows (m2/V)
+ * Return by how much input i violates the optimality (KKT) conditions because its voltage, which is
+ * 0 V, could get the other sign (m2/V); positive where the change of sign lowers the objective.
+ *   reduced in  gradient of the input minus the contributions of all active limits of sums (m2/V)
  *   force   in  contribution of the active limits of sums of absolute values to the gradient (m2/V)
  */
 static pzs_real slope_across(const rows_run *run, uint32_t i, pzs_real reduced, pzs_real force)
@@ -73,7 +72,8 @@ static pzs_real room_across(const rows_run *run, uint32_t i)
 /* ---- choice of the signs ------------------------------------------------- */
 
 /*
- * Give input i the sign 1 or -1. If its voltage is kept at the bound 0 V, this stays its bound.
+ * Set the sign, 1 or -1, that the voltage of input i may have in a sum of absolute values. A
+ * voltage that is kept at the bound 0 V stays there.
  */
 static void set_sign(const rows_run *run, uint32_t i, pzs_real sign)
 {
@@ -83,8 +83,8 @@ static void set_sign(const rows_run *run, uint32_t i, pzs_real sign)
 }
 
 /*
- * Give each input whose voltage has the wrong sign the sign of its voltage. Returns whether a sign
- * has changed. Numbers that damaged memory has changed become 1 or -1 again.
+ * Make the chosen sign of each input in a sum of absolute values that of its voltage. Returns
+ * whether a chosen sign has changed. Signs that damaged memory has changed become 1 or -1 again.
  */
 static bool follow_voltages(const rows_run *run)
 {
@@ -101,9 +101,9 @@ static bool follow_voltages(const rows_run *run)
 }
 
 /*
- * Give the other sign to each input at 0 V for which this may lower the objective more than all
- * changes of the voltages without a change of signs may. After a round that has not lowered the
- * objective, a part of these inputs gets it, which differs from round to round like random numbers:
+ * Reverse the chosen sign of each input at 0 V (in a sum of absolute values of voltages) if this
+ * may lower the objective more than changes of voltages with the present signs may. If the last
+ * iterations have not lowered the objective, only a pseudo-random part of these signs is reversed:
  * where several limits meet in a point, only some choices of signs let the objective fall. Returns
  * whether a sign has changed.
  */
@@ -132,9 +132,9 @@ static bool cross_zero(const rows_run *run)
 }
 
 /*
- * Set the bounds of all inputs in limits of sums of absolute values: those of the optimisation
- * step, and 0 V on the side that the sign of the input excludes. The sums with these signs are not
- * negative; they get a lower bound below zero, so that the duality gap stays finite.
+ * Set the bounds of the voltages of all inputs in sums of absolute values: those of the tick, and 0
+ * V on the side that the chosen sign excludes. The sums with these signs are not negative; they get
+ * a lower bound below zero, so that the duality gap stays finite.
  */
 static void split_bounds(const rows_run *run)
 {
@@ -154,8 +154,8 @@ static void split_bounds(const rows_run *run)
 /* ---- response matrix ------------------------------------------------------- */
 
 /*
- * Compute anew the row and the column of limit row k, a limit of a sum of absolute values, in the
- * response matrix, as a sum of rows of the inputs with the signs that are chosen now.
+ * Compute row and column k, which belong to a limited sum of absolute values of voltages, of the
+ * optimiser's matrix anew, as a sum of the rows of the inputs with the chosen signs.
  */
 static void renew_row(const rows_run *run, uint32_t k)
 {
@@ -175,8 +175,9 @@ static void renew_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Compute anew what the response matrix and the Cholesky factor of the active set hold of all
- * limits of sums of absolute values. Active limits stay active with their multipliers.
+ * Compute anew, after changes of signs, the rows of the optimiser's matrix and of its Cholesky
+ * factor that belong to limits of sums of absolute values of voltages. Active limits stay active
+ * with their multipliers.
  */
 static void renew_rows(const rows_run *run)
 {

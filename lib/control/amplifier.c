@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Block of the control loop for amplifiers whose output voltage can only be a whole multiple of a
- * converter step, and which do not follow a change of voltage that is smaller than a dead band.
+ * Amplifiers whose output voltage can only be a whole multiple of a converter step, and which do
+ * not follow a change of voltage that is smaller than a dead band: a stage of the control tick.
  *
  * A wanted voltage is replaced by the last whole multiple of the converter step between the present
  * voltage and the wanted one. The voltage that is given thus lies between the present and the
  * wanted voltage, inside voltage limits and step limits. Rounding to the nearest multiple could
- * pass the wanted voltage; where the structure responds more than the model, the next tick would
+ * exceed the wanted voltage; where the structure responds more than the model, the next tick would
  * then take the step back. Voltage limits take precedence over whole multiples of the converter
- * step. Where rounded voltages violate a limit row (limit of a weighted sum of voltages), the
- * amplifiers of this row keep their present voltages in this tick.
+ * step. Where rounded voltages violate a limit of a weighted sum of voltages, the amplifiers of
+ * this sum keep their present voltages in this tick.
  *
- * A control step that also damps vibration demands many small changes of voltage, each of which may
- * be smaller than a converter step. The part of a change that the amplifier does not make is
- * carried over to the next tick, up to one converter step plus the dead band.
+ * A tick that also damps vibration demands many small changes of voltage, each of which may be
+ * smaller than a converter step. The part of a change that the amplifier does not make is carried
+ * over to the next tick, up to one converter step plus the dead band.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -65,8 +65,8 @@ static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_r
 }
 
 /*
- * Where voltages rounded to converter steps violate a limit row (limit of a weighted sum of
- * voltages), set the inputs of this row back to their present voltages, which violate no limit row.
+ * Where voltages rounded to converter steps violate the limit of a weighted sum of voltages, set
+ * the inputs in this sum back to their present voltages, which violate no limit.
  *   present [inputs] in      voltages before the change (V)
  *   given   [inputs] in/out  voltages rounded to converter steps (V)
  */
@@ -118,8 +118,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Set the pointers of the amplifier block to its tables and to its array, which follows the block
- * in memory.
+ * Set the pointers of the memory for amplifiers with converter steps: to their tables, and to the
+ * array of the voltages that they give [inputs], which follows in memory.
  */
 static void place(pzs_amplifier_state *state, const pzs_amplifier *amplifier)
 {

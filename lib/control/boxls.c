@@ -6,16 +6,17 @@
  * at a bound), H the Hessian.
  *
  * A round, which is a sequence of iterations, starts from the gradient and from the search
- * direction to the minimum over the voltages of F. If the whole step along the direction violates
- * no bound and leaves no multiplier of the wrong sign, the round makes this step. Otherwise it
- * makes iterations of three types:
+ * direction to the minimum over the voltages of F. If the full step along the direction violates no
+ * bound and leaves no multiplier of the wrong sign, the round makes this step. Otherwise it makes
+ * iterations of three types:
  *   descent           go along the direction; an input that meets a bound stays there and leaves F;
- *   release together  at a minimum over F, move all active inputs that would each run to their
+ *   release together  at a minimum over F, move all inputs of A that would each run to their
  *                     other bound there at once, while F follows so that its gradient stays zero;
  *                     stop at the minimum along this line, or where an input of F meets a bound and
  *                     leaves F;
- *   release           at a minimum over F, move one active input in this way; if the minimum
- *                     along the line is nearer than its bound, the input joins F there.
+ *   release           at a minimum over F, move one input of A while F follows so that its gradient
+ *                     stays zero; if the minimum along this line is nearer than the bound of the
+ *                     input, the input joins F there.
  * A round ends with the true gradient, computed from H. Rounding errors of the tableau therefore
  * never reach the voltages; they only cost another round.
  *
@@ -30,24 +31,25 @@
  *
  * Many inputs. From PZS_DUAL_INPUTS inputs on, if none depends linearly on the others, the tableau
  * stays the negative inverse of the whole Hessian, and the iterations of a round are those of the
- * dual method (boxls_dual.h). Rounds begin and end in the same way.
+ * dual active-set method (boxls_dual.h). Rounds begin and end in the same way.
  *
- * Work. Multiply-adds are counted, and nothing is begun that could exceed the limit together with
- * the product that ends the round. What the limit cuts off is continued in the next step, from
+ * Work. Multiply-adds are counted, and nothing is begun that could exceed the work limit together
+ * with the product that ends the round. What the limit cuts off is continued in the next tick, from
  * feasible voltages and with the free set reached so far.
  *
- * Dependent inputs. An input whose pivot is below inputs * epsilon times its diagonal entry depends
- * linearly on F and is not moved into F. At a minimum over F its gradient is zero up to rounding;
- * if it is released, its ray has no curvature and ends at a bound.
+ * Dependent inputs. An input whose pivot is below inputs * epsilon times its diagonal entry (with
+ * the machine epsilon) depends linearly on F and is not moved into F. At a minimum over F its
+ * gradient is zero up to rounding; if it is released, the objective along its line has no
+ * curvature, and the line ends at a bound.
  *
  * Verified tableau. A tableau with which a round ended at the optimum counts as verified until the
- * next exchange. With a verified tableau, a step that no bound blocks is made in one iteration.
- * Afterwards the gradient is computed from H for two inputs only, for the next two inputs after the
- * next step, and so on. If the gradient differs from its prediction, the tableau no longer counts
- * as verified, and the round computes the whole gradient from H. An error of the tableau can thus
- * persist for at most inputs/2 + 1 steps.
+ * next exchange. With a verified tableau, a full step that no bound blocks is made in one
+ * iteration. Afterwards the gradient is computed from H for two inputs only, for the next two
+ * inputs in the next tick, and so on. If the gradient differs from its prediction, the tableau no
+ * longer counts as verified, and the round computes the whole gradient from H. An error of the
+ * tableau can thus persist for at most inputs/2 + 1 ticks.
  *
- * Recomputation. The tableau is computed anew from H, at most once in a step, after a round that
+ * Recomputation. The tableau is computed anew from H, at most once in a tick, after a round that
  * hardly reduced the KKT violation (violation of the optimality conditions), or after a wrong
  * prediction of the gradient if there were many exchanges.
  *
@@ -69,18 +71,18 @@
  */
 #define ROUNDS 8u
 /*
- * This number times the number of inputs is the number of pivot exchanges after which the
- * optimiser recomputes its pivoted Hessian (the tableau) if the tableau has predicted a wrong
- * gradient.
+ * Number of pivot exchanges per input after which the optimiser recomputes its pivoted Hessian (the
+ * tableau) if the tableau has predicted a wrong gradient.
  */
 #define WORN 2u
 /*
- * Largest number of iterations in one round in which several inputs leave the active set together.
+ * Largest number of iterations, between two computations of the gradient from the Hessian, in which
+ * several inputs leave their bounds together.
  */
 #define TOGETHER 8u
 /*
- * Smallest number of inputs that leave the active set of the optimiser together; fewer inputs leave
- * it one after the other.
+ * Smallest number of inputs that the optimiser lets leave their bounds together; fewer inputs leave
+ * them one after the other.
  */
 #define LEAST_TOGETHER 3u
 /*
@@ -96,15 +98,15 @@
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
  * Assumed largest ratio between two errors of the gradient that the optimiser predicts after a
- * step: the error in the entries that it does not check, and the error in the two entries that it
- * checks.
+ * step: the error in entries that it does not compute from the Hessian, and the error in the two
+ * entries (those of two inputs) that it computes for comparison.
  */
 #define UNMEASURED_FACTOR 8
 /* A decrease of the objective counts only if it exceeds this multiple of its rounding error. */
 #define SIGNIFICANT 16
 /*
- * The tableau of the optimiser (its pivoted Hessian) is recomputed after a round of iterations that
- * reduces the violation of the optimality (KKT) conditions by less than this factor.
+ * The optimiser recomputes its pivoted Hessian (the tableau) if a round, a sequence of iterations,
+ * divides the violation of the optimality (KKT) conditions by less than this factor.
  */
 #define LEAST_PROGRESS 16
 
@@ -147,9 +149,9 @@ static void multiply_symmetric(pzs_optimiser *optimiser, pzs_real *restrict prod
 }
 
 /*
- * Compute the gradient of the objective for all inputs: gradient of the model minus gradient of the
- * target. The array `next` receives the gradient of the free inputs, and 0 for the active inputs,
- * whose voltages are kept.
+ * Compute half the gradient of the objective for all inputs: its part that depends on the voltages
+ * minus its part that depends on the target shape. The array `next` receives the entries of the
+ * inputs whose voltages are free, and 0 for the others.
  */
 static void combine_gradients(pzs_real *restrict gradient, pzs_real *restrict next,
                               const pzs_real *restrict model_gradient,
@@ -218,12 +220,13 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
 }
 
 /*
- * Predict a whole step along the search direction. The array `move` holds the changes of the free
- * voltages and, for the active inputs, the gradient after the step, as the tableau (pivoted
- * Hessian) predicts it. The function writes the voltages after the step and their distance from the
- * base voltages. Returns the number of free inputs that would pass a bound plus the number of
- * active inputs (whose voltages are kept) that would violate the optimality (KKT) conditions by
- * more than `rounding`. If the number is 0, the whole step can be made.
+ * Predict a full step along the search direction. The array `move` holds the changes of the free
+ * voltages and, for the active inputs (whose voltages are kept), the gradient after the step, as
+ * the tableau (pivoted Hessian) predicts it. The function writes the voltages after the step and
+ * their differences from the base voltages, around which the gradient is computed. Returns the
+ * number of free inputs that would exceed a bound plus the number of active inputs that would
+ * violate the optimality (KKT) conditions by more than `rounding`. If the number is 0, the full
+ * step can be made.
  */
 static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                              pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -354,8 +357,8 @@ static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Return the distance of a voltage from its lower bound if `way`, its change, is negative;
- * otherwise from its upper bound (V).
+ * Return the distance of a voltage from the bound towards which it changes (V): from its lower
+ * bound if the change `way` is negative, otherwise from its upper bound.
  */
 static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_real lower,
                                          pzs_real upper)
@@ -364,8 +367,9 @@ static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_rea
 }
 
 /*
- * The free voltages are to change by `part` times the vector sense * move (V). Find the first free
- * input that reaches a bound during this change, and the fraction of the vector at which it does.
+ * Find the first free input whose voltage reaches a bound when all free voltages change by the
+ * vector `move` [inputs] (V) times `sense` (1 or -1) times `part`, and the fraction of the change
+ * at which it does.
  */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
@@ -388,9 +392,9 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
 }
 
 /*
- * Change the free voltages by the part `first.part` of the vector sense * move (V), clamped to
- * their bounds. The input that reaches its bound first, `first.input`, if there is one, is set to
- * the bound exactly.
+ * Change the free voltages by the vector `move` [inputs] (V) times `sense` (1 or -1) times the
+ * fraction first.part, clamped to their bounds. The input first.input, which reaches its bound
+ * first, is set to the bound exactly, if there is one.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -410,8 +414,8 @@ static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real 
 }
 
 /*
- * Move input j, which has reached a bound, from the free set to the active set, in which the
- * optimiser keeps voltages constant. next_voltage is used as work array.
+ * Move input j, whose voltage has reached a bound, from the free set to the active set of the
+ * optimiser, in which voltages are kept constant. The array next_voltage is overwritten.
  */
 static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 {
@@ -422,9 +426,9 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 
 /*
  * Update the search direction of the free inputs and the gradient of the active inputs, whose
- * voltages are kept, after one input has reached a bound and become active. `remaining` is the part
- * of the step of this input that its bound prevents (V).
+ * voltages are kept, after one input has reached a bound and become active.
  *   row [width] in  row of this input in the tableau (pivoted Hessian)
+ *   remaining   in  part of the step of this input that its bound prevents (V)
  */
 static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
                              const pzs_real *restrict free_set, pzs_real remaining, size_t span)
@@ -542,10 +546,10 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* if the release of input k has reached the minimum, or
-                                        neither a finite bound nor a curvature has ended it, the
-                                        gradient with respect to input k is set to exactly zero, so
-                                        that it is not released again */
+        optimiser->direction[k] =
+            0; /* if the change of the voltage of input k has reached the minimum of the objective,
+                  or neither a finite bound nor a curvature has ended it, the gradient with respect
+                  to input k is set to exactly zero, so that the voltage is not changed again */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
@@ -628,8 +632,8 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 }
 
 /*
- * Whether the gradient of every free input is within its rounding-error bound, and every active
- * input of the dual method (whose voltage is kept) is at its bound. next_voltage holds the
+ * Whether the gradient of every free input is within its rounding-error bound, and, in the dual
+ * active-set method, the voltage of every active input is at its bound. next_voltage holds the
  * gradients of the free inputs.
  */
 static bool is_stationary(const pzs_optimiser *optimiser)
@@ -644,9 +648,10 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 }
 
 /*
- * Iterate, after a bound has blocked the whole step, until no voltage violates the optimality (KKT)
- * conditions. Descent iterations change the free voltages until no bound ends the change; then
- * release iterations change active voltages that violate the conditions.
+ * Iterate, after a bound has blocked the full step along the search direction, until no voltage
+ * violates the optimality (KKT) conditions. Descent iterations change the free voltages until no
+ * bound ends the change; then release iterations change active voltages (which were kept) that
+ * violate the conditions.
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -669,9 +674,9 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- whole step as one iteration ------------------------------------- */
 
 /*
- * Compute the gradient of input k after a predicted step from the Hessian, without the part that
- * depends on the target, into *model_gradient (m2/V). Returns the absolute difference from the
- * gradient that the tableau (pivoted Hessian) predicts.
+ * Compute the part of the gradient of input k that depends on the voltages, after a predicted step,
+ * from the Hessian into *model_gradient (m2/V). Returns its absolute difference from the gradient
+ * that the tableau (pivoted Hessian) predicts.
  */
 static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
@@ -684,8 +689,9 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
 }
 
 /*
- * Set the gradient to that which the tableau (pivoted Hessian) predicts after a whole step: 0 for a
- * free input, the entry of the array `move` for an active one.
+ * Set the gradient to the one that the tableau (pivoted Hessian) predicts after a full step along
+ * the search direction: 0 for an input whose voltage is free, for the others the entry of the array
+ * `move` [inputs], which holds the predicted gradient (m2/V).
  */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
@@ -695,9 +701,9 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
 }
 
 /*
- * Accept a whole step that the tableau (pivoted Hessian) has predicted: set the voltages after the
- * step and the model gradient, which is the predicted gradient of the objective plus the gradient
- * of the target.
+ * Accept a full step along the search direction that the tableau (pivoted Hessian) has predicted:
+ * set the voltages, and the part of the gradient that depends on the voltages, to their predicted
+ * values.
  */
 static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict model_gradient,
                               const pzs_real *restrict next, const pzs_real *restrict move,
@@ -711,10 +717,10 @@ static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict mod
 }
 
 /*
- * Make the whole step, which no bound blocks, as one iteration, and compare the predicted gradient
- * of two inputs with that computed from the Hessian. Returns false if the prediction is wrong; the
- * voltages are then unchanged, and the tableau (pivoted Hessian), from which the prediction came,
- * no longer counts as verified.
+ * Make the full step along the search direction, which no bound blocks, as one iteration, and
+ * compare the predicted gradient of two inputs with that computed from the Hessian. Returns false
+ * if the prediction is wrong; the voltages are then unchanged, and the tableau (pivoted Hessian),
+ * from which the prediction came, no longer counts as verified.
  */
 static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -762,10 +768,10 @@ static void find_way_and_slope(pzs_real *restrict way, pzs_real *restrict slope,
 }
 
 /*
- * Return whether the last round of iterations lowered the objective. The objective is quadratic, so
- * that its change is proportional to (voltages - start voltages) times the sum of the gradients at
- * both ends. The rounding error of this product must be below target_energy, the scale of the
- * objective, or far below the decrease.
+ * Return whether the last round (sequence of iterations) lowered the objective. The objective is
+ * quadratic, so that its change is proportional to (voltages - start voltages) times the sum of the
+ * gradients at both ends. The rounding error of this product must be below target_energy, the scale
+ * of the objective, or far below the decrease.
  */
 bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
 {
@@ -782,8 +788,9 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return to the voltages and gradients at the start of the round of iterations. If the optimiser
- * had only predicted the gradient there, without the Hessian, it is now computed from the Hessian.
+ * Return to the voltages and gradients at the start of the last round (sequence of iterations). If
+ * the optimiser had only predicted the gradient there by its tableau (pivoted Hessian), the
+ * gradient is now computed from the Hessian.
  */
 static void undo_round(pzs_optimiser *optimiser)
 {
@@ -815,8 +822,8 @@ bool pzs_boxls_shorten(pzs_optimiser *optimiser)
 }
 
 /*
- * Run one round: make the whole step, or, if a bound blocks it, iterations; then compute the
- * gradient from the Hessian.
+ * Run one round of the optimiser: make the full step along the search direction or, if a bound
+ * blocks it, iterations of the active-set method; then compute the gradient from the Hessian.
  */
 static void run_round(pzs_optimiser *optimiser, bool blocked)
 {
@@ -836,8 +843,8 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     const bool was_predicted = optimiser->is_predicted;
     pzs_boxls_true_gradient(optimiser);
     /*
-     * A round of the dual method that the work limit has stopped before its optimum may end with a
-     * larger objective than it began with.
+     * A sequence of iterations of the dual active-set method that the work limit has stopped before
+     * its optimum may end with a larger objective than it began with.
      */
     if (!complete && pzs_boxls_shorten(optimiser))
         pzs_boxls_true_gradient(optimiser);
@@ -880,10 +887,11 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 }
 
 /*
- * Decide what becomes of a round of iterations. If it ended at the optimum, the tableau (pivoted
- * Hessian) counts as verified; if the objective fell, the new voltages are kept; otherwise the
- * round is undone. The rounding-error bound of the KKT violation rises with the voltages. If the
- * violation is below its bound only for this reason, the objective must have fallen too.
+ * Decide what becomes of the last round (sequence of iterations). If it ended at the optimum, the
+ * tableau (pivoted Hessian) counts as verified; if the objective fell, the new voltages are kept;
+ * otherwise the round is undone. The rounding-error bound of the KKT violation (violation of the
+ * optimality conditions) rises with the voltages. If the violation is below its bound only for this
+ * reason, the objective must have fallen too.
  */
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
@@ -906,10 +914,9 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
 }
 
 /*
- * Begin to recompute the tableau (pivoted Hessian) from the Hessian, at most once in a voltage
- * step. If no round of iterations has ended at the optimum since the last recomputation, also raise
- * the pivot threshold, so that more inputs count as linearly dependent. Returns whether another
- * round is needed.
+ * Begin to recompute the tableau (pivoted Hessian) from the Hessian, at most once in a tick. If no
+ * optimum has been found since the last recomputation, also raise the pivot threshold, so that more
+ * inputs count as linearly dependent. Returns whether more iterations are needed.
  */
 static bool renew_tableau(pzs_optimiser *optimiser)
 {
@@ -926,9 +933,9 @@ static bool renew_tableau(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the last round of iterations, which did not end at the optimum, reduced the violation of
- * the optimality (KKT) conditions by so little that the tableau (pivoted Hessian) is to be
- * recomputed.
+ * Whether the last round (sequence of iterations), which did not end at the optimum, reduced the
+ * violation of the optimality (KKT) conditions by so little that the tableau (pivoted Hessian) is
+ * to be recomputed.
  */
 static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 {
@@ -938,8 +945,8 @@ static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 }
 
 /*
- * Make one round of iterations of the optimiser, whose tableau (pivoted Hessian) must be complete.
- * Returns whether another round may lower the objective.
+ * Make one round (sequence of iterations) of the optimiser, whose tableau (pivoted Hessian) must be
+ * complete. Returns whether another round may lower the objective.
  */
 static bool make_round(pzs_optimiser *optimiser)
 {
@@ -966,7 +973,7 @@ static bool make_round(pzs_optimiser *optimiser)
 
 /*
  * Complete the tableau (pivoted Hessian) of the optimiser if its recomputation is unfinished.
- * Returns whether the work limit then allows a round of iterations.
+ * Returns whether the work limit then allows a round (sequence of iterations).
  */
 static bool may_make_round(pzs_optimiser *optimiser)
 {
@@ -1000,8 +1007,8 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
         }
     }
     /*
-     * If the work limit did not stop the last round of iterations, a violation of the optimality
-     * (KKT) conditions slightly above its rounding-error bound is accepted, because rounding errors
+     * If the work limit did not stop the last iterations, a violation of the optimality (KKT)
+     * conditions slightly above its rounding-error bound is accepted, because rounding errors
      * prevent a smaller one.
      */
     optimiser->is_optimal |=

@@ -5,9 +5,10 @@
  *   minimise   (v - base)' H (v - base) / 2 + (r - t)' (v - base)
  *   subject to lower <= v <= upper
  *
- * for the voltages v, with the Hessian H, which may be singular, base voltages, the regularisation
- * gradient r and the target gradient t (pzs_optimiser). Vectors have an entry for each input and
- * are padded with zeros to the length `width`.
+ * for the voltages v, with the Hessian H, which may be singular, constant base voltages, and the
+ * gradients r of the regularisation and t of the target (pzs_optimiser.regularisation_gradient and
+ * target_gradient). Vectors have an entry for each input and are padded with zeros to the length
+ * `width`.
  */
 #ifndef PZS_LIB_BOXLS_H
 #define PZS_LIB_BOXLS_H
@@ -17,8 +18,8 @@
 /* Number of vectors of the optimiser, without the voltages; each has an entry for each input. */
 #define BOXLS_VECTORS (16u + PZS_PENDING)
 /*
- * Largest factor by which the threshold for linearly dependent inputs may rise above its initial
- * value, which is 4 times the number of inputs times the machine epsilon.
+ * Largest factor by which the pivot threshold for linearly dependent inputs may rise above its
+ * initial value, which is 4 times the number of inputs times the machine epsilon.
  */
 #define BOXLS_DEPENDENT 256
 
@@ -30,8 +31,9 @@
 void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * Compute the gradient of the objective: model gradient minus target gradient. Its entries for the
- * free inputs are also written to next_voltage.
+ * Compute half the gradient of the objective, the difference of its parts model_gradient and
+ * target_gradient (pzs_optimiser). Its entries for the inputs whose voltages are free are also
+ * written to next_voltage.
  */
 void pzs_boxls_gradient(pzs_optimiser *optimiser);
 
@@ -43,10 +45,10 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 
 /*
  * Compute the search direction from gradient and tableau (pivoted Hessian), and the voltages after
- * a whole step.
+ * a full step along it.
  *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
- * Returns the number of free inputs that would pass a bound plus the number of active inputs (whose
- * voltages are kept) that would violate the optimality conditions after the step.
+ * Returns the number of free inputs that would exceed a bound plus the number of active inputs
+ * (whose voltages are kept) that would violate the optimality conditions after the step.
  */
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
@@ -65,16 +67,17 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
 /*
- * Return whether a round of iterations lowered the objective, from the voltages start_voltage with
- * gradient start_gradient to `voltage` with `gradient`. The arrays scratch and direction of the
- * optimiser are overwritten.
+ * Return whether a round (sequence of iterations) of the optimiser lowered the objective, from the
+ * voltages start_voltage with gradient start_gradient to `voltage` with `gradient`. The arrays
+ * scratch and direction of the optimiser are overwritten.
  */
 bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser);
 
 /*
- * Move the voltages, after a round of iterations, back on the straight line to those at its start,
- * to the minimum of the objective on this line. Returns whether they have moved; the gradient must
- * then be computed anew. The arrays scratch and direction of the optimiser are overwritten.
+ * Move the voltages, after a round (sequence of iterations) of the optimiser, back on the straight
+ * line to those at its start, to the minimum of the objective on this line. Returns whether they
+ * have moved; the gradient must then be computed anew. The arrays scratch and direction of the
+ * optimiser are overwritten.
  */
 bool pzs_boxls_shorten(pzs_optimiser *optimiser);
 

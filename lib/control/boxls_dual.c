@@ -6,7 +6,7 @@
  * An iteration takes the free input that is farthest outside its bounds and changes its multiplier
  * until this input reaches its bound; the multipliers of A follow so that the inputs of A stay at
  * their bounds. If a multiplier of A becomes zero before, its input leaves A, and the next
- * iteration continues with the same free input. The objective of the minimum over the free inputs
+ * iteration continues with the same free input. The minimum of the objective over the free inputs
  * rises with each iteration of positive length, so that no active set occurs twice and their number
  * is finite. Between iterations voltages may be outside their bounds; these voltages are kept apart
  * from the present ones, which only receive them clamped.
@@ -36,32 +36,37 @@
  */
 #define PIVOT_TO_VALUE 16
 /*
- * Number of entries of a row of a triangular matrix below which the triangular solver subtracts the
- * row by a plain loop, which is then faster than the function for long vectors.
+ * Number of entries of a row below which a triangular solver subtracts the row by a plain loop,
+ * which is then faster than a call of subtract_multiple.
  */
 #define SHORT_ROW 16u
 
 /*
- * The dual method chooses its active set anew if the number of inputs that are wrongly free or
- * wrongly active, times this number, is at least the number of inputs.
+ * The dual active-set method chooses its active set anew if at least one in this number of inputs
+ * is free with its voltage outside its bounds, or active (kept at a bound) with a multiplier of the
+ * wrong sign.
  */
 #define WRONG_PART 3u
-/* Number of sweeps over all inputs by which the dual method estimates the optimal voltages. */
+/*
+ * Number of times that the dual active-set method goes through all inputs to estimate the optimal
+ * voltages.
+ */
 #define SWEEPS 6u
 /*
- * Before the dual method chooses its active set anew, it makes up to (number of inputs) /
- * TRIAL_PART iterations, which often suffice if few inputs end at their bounds.
+ * Before the dual active-set method chooses its active set anew, it makes up to (number of inputs)
+ * / TRIAL_PART iterations, which often suffice if few inputs end at their bounds.
  */
 #define TRIAL_PART 4u
 /*
- * The dual method chooses its active set anew at once, without iterations before, if fewer than one
- * in this number of inputs are rightly free or rightly active.
+ * The dual active-set method chooses its active set anew at once, without iterations before, unless
+ * at least one in this number of inputs is free with its voltage inside its bounds, or active (kept
+ * at a bound) with a multiplier of the right sign.
  */
 #define FEW_RIGHT 5u
 
 /*
- * Work arrays of the dual method, with an entry for each input. They use the memory of the vectors
- * in which the primal method collects pivot exchanges.
+ * Numbers of the work arrays of the dual active-set method, each with an entry for each input. They
+ * use the memory of the vectors in which the primal method collects pivot exchanges.
  */
 enum { SOLUTION, CHANGE, RESPONSE, COSINE };
 
@@ -323,8 +328,8 @@ uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- iterations of the dual method ----------------------------------- */
 
 /*
- * Whether the work limit of the optimiser allows `cost` multiply-adds and the end of the round of
- * iterations, in which the gradient may have to be computed twice.
+ * Whether the work limit of the optimiser allows `cost` multiply-adds more and the end of the
+ * present round (sequence of iterations), in which the gradient may have to be computed twice.
  */
 static bool affords(pzs_optimiser *optimiser, uint64_t cost)
 {
@@ -332,8 +337,8 @@ static bool affords(pzs_optimiser *optimiser, uint64_t cost)
 }
 
 /*
- * Choose the active inputs that are to become free because their multipliers have the wrong sign,
- * as many as the work limit allows.
+ * Choose the active inputs (whose voltages are kept at a bound) that are to become free because
+ * their multipliers have the wrong sign, as many as the work limit allows.
  *   change [active_count] out  for each chosen input the change of its multiplier to zero, 0 for
  *                              all others (m2/V)
  * Returns the number of chosen inputs.
@@ -358,8 +363,8 @@ static uint32_t choose_wrong(pzs_optimiser *optimiser, pzs_real rounding, pzs_re
 }
 
 /*
- * Make the active inputs free whose multipliers have the wrong sign, until no active input has such
- * a multiplier, or until the work limit stops the optimiser.
+ * Make free all active inputs (whose voltages are kept at a bound) whose multipliers have the wrong
+ * sign, until no active input has such a multiplier, or until the work limit stops the optimiser.
  */
 static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -478,11 +483,11 @@ static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_r
 }
 
 /*
- * Make one iteration of the dual method: change the multiplier of free input i, whose voltage is
- * outside its bounds, until the voltage reaches its bound and the input becomes active, or until
- * the multiplier of an active input becomes zero and this input becomes free. Returns false if
- * neither happens. choose_outside has noted the bound, so that it stays the one that was exceeded,
- * even if rounding errors move the voltage past it between two iterations.
+ * Make one iteration of the dual active-set method: change the multiplier of free input i, whose
+ * voltage is outside its bounds, until the voltage reaches its bound and the input becomes active,
+ * or until the multiplier of an active input becomes zero and this input becomes free. Returns
+ * false if neither happens. choose_outside has noted the bound, so that rounding errors between two
+ * iterations do not change it.
  */
 static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -499,7 +504,8 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
                    *response = work_array(optimiser, RESPONSE);
     /*
      * Rounding errors explain why a voltage or sum that depends linearly on the active ones is
-     * outside its bounds; the dual method therefore ignores it in the present round of iterations.
+     * outside its bounds; the dual active-set method therefore ignores it until the next exact
+     * computation of the gradient.
      */
     if (!may_join &&
         PIVOT_TO_VALUE * outside <= optimiser->pivot_rounding * optimiser->multiplier_change) {
@@ -559,8 +565,8 @@ static void release_all(pzs_optimiser *optimiser)
 
 /*
  * Estimate the optimal voltages by a fixed number (SWEEPS) of sweeps over the inputs, from the
- * present voltages on. Each input in turn goes to the minimum of the objective over its own voltage
- * within its bounds.
+ * present voltages on. In a sweep each input in turn goes to the minimum of the objective over its
+ * own voltage within its bounds.
  *   voltage  [width] out  estimated voltages (V)
  *   gradient [width] out  half the gradient of the objective at these voltages (m2/V)
  */
@@ -593,8 +599,8 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 }
 
 /*
- * Choose the active set anew, if the work limit allows it: the inputs whose estimated voltage is at
- * a bound, where the objective would fall only outside the bound.
+ * Choose the active set anew, if the work limit allows it: the inputs whose voltage, as the
+ * function estimates the optimum, is at a bound beyond which the objective would fall.
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {
@@ -619,8 +625,9 @@ static void choose_anew(pzs_optimiser *optimiser)
 /* ---- course of a round of iterations --------------------------------- */
 
 /*
- * Count one more iteration of the dual method if its work is within the work limit. Otherwise note
- * that the work limit has stopped the optimiser. Returns whether the iteration may be made.
+ * Count one more iteration of the dual active-set method if its work is within the work limit.
+ * Otherwise note that the work limit has stopped the optimiser. Returns whether the iteration may
+ * be made.
  */
 static bool may_iterate(pzs_optimiser *optimiser)
 {
@@ -636,9 +643,9 @@ static bool may_iterate(pzs_optimiser *optimiser)
 }
 
 /*
- * Pull the free inputs inside their bounds one after the other, until none is outside or the
- * optimiser has made `enough` iterations. Returns false if the work limit or the largest number
- * `most` of iterations ends this earlier.
+ * Move the voltages of free inputs inside their bounds one after the other, until none is outside
+ * or the optimiser has made `enough` iterations. Returns false if the work limit or the largest
+ * number `most` of iterations ends this earlier.
  */
 static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t most)
 {
@@ -655,8 +662,8 @@ static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t 
 }
 
 /*
- * Prepare a round of iterations of the dual method. Returns the total number of iterations at which
- * the round must end.
+ * Prepare a round (sequence of iterations) of the dual active-set method. Returns the total number
+ * of iterations at which the round must end.
  */
 static uint32_t begin_round(pzs_optimiser *optimiser)
 {

@@ -11,8 +11,8 @@
 #include "optimiser.h"
 
 /*
- * Functions of the dual method that the optimiser calls through the pointer in the voltage
- * optimisation problem, so that a program whose problems have few inputs does not link them.
+ * Functions of the dual active-set method that the optimiser calls through pzs_problem.dual_method,
+ * so that a program with few inputs does not link them.
  */
 struct pzs_dual_calls {
     uint32_t (*predict_step)(pzs_optimiser *optimiser, pzs_real rounding);
@@ -22,20 +22,20 @@ struct pzs_dual_calls {
 };
 
 /*
- * Set the pointers of the dual method to its arrays in the memory `work` of PZS_DUAL_REALS(inputs)
- * reals. The member `inputs` of the optimiser must be set before.
+ * Set the pointers of the dual active-set method to its arrays in the memory `work` of
+ * PZS_DUAL_REALS(inputs) reals. The member `inputs` of the optimiser must be set before.
  */
 void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * At the start of an optimisation step, make all inputs free if the list of active inputs in memory
- * is damaged, or if the bound of an active input is not finite.
+ * At the start of a control tick, make all inputs of the optimiser free if the list of its active
+ * inputs in memory is damaged, or if the bound of an active input is not finite.
  */
 void pzs_check_active_dual(pzs_optimiser *optimiser);
 
 /*
- * Return the number of multiply-adds by which a round of iterations of the dual method exceeds
- * PZS_ROUND_WORK, the work of a round of the primal method.
+ * Return the number of multiply-adds by which a round (sequence of iterations) of the dual active-
+ * set method exceeds PZS_ROUND_WORK, the work of a round of the primal method.
  */
 uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 
@@ -45,13 +45,15 @@ uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
 
 /*
- * Predict the whole step to the minimum over the free inputs, with the active inputs at their
- * bounds. Before the call the array `direction` holds the product of the tableau (pivoted Hessian)
- * with the gradient of the free inputs; afterwards it holds the step of the free inputs and the
- * multipliers of the active ones. The array next_voltage receives the voltages after the step, and
- * `scratch` their distance from the base voltages, around which the gradient is computed.
+ * Predict the full step to the minimum over the free inputs, with the active inputs at their
+ * bounds.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
- * Returns the number of inputs that would be outside their bounds or have such a multiplier.
+ * Before the call the array `direction` of the optimiser holds the product of the tableau (pivoted
+ * Hessian) with the gradient of the free inputs; afterwards it holds the step of the free inputs
+ * and the multipliers of the active ones. The array next_voltage receives the voltages after the
+ * step, and `scratch` their differences from the base voltages, around which the gradient is
+ * computed. Returns the number of inputs that would be outside their bounds or have a multiplier of
+ * the wrong sign.
  */
 uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
@@ -69,22 +71,23 @@ void pzs_dual_free(pzs_optimiser *optimiser, uint32_t i);
 void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
 
 /*
- * Change the multipliers of the active inputs, in the array `direction`, so that the voltages of
- * the active inputs in next_voltage reach their bounds, and let the voltages of the free inputs
- * follow.
+ * Change the multipliers of the active inputs (whose voltages are kept at a bound), in the array
+ * `direction`, so that their voltages in next_voltage reach their bounds, and let the voltages of
+ * the free inputs follow.
  */
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 
 /*
- * Iterate from the voltages after the predicted step until no voltage is outside its bounds and no
- * multiplier has the wrong sign, or until the work limit stops the iterations. The voltages of the
- * optimiser become those reached, clamped to the bounds. Returns whether all iterations were made.
+ * Iterate the dual active-set method from the voltages after the predicted step until no voltage is
+ * outside its bounds and no multiplier has the wrong sign, or until the work limit stops the
+ * iterations. The voltages of the optimiser become those reached, clamped to the bounds. Returns
+ * whether all iterations were made.
  */
 bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
- * Make a round of iterations as pzs_iterate_dual does, for a problem in which no sums of voltages
- * are limited. If a large part of the active set is wrong, as after a jump of the target, and a few
+ * Iterate the dual active-set method as pzs_iterate_dual does, where no sums of voltages are
+ * limited. If a large part of the active set is wrong, as after a jump of the target, and a few
  * iterations do not change that, the active set is first estimated as a whole from the Hessian,
  * which takes less work than as many iterations.
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Operations on the tableau of the voltage optimiser, which is the Hessian after pivot exchanges:
- * exchanges, which are collected and applied to the matrix together, and recomputation from the
- * Hessian.
+ * Operations on the tableau of the voltage optimiser, which is the Hessian after pivot exchanges
+ * (moves of inputs between the set of free voltages and the set of voltages at a bound): exchanges
+ * are collected and applied to the matrix together, and the tableau is recomputed from the Hessian.
  */
 #include <string.h>
 #include "boxls_tableau.h"
@@ -64,9 +64,9 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 /*
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them, so that
  * its pivoted Hessian (tableau) is read and written less often while it is computed. The exchanges
- * are stored in memory of the dual method, which is not in use meanwhile: their rank-one updates in
- * the first third of the memory of its Cholesky factor, two copies of the updates in groups of
- * columns in the rest of this memory, and their pivots in the memory of its two vectors.
+ * are stored in memory of the dual active-set method, which is not in use meanwhile: their rank-one
+ * updates in the first third of the memory of its Cholesky factor, two copies of the updates in
+ * groups of columns in the rest of this memory, and their pivots in the memory of its two vectors.
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
@@ -125,8 +125,8 @@ static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t fir
 /*
  * Compute row k of the tableau, the pivoted Hessian of the optimiser, including the pivot exchanges
  * that are collected but not yet applied to the matrix. An exchange of input k changes the tableau
- * as follows, with `row`, its row k before the exchange, with the pivot p = row_k, and with u = row
- * / sqrt |p|:
+ * as follows, where row_i is entry i of row k before the exchange, p = row_k is the pivot, and u is
+ * the row divided by sqrt |p|:
  *   entry i, j  by  -sign(p) u_i u_j,
  *   entry i, k  to  row_i / |p|, which is the same formula on a zero entry if u_k is set to
  *               -sign(p) / sqrt |p|,
@@ -185,9 +185,10 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 }
 
 /*
- * Set to zero the entries of exchanged inputs in at most `most` rows of the tableau (the
- * optimiser's pivoted Hessian) from row i on, up to the block on the diagonal. The collected
- * rank-one updates then give these entries their new values.
+ * Set to zero the entries in the columns of exchanged inputs, in at most `most` rows of the tableau
+ * (the optimiser's pivoted Hessian) from row i on, because the rank-one updates of the collected
+ * exchanges are to give these entries new values. Only columns up to the square block on the
+ * diagonal that contains the row are set.
  */
 static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
@@ -288,8 +289,8 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 /*
  * On a host with the vector unit AVX2, apply all collected rank-one updates to the optimiser's
  * pivoted Hessian (tableau) while it is being computed, up to and including its diagonal. Copies of
- * the updates in groups of columns lie behind the updates, in memory of the dual method. Returns
- * whether this was done, which is not possible on other processors.
+ * the updates in groups of columns lie behind the updates, in memory of the dual active-set method.
+ * Returns whether this was done, which is not possible on other processors.
  */
 static bool apply_wide(pzs_optimiser *optimiser)
 {
@@ -370,9 +371,9 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
 }
 
 /*
- * Return the next input that joins the free set again while the tableau (pivoted Hessian) is
- * recomputed: of those that wait, the one that is most independent of the free inputs. Returns the
- * number of inputs if all waiting ones depend linearly on the free ones.
+ * Return the next input that becomes free again while the tableau (pivoted Hessian) is recomputed:
+ * of those that wait, the one whose effect on the shape is most independent of those of the free
+ * inputs. Returns the number of inputs if all waiting ones depend linearly on the free ones.
  */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {

@@ -15,8 +15,8 @@
  * which reads and writes it only once; a row that is read before is corrected for them. The result
  * has the same bits as if the updates were applied one by one.
  *
- * One product of the tableau with the gradient of F gives the direction: on F the step to the
- * minimum over F, on A the change of the gradient by this step.
+ * One product of the tableau with the gradient of F gives the search direction: for F the step to
+ * the minimum over F, for A the change of the gradient by this step.
  */
 #ifndef PZS_LIB_BOXLS_TABLEAU_H
 #define PZS_LIB_BOXLS_TABLEAU_H
@@ -81,7 +81,7 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending);
  * Continue to recompute the tableau (the optimiser's pivoted Hessian): move the inputs that were
  * free before pzs_tableau_reset back into the free set, the most independent first, as long as the
  * work limit allows. Inputs that depend linearly on the free ones stay active. Returns whether the
- * tableau is complete. next_voltage is used as work array.
+ * tableau is complete. The array next_voltage is overwritten.
  */
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 

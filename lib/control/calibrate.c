@@ -3,25 +3,26 @@
  * Calibration on the device: recursive least squares for the influence matrix (pzs_calibrate.h).
  *
  * With the voltages v and the readings y of each record, the influence matrix B minimises the sum
- * of |y - B v|^2. The state is the triangular factor T [inputs][inputs] of the information matrix I
- * = T'T, which is the sum of v v', and the readings Z [inputs][outputs] in the same basis; then T
- * B' = Z. Plane rotations of the rows of [T Z] add a record. They never square the condition
- * number, and T'T is symmetric and not negative whatever the rounding errors are. What is left of
- * the readings of a record after the rotations is its residual, scaled so that its variance is that
- * of the noise; the mean of its squares is thus the variance of the noise.
+ * of |y - B v|^2 over the records. The state is the triangular factor T [inputs][inputs] of the
+ * information matrix I = T'T, which is the sum of v v', and the readings Z [inputs][outputs] in the
+ * same basis; then T B' = Z. Plane rotations of the rows of [T Z] add a record. They never square
+ * the condition number, and T'T is symmetric and not negative whatever the rounding errors are.
+ * What is left of the readings of a record after the rotations is its residual, scaled so that its
+ * variance is that of the noise; the mean of its squares is thus the variance of the noise.
  *
  * Forgetting is directional, so that a direction without new voltages loses nothing. The rows are
  * rotated so that the first one is r = v'I/sqrt(v'Iv), all that T knows of the direction v, and
  * this row is multiplied by sqrt(1 - f). The information matrix becomes
  *
- *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/memory, |v|^4/(v'Iv)).
+ *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/M, |v|^4/(v'Iv))
  *
- * Both bounds of the covariance of B, which is the variance of the noise times the inverse of J,
- * follow from the bound of f. Because |v|^4 <= (v'Iv)(v' I^-1 v), the determinant satisfies det J /
- * det I = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1: it never decreases. No eigenvalue of J
- * exceeds the larger one of the largest eigenvalue of I and V^2 memory, with the largest norm V of
- * the voltages of a record. So no eigenvalue falls below det I/(V^2 memory)^(inputs - 1), and small
- * voltages, such as those of a controller at rest, never replace the knowledge from large ones.
+ * where M, settings.memory, is the number of records after which older ones are forgotten. Both
+ * bounds of the covariance of B, which is the variance of the noise times the inverse of J, follow
+ * from the bound of f. Because |v|^4 <= (v'Iv)(v' I^-1 v), the determinant satisfies det J / det I
+ * = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1: it never decreases. No eigenvalue of J exceeds
+ * the larger one of the largest eigenvalue of I and V^2 M, with the largest norm V of the voltages
+ * of a record. So no eigenvalue falls below det I/(V^2 M)^(inputs - 1), and small voltages, such as
+ * those of a controller whose target stands still, never replace the knowledge from large ones.
  */
 #include <string.h>
 #include "pzs_calibrate.h"
@@ -43,9 +44,9 @@
  */
 #define SUM_RESERVE PZS_R(4294967296.0)
 /*
- * A test voltage counts as constant if it changes in a tick by at most this part of the voltage
- * range of its input, and by at most half of the step limit, the change of a test voltage that is
- * still far from the value which its test pattern demands.
+ * A test voltage of a calibration counts as constant if it changes in a tick by at most this part
+ * of the voltage range of its input and by at most half of its step limit. (Far from the value that
+ * the test pattern demands, it changes by the whole step limit.)
  */
 #define AT_REST PZS_R(1e-4)
 /*
@@ -356,10 +357,10 @@ static void clear_open_rows(pzs_calibration *calibration)
 }
 
 /*
- * Return the part (0 to 1/memory) of the information about a direction that is forgotten when a
- * record with voltages in this direction is added.
+ * Return the part (0 to 1 / settings.memory) of the information about a direction of the vector of
+ * voltages that a calibration forgets when a record with voltages in this direction is added.
  *   voltage   [inputs] in  voltages of the record (V)
- *   direction [inputs] in  triangular factor times these voltages (V2)
+ *   direction [inputs] in  triangular factor of the information matrix times these voltages (V2)
  */
 static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_real *voltage,
                                const pzs_real *direction)
