@@ -179,33 +179,41 @@ const double *mass_element(const mass *mass, int element)
 }
 
 /*
- * Multiply the packed mass matrix of one element with a vector.
+ * Multiply the packed mass matrix of one element with a vector. The innermost loops run over the
+ * entries of the product, so that no addition waits for the one before.
  *   vector, product [count] with count = 4 dof_per_node
  */
 static void multiply_element(const double *entry, int count, const double *vector, double *product)
 {
     for (int i = 0; i < count; i++)
         product[i] = 0;
-    for (int i = 0; i < count; i++) {
-        for (int j = 0; j < i; j++) {
-            product[i] += entry[j] * vector[j];
-            product[j] += entry[j] * vector[i];
+    for (int column = 0; column < count; column++) {
+        for (int i = 0; i < column; i++)
+            product[i] += entry[i] * vector[column];
+        entry += column;
+        const double *below = entry++;
+        for (int i = column; i < count; i++) {
+            product[i] += *below * vector[column];
+            below += i + 1;
         }
-        product[i] += entry[i] * vector[i];
-        entry += i + 1;
     }
 }
 
-void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, double *product)
+void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, size_t count,
+                   double *product)
 {
-    memset(product, 0, (size_t)mass->mesh->free_dof * sizeof *product);
-    for (int element = 0; element < mass->mesh->elements; element++) {
-        double local[SHELL_MAX], force[SHELL_MAX];
-        pzs_model_gather(model, mass->mesh->element[element], SHELL_NODES, vector, local);
-        multiply_element(mass_element(mass, element), 4 * (int)mass->mesh->dof_per_node, local,
-                         force);
-        pzs_model_scatter(model, mass->mesh->element[element], SHELL_NODES, 1, force, product);
-    }
+    const size_t free_dof = (size_t)mass->mesh->free_dof;
+    memset(product, 0, count * free_dof * sizeof *product);
+    for (int element = 0; element < mass->mesh->elements; element++)
+        for (size_t k = 0; k < count; k++) {
+            double local[SHELL_MAX], force[SHELL_MAX];
+            pzs_model_gather(model, mass->mesh->element[element], SHELL_NODES,
+                             vector + k * free_dof, local);
+            multiply_element(mass_element(mass, element), 4 * (int)mass->mesh->dof_per_node, local,
+                             force);
+            pzs_model_scatter(model, mass->mesh->element[element], SHELL_NODES, 1, force,
+                              product + k * free_dof);
+        }
 }
 
 /* ---- rigid motion ----------------------------------------------------- */

@@ -39,12 +39,13 @@ void mass_free(mass *mass);
 const double *mass_element(const mass *mass, int element);
 
 /*
- * Multiply the mass matrix with a vector over the free dof of a model of the same mesh; entries of
- * dof with prescribed displacements are set to 0.
- *   vector  [free_dof] in  vector to be multiplied
- *   product [free_dof] out  product of matrix and vector
+ * Multiply the mass matrix with `count` vectors over the free dof of a model of the same mesh;
+ * entries of dof with prescribed displacements are set to 0.
+ *   vector  [count][free_dof] in   vectors to be multiplied
+ *   product [count][free_dof] out  products of the matrix and each vector
  */
-void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, double *product);
+void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, size_t count,
+                   double *product);
 
 /*
  * Mass of the mesh in a rigid motion with displacement shift + spin x position, constrained nodes

@@ -24,6 +24,12 @@
  */
 enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 
+/*
+ * Largest number of basis vectors to which the operator of the Lanczos method is applied at once,
+ * so that the factors of the stiffness matrix are read from memory once for all of them.
+ */
+enum { BATCH = BLOCK_LOOSE };
+
 /* Relative residual of a Ritz pair at which its vibration mode counts as converged. */
 static const double converged_at = 1e-8;
 
@@ -66,9 +72,13 @@ typedef struct search {
     double *projection; /* [room][room] projection of the Lanczos operator (K + shift M)^-1 M, with
                            stiffness matrix K and mass matrix M, onto the basis; column j begins at
                            projection + j room */
-    double *next;       /* [free_dof] work vector: the next vector of the Lanczos basis */
-    double *mass_next;  /* [free_dof] work vector: product of the mass matrix and the next vector of
-                           the Lanczos basis */
+    double *image, *mass_image; /* [BATCH][free_dof] products of the Lanczos operator with the basis
+                                   vectors from image_begin to image_end, and products of the mass
+                                   matrix with these */
+    size_t image_begin, image_end;
+    double *next;      /* [free_dof] work vector: the next vector of the Lanczos basis */
+    double *mass_next; /* [free_dof] work vector: product of the mass matrix and the next vector of
+                          the Lanczos basis */
     double *ritz, *turn; /* ritz [done][done]: Ritz values (approximate eigenvalues) on the
                             diagonal; turn [done][done]: eigenvectors of the operator projected onto
                             the `done` vectors of the Lanczos basis, as columns */
@@ -224,31 +234,62 @@ static double random_number(search *search)
     return (double)(search->seed >> 11) / 4503599627370496.0 - 1;
 }
 
+/* Number of basis vectors that one iteration of a loop treats: no sum then waits for the others. */
+enum { GROUP = 4 };
+
+/*
+ * Remove from the work vector w its components along the basis vectors from `first` on, which are
+ * their products with the other work vector.
+ *   count     in   number of basis vectors, GROUP or 1
+ *   part [count] out  components
+ */
+static void remove_group(search *search, size_t first, size_t count, double *part)
+{
+    const size_t free_dof = search->free_dof;
+    const double *basis = search->basis + first * free_dof;
+    double sum[GROUP] = {0};
+    if (count == GROUP) {
+        for (size_t k = 0; k < free_dof; k++)
+            for (size_t i = 0; i < GROUP; i++)
+                sum[i] += basis[i * free_dof + k] * search->mass_next[k];
+        for (size_t k = 0; k < free_dof; k++)
+            for (size_t i = 0; i < GROUP; i++)
+                search->next[k] -= sum[i] * basis[i * free_dof + k];
+    } else {
+        sum[0] = pzs_linalg_inner(basis, search->mass_next, (uint32_t)free_dof);
+        for (size_t k = 0; k < free_dof; k++)
+            search->next[k] -= sum[0] * basis[k];
+    }
+    memcpy(part, sum, count * sizeof *part);
+}
+
 /*
  * Make the work vector w orthogonal to the Lanczos basis by two Gram-Schmidt iterations, and append
- * the remainder to the basis unless it is a rounding error.
+ * the remainder to the basis unless it is a rounding error. The product of the mass matrix and w
+ * must be in the other work vector.
  *   column [room] in/out  the products with the basis are added, the norm is appended; NULL: not
  *       needed
  */
 static void append(search *search, double *column)
 {
-    mass_multiply(&search->mass, &search->model, search->next, search->mass_next);
-    const double before = sqrt(
-        fmax(pzs_linalg_inner(search->next, search->mass_next, (uint32_t)search->free_dof), 0));
+    const uint32_t free_dof = (uint32_t)search->free_dof;
+    const double before =
+        sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     for (int pass = 0; pass < 2; pass++) {
-        for (size_t i = 0; i < search->made; i++) {
-            const double *direction = search->basis + i * search->free_dof;
-            const double part =
-                pzs_linalg_inner(direction, search->mass_next, (uint32_t)search->free_dof);
-            for (size_t k = 0; k < search->free_dof; k++)
-                search->next[k] -= part * direction[k];
-            if (column)
-                column[i] += part;
+        if (pass > 0)
+            mass_multiply(&search->mass, &search->model, search->next, 1, search->mass_next);
+        for (size_t first = 0; first < search->made;) {
+            const size_t count = first + GROUP <= search->made ? GROUP : 1;
+            double part[GROUP];
+            remove_group(search, first, count, part);
+            for (size_t i = 0; i < count && column; i++)
+                column[first + i] += part[i];
+            first += count;
         }
-        mass_multiply(&search->mass, &search->model, search->next, search->mass_next);
     }
-    const double norm = sqrt(
-        fmax(pzs_linalg_inner(search->next, search->mass_next, (uint32_t)search->free_dof), 0));
+    /* The mass matrix times w before the second iteration serves for the norm after it: what this
+     * iteration removed is orthogonal to what is left. */
+    const double norm = sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)
         return;
     for (size_t k = 0; k < search->free_dof; k++)
@@ -259,14 +300,35 @@ static void append(search *search, double *column)
 }
 
 /*
- * Apply the operator of the Lanczos method to a vector: w = (K + shift M)^-1 M vector, with
- * stiffness matrix K and mass matrix M.
+ * Apply the operator (K + shift M)^-1 M of the Lanczos method to `count` successive vectors, at
+ * most BATCH, and multiply the results by the mass matrix M. K is the stiffness matrix.
+ *   vector [count][free_dof] in   vectors
+ * The results are left in the arrays image and mass_image of the search.
  */
-static void apply(search *search, const double *vector)
+static void apply(search *search, const double *vector, size_t count)
 {
-    mass_multiply(&search->mass, &search->model, vector, search->mass_next);
-    pzs_model_backsolve(&search->model, search->mass_next, search->next);
-    search->solves++;
+    const pzs_envelope *factor = &search->model.state.stiffness;
+    const double *scale = search->model.state.scale;
+    mass_multiply(&search->mass, &search->model, vector, count, search->image);
+    for (size_t i = 0; i < count * search->free_dof; i++)
+        search->image[i] *= scale[i % search->free_dof];
+    pzs_linalg_solve_many(factor, search->image, (uint32_t)count, search->free_dof);
+    for (size_t i = 0; i < count * search->free_dof; i++)
+        search->image[i] *= scale[i % search->free_dof];
+    mass_multiply(&search->mass, &search->model, search->image, count, search->mass_image);
+    search->image_begin = search->image_end = 0;
+    search->solves += (int)count;
+}
+
+/*
+ * Copy one of the vectors to which the operator of the Lanczos method was applied, and its product
+ * with the mass matrix, to the work vectors.
+ */
+static void take_image(search *search, size_t index)
+{
+    const size_t bytes = search->free_dof * sizeof *search->next;
+    memcpy(search->next, search->image + index * search->free_dof, bytes);
+    memcpy(search->mass_next, search->mass_image + index * search->free_dof, bytes);
 }
 
 /*
@@ -280,13 +342,26 @@ static void append_random(search *search)
         return;
     for (size_t k = 0; k < search->free_dof; k++)
         vector[k] = random_number(search);
-    apply(search, vector);
+    apply(search, vector, 1);
+    take_image(search, 0);
     append(search, NULL);
 }
 
 /*
- * Apply the operator (K + shift M)^-1 M of the Lanczos method, with stiffness matrix K and mass
- * matrix M, to one more basis vector. Returns whether there was a vector left.
+ * Apply the operator of the Lanczos method to all basis vectors that wait for it, at most BATCH of
+ * them.
+ */
+static void apply_to_waiting(search *search)
+{
+    const size_t waiting = search->made - search->done, count = waiting < BATCH ? waiting : BATCH;
+    apply(search, search->basis + search->done * search->free_dof, count);
+    search->image_begin = search->done;
+    search->image_end = search->done + count;
+}
+
+/*
+ * Extend the projection of the Lanczos operator by one more basis vector, and append what is new in
+ * the product with this vector to the basis. Returns whether there was a vector left.
  */
 static int extend_basis(search *search)
 {
@@ -294,7 +369,9 @@ static int extend_basis(search *search)
         append_random(search);
     if (search->done == search->made)
         return 0;
-    apply(search, search->basis + search->done * search->free_dof);
+    if (search->done < search->image_begin || search->done >= search->image_end)
+        apply_to_waiting(search);
+    take_image(search, search->done - search->image_begin);
     append(search, search->projection + search->done * search->room);
     search->done++;
     return 1;
@@ -617,10 +694,13 @@ static int allocate_search(search *search, size_t number)
     search->ritz = malloc(search->room * search->room * sizeof *search->ritz);
     search->turn = malloc(search->room * search->room * sizeof *search->turn);
     search->order = malloc(search->room * sizeof *search->order);
+    search->image = malloc(BATCH * search->free_dof * sizeof *search->image);
+    search->mass_image = malloc(BATCH * search->free_dof * sizeof *search->mass_image);
     search->next = malloc(search->free_dof * sizeof *search->next);
     search->mass_next = malloc(search->free_dof * sizeof *search->mass_next);
     if (!search->work || !search->held || !search->basis || !search->projection || !search->ritz ||
-        !search->turn || !search->order || !search->next || !search->mass_next)
+        !search->turn || !search->order || !search->image || !search->mass_image || !search->next ||
+        !search->mass_next)
         return 0;
     for (int i = 0; i < mesh->prescribed_count; i++)
         search->held[mesh->prescribed_dof[i]] = 1;
@@ -638,6 +718,8 @@ static void free_search(search *search)
     free(search->ritz);
     free(search->turn);
     free(search->order);
+    free(search->image);
+    free(search->mass_image);
     free(search->next);
     free(search->mass_next);
 }

@@ -133,7 +133,7 @@ static bool prepare_damping(shell_motion *motion, const scene_dynamics *dynamics
         const double of_scene = 2 * modal_damping(dynamics, (int)i, frequency) * frequency;
         const double by_viscosity = motion->viscosity * vibration->square[mode];
         motion->mode_damping[i] = fmax(0, of_scene - by_viscosity);
-        mass_multiply(&motion->mass, motion->solver.state.model, vibration->shape + mode * dof,
+        mass_multiply(&motion->mass, motion->solver.state.model, vibration->shape + mode * dof, 1,
                       motion->mode_force + i * dof);
     }
     return true;
@@ -366,7 +366,7 @@ static void subtract_inertia(shell_motion *motion, double step, double *imbalanc
     const double factor = mass_factor(motion, step), time = response_time(motion, step);
     for (size_t i = 0; i < dof; i++)
         acceleration[i] = factor * motion->half_change[i] - motion->velocity[i] / time;
-    mass_multiply(&motion->mass, motion->solver.state.model, acceleration, motion->increment);
+    mass_multiply(&motion->mass, motion->solver.state.model, acceleration, 1, motion->increment);
     for (size_t i = 0; i < dof; i++)
         imbalance[i] -= motion->increment[i];
     for (size_t mode = 0; mode < motion->modes; mode++) {
@@ -646,7 +646,7 @@ const double *shell_motion_deviation(shell_motion *motion, const double *value)
 double shell_motion_kinetic(shell_motion *motion)
 {
     const uint32_t dof = structure_of(motion)->free_dof;
-    mass_multiply(&motion->mass, motion->solver.state.model, motion->velocity, motion->scratch);
+    mass_multiply(&motion->mass, motion->solver.state.model, motion->velocity, 1, motion->scratch);
     return pzs_linalg_inner(motion->velocity, motion->scratch, dof) / 2;
 }
 

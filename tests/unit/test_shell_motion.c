@@ -276,7 +276,7 @@ static void momentum_of(rig *r, double momentum[6])
     double *product = calloc(dof_of(r), sizeof *product);
     assert_non_null(product);
     memset(momentum, 0, 6 * sizeof *momentum);
-    mass_multiply(&r->motion.mass, &r->model, r->motion.velocity, product);
+    mass_multiply(&r->motion.mass, &r->model, r->motion.velocity, 1, product);
     for (int node = 0; node < r->design.structure.nodes; node++) {
         const surface_point *point = &r->design.mesh.point[node];
         double place[3], director[3], force[3], moment[3];
@@ -380,7 +380,7 @@ static void test_small_amplitude(void **state)
                 v += (change - step * v) / time;
             }
             double found = 0, *product = calloc(dof_of(&r), sizeof *product);
-            mass_multiply(&r.motion.mass, &r.model, r.motion.displacement, product);
+            mass_multiply(&r.motion.mass, &r.model, r.motion.displacement, 1, product);
             for (size_t i = 0; i < dof_of(&r); i++)
                 found += product[i] * r.vibration.shape[(size_t)mode * dof_of(&r) + i];
             free(product);

@@ -157,7 +157,7 @@ static void test_thickness_motion(void **state)
         u[r.design.mesh.node_dof[node * 7 + 5]] = d;
         u[r.design.mesh.node_dof[node * 7 + 6]] = q;
     }
-    mass_multiply(&r.mass, &r.model, u, f);
+    mass_multiply(&r.mass, &r.model, u, 1, f);
     for (int i = 0; i < n; i++)
         sum += u[i] * f[i];
     assert_near("energy of swelling", sum, exact, 1e-13);
@@ -189,7 +189,7 @@ static void test_eigenpairs(void **state)
         for (int i = 0; i < v.count; i++) {
             const double *x = v.shape + (size_t)i * n;
             double apart = 0, size = 0;
-            mass_multiply(&r.mass, &r.model, x, f);
+            mass_multiply(&r.mass, &r.model, x, 1, f);
             for (int j = 0; j < v.count; j++) {
                 double product = 0;
                 for (size_t e = 0; e < n; e++)
