@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include "../model/certificate_make.h"
+#include "../model/loaded.h"
 #include "../model/damper.h"
 #include "../tables/loop_blocks.h"
 #include "../model/design_build.h"
@@ -527,6 +528,21 @@ static int write_simulate(const report_job *job, const void *result)
     return report_simulate(job, simulated->run, simulated->record);
 }
 
+/*
+ * Add a warning where the static loads of a scene change the first natural frequency and the tables
+ * of its control loop are made without them, or hold the vibration modes without them.
+ */
+static void warn_of_prestress(analysis *analysis)
+{
+    const scene *scene = analysis->design.scene;
+    certificate *certificate = &analysis->certificate;
+    if (!certificate->has_modes || certificate->is_loaded || analysis->design.problem.inputs == 0)
+        return;
+    const loaded_frequency first = loaded_first(scene);
+    plausible_prestress(&analysis->warnings, scene, first.unloaded, first.loaded);
+    certificate->load_ratio = first.loaded > 0 ? first.loaded / first.unloaded : 0;
+}
+
 static int command_simulate(const options *options, analysis *analysis)
 {
     const design *design = &analysis->design;
@@ -543,8 +559,10 @@ static int command_simulate(const options *options, analysis *analysis)
     progress_stage("influence matrix");
     const int has_influence = design->simulate.given && analysis_influence(analysis, error) == 0;
     progress_stage("stability of the loop");
-    if (has_influence)
+    if (has_influence) {
         certificate_make(&analysis->certificate, analysis);
+        warn_of_prestress(analysis);
+    }
     analysis->quasi_static = options->quasi_static;
     progress_stage("tables of the controller");
     if (!has_influence || simulate_open(&run, analysis, error) < 0) {
@@ -598,29 +616,26 @@ static int modes_error(const options *options, const scene *scene, const vibrati
 }
 
 /*
- * Compute natural frequencies and mode shapes of an assembled structure, and print them. Returns an
- * exit code.
+ * Compute natural frequencies and mode shapes of a structure in its reference state, or about the
+ * equilibrium under its loads where their kinematics is not linear. Returns 0, or an exit code
+ * after the message on the error.
+ *   modes out  modes, and the first natural frequency without and with the loads
  */
-static int modes_of(const options *options, const design *design)
+static int find_modes(const options *options, const scene *scene, loaded_modes *modes)
 {
     enum { USUAL_NUMBER = 10 };
-    vibration vibration;
-    mesh_error mesh_error = {.meshes = 0};
     char error[SCENE_ERROR];
     const int number = options->number ? options->number : USUAL_NUMBER;
     progress_stage("natural frequencies");
-    if (vibration_solve(&vibration, design, number, MASS_LUMPED, error) < 0)
+    if (loaded_modes_open(modes, scene, number, error) < 0)
         return complain(error, OPTIONS_WRONG);
-    int status = modes_error(options, design->scene, &vibration, number, &mesh_error);
+    const int status =
+        modes_error(options, scene, &modes->vibration, modes->vibration.count, &modes->mesh_error);
+    if (!modes->is_loaded) {
+        modes->first = loaded_first(scene);
+        plausible_prestress(&modes->warnings, scene, modes->first.unloaded, modes->first.loaded);
+    }
     progress_stop();
-    if (status == 0)
-        (options->as_json ? print_vibration_json : print_vibration)(design, &vibration,
-                                                                    &mesh_error);
-    if (status == 0 && options->vtu)
-        status = write_modes(&vibration, &design->mesh, options->vtu);
-    if (status == 0)
-        status = export_modes(options, design, &vibration);
-    vibration_free(&vibration);
     return status;
 }
 
@@ -631,18 +646,21 @@ static int modes_of(const options *options, const design *design)
 static int run_modes(const options *options)
 {
     scene scene;
-    design design;
-    char error[SCENE_ERROR];
+    loaded_modes modes;
     int status = open_scene(options, &scene);
     if (status)
         return status;
     progress_start();
-    progress_stage("mesh and elements");
-    if (design_build(&design, &scene, error) < 0)
-        status = complain(error, OPTIONS_WRONG);
-    else
-        status = modes_of(options, &design);
-    design_free(&design);
+    status = find_modes(options, &scene, &modes);
+    if (status == 0)
+        (options->as_json ? print_vibration_json : print_vibration)(&modes);
+    if (status == 0 && options->vtu)
+        status = write_modes(&modes.vibration, &modes.analysis.design.mesh, options->vtu);
+    if (status == 0)
+        status = export_modes(options, &modes.analysis.design, &modes.vibration);
+    if (status == 0 && options->is_strict && modes.warnings.count > 0)
+        status = 1;
+    loaded_modes_close(&modes);
     scene_free(&scene);
     return status;
 }
@@ -809,7 +827,7 @@ static int judge_storms(const analysis *analysis, char *error)
         return 0;
     certify_failure(certificate, text);
     assumed_readings(design, readings);
-    if (certificate->loop.cure > 0)
+    if (certificate->loop.cure > 0 && !certificate_is_prestressed(certificate))
         return scene_fault(design->simulate.at, error,
                            "the damped tick is not safe at %g ticks a second: %s; write limits: "
                            "{regularisation: {relative: %g}}, which keeps voltages small that "
@@ -873,6 +891,19 @@ static int prepare_nonlinear(analysis *analysis, char *error)
 }
 
 /*
+ * Refuse tables about the loaded equilibrium for a device that computes the influence matrix
+ * itself. Returns 0, or -1 with error filled.
+ */
+static int refuse_loaded(const design *design, char *error)
+{
+    if (design->simulate.influence_at != INFLUENCE_LOADED)
+        return 0;
+    return scene_fault(design->simulate.at, error,
+                       "'influence: loaded' is made on the computer, and the device of this image "
+                       "makes its influence matrix itself: use --image control or leave it out");
+}
+
+/*
  * Compute everything that `pzs tables` writes as constants for a firmware. The constants for the
  * nonlinear solver contain the scene's equilibrium, and the least-squares problem of the voltages
  * where the scene has a target; those for the controller alone contain the influence matrix that
@@ -881,7 +912,8 @@ static int prepare_nonlinear(analysis *analysis, char *error)
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {
     const design *design = &analysis->design;
-    if (image != TABLES_CONTROL && analysis_needs_structure(analysis, "this image", error) < 0)
+    if (image != TABLES_CONTROL && (analysis_needs_structure(analysis, "this image", error) < 0 ||
+                                    refuse_loaded(design, error) < 0))
         return failed_code(analysis);
     if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && design->goal.given)) &&
         analysis_influence(analysis, error) < 0)
@@ -890,6 +922,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
         return failed_code(analysis);
     if (judge_loop(analysis, error) < 0)
         return LOOP_REFUSED;
+    warn_of_prestress(analysis);
     if (image == TABLES_CONTROL && simulate_tables(analysis, error) < 0)
         return failed_code(analysis);
     const int status = image == TABLES_NONLINEAR ? 0 : certify_tables(analysis, error);
@@ -996,6 +1029,7 @@ static int command_check(const options *options, analysis *analysis)
         return complain(error, OPTIONS_WRONG);
     progress_stage("stability of the loop");
     certificate_make(&analysis->certificate, analysis);
+    warn_of_prestress(analysis);
     if (analysis->design.simulate.given && certificate_refuses(&analysis->certificate) &&
         simulate_tables(analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);

@@ -136,8 +136,8 @@ static void print_plant(const simulation *simulation)
     printf(", delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->delay,
            simulate->step, simulate->dead_band);
     printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
-           simulate->at_target ? "at the nonlinear optimum" : "in the undeformed state",
-           simulate->ticks, simulation->nominal->design.control.rate);
+           simulate_words_influence(&simulation->nominal->design), simulate->ticks,
+           simulation->nominal->design.control.rate);
 }
 
 static void print_settled(const simulate_phase *phase)

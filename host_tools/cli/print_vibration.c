@@ -52,8 +52,10 @@ static void print_mode(const design *design, const vibration *vibration, int mod
  * Print the origin of the vibration modes: computed from the structure with its mass, or given by
  * the scene together with a measured influence matrix.
  */
-static void print_source(const design *design, const vibration *vibration)
+static void print_source(const loaded_modes *modes)
 {
+    const design *design = &modes->analysis.design;
+    const vibration *vibration = &modes->vibration;
     const char *from = design->dynamics.damping_given ? "given" : "assumed: the scene gives none";
     if (design->measured.modes > 0) {
         printf("%s: %d of %d measured natural frequencies, as the scene gives them\n", design->name,
@@ -61,8 +63,11 @@ static void print_source(const design *design, const vibration *vibration)
         printf("  damping ratio of the first mode %g, %s\n", design->dynamics.damping, from);
         return;
     }
-    printf("%s: natural frequencies in the reference state, electrodes short-circuited\n",
-           design->name);
+    printf("%s: natural frequencies %s, electrodes short-circuited\n", design->name,
+           modes->is_loaded ? "about the equilibrium under loads and voltages"
+                            : "in the reference state");
+    if (modes->is_loaded)
+        printf("  first mode without loads and voltages: %.6g Hz\n", modes->first.unloaded);
     printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", vibration->mass,
            design->dynamics.damping, from, vibration->solves);
 }
@@ -83,11 +88,13 @@ static void print_sum(const vibration *vibration)
     putchar('\n');
 }
 
-void print_vibration(const design *design, const vibration *vibration, const mesh_error *mesh_error)
+void print_vibration(const loaded_modes *modes)
 {
+    const design *design = &modes->analysis.design;
+    const vibration *vibration = &modes->vibration;
     char unit[WORDS_UNIT];
     words_unit(&design->units, QUANTITY_LENGTH, unit);
-    print_source(design, vibration);
+    print_source(modes);
     printf("\n  %4s %16s", "mode", "frequency (Hz)");
     if (vibration->mass > 0)
         printf(" %9s %9s %9s", "mass x", "mass y", "mass z");
@@ -100,7 +107,8 @@ void print_vibration(const design *design, const vibration *vibration, const mes
     if (vibration->mass > 0)
         print_sum(vibration);
     print_matrix_modes(design);
-    print_mesh_error(mesh_error);
+    print_mesh_error(&modes->mesh_error);
+    plausible_print(stdout, &modes->warnings);
 }
 
 static void json_mode(json *json, const design *design, const vibration *vibration, int mode)
@@ -115,9 +123,10 @@ static void json_mode(json *json, const design *design, const vibration *vibrati
     json_close(json, '}');
 }
 
-void print_vibration_json(const design *design, const vibration *vibration,
-                          const mesh_error *mesh_error)
+void print_vibration_json(const loaded_modes *modes)
 {
+    const design *design = &modes->analysis.design;
+    const vibration *vibration = &modes->vibration;
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_string(&json, "scene", design->name);
@@ -126,12 +135,16 @@ void print_vibration_json(const design *design, const vibration *vibration,
     json_number(&json, "damping", design->dynamics.damping);
     json_string(&json, "damping_from", design->dynamics.damping_given ? "scene" : "assumed");
     json_number(&json, "linear_solves", vibration->solves);
+    json_string(&json, "state", modes->is_loaded ? "loaded" : "reference");
+    json_number(&json, "first_unloaded", modes->first.unloaded);
+    json_number(&json, "first_loaded", modes->first.loaded);
     json_numbers(&json, "frequency", vibration->frequency, vibration->count);
     json_open(&json, "modes", '[');
     for (int i = 0; i < vibration->count; i++)
         json_mode(&json, design, vibration, i);
     json_close(&json, ']');
-    print_mesh_error_json(&json, mesh_error);
+    print_mesh_error_json(&json, &modes->mesh_error);
+    plausible_json(&json, &modes->warnings);
     json_close(&json, '}');
 }
 
@@ -155,7 +168,8 @@ void print_certificate(const certificate *certificate)
         printf("  vibration not known: %s\n", certificate->reason);
         return;
     }
-    printf("  first natural frequency %.4g Hz; damping ratio %g, %s\n",
+    printf("  first natural frequency%s %.4g Hz; damping ratio %g, %s\n",
+           certificate->is_loaded ? " about the equilibrium under the loads" : "",
            certificate_first(certificate), certificate->damping,
            certificate->has_own_damping ? "given" : "assumed");
     certificate_text(certificate, text);

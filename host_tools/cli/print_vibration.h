@@ -3,18 +3,16 @@
 #ifndef PRINT_VIBRATION_H
 #define PRINT_VIBRATION_H
 
-#include "../model/certificate.h"
-#include "../model/mesh_error.h"
+#include "../model/loaded.h"
 #include "../text/json.h"
 
 /*
  * Print the results of `pzs modes`: natural frequency, participating mass, and the input that moves
- * each vibration mode most, then the estimated discretisation error of the frequencies.
+ * each vibration mode most, then the estimated discretisation error of the frequencies, and
+ * warnings.
  */
-void print_vibration(const design *design, const vibration *vibration,
-                     const mesh_error *mesh_error);
-void print_vibration_json(const design *design, const vibration *vibration,
-                          const mesh_error *mesh_error);
+void print_vibration(const loaded_modes *modes);
+void print_vibration_json(const loaded_modes *modes);
 
 /*
  * Print which vibration modes the control tick damps and in how many simulated tests with fast

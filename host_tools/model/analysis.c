@@ -13,6 +13,7 @@
 #include "../../lib/model/electrode.h"
 #include "design_build.h"
 #include "electrodes.h"
+#include "mass.h"
 #include "stress_output.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/core/linalg.h"
@@ -523,6 +524,76 @@ double analysis_path_difference(analysis *analysis, const double *displacement)
     return difference;
 }
 
+int analysis_linearise(analysis *analysis, char *error)
+{
+    pzs_solver *solver = &analysis->equilibrium.solver;
+    if (solver->info.negative_pivots > 0)
+        return scene_fault(analysis->design.at, error,
+                           "the equilibrium under the loads is unstable (%u negative pivots): the "
+                           "structure has buckled; lower the loads, or add an imperfection",
+                           solver->info.negative_pivots);
+    linearised_free(&analysis->about);
+    if (linearised_take(&analysis->about, &analysis->design, solver))
+        return 0;
+    return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+}
+
+/*
+ * Compute the influence matrix about the equilibrium that the nonlinear solver has reached, then
+ * the voltage problem for the target less the displacement there.
+ *   displacement [free_dof] in  displacement vector at the equilibrium
+ */
+static int influence_at(analysis *analysis, const double *displacement, char *error)
+{
+    design *design = &analysis->design;
+    const pzs_status status = pzs_influence_at(&analysis->equilibrium.solver, analysis->influence);
+    if (status != PZS_OK)
+        return analysis_explain(analysis, status, error);
+    if (analysis_linearise(analysis, error) < 0 ||
+        design_control(design, analysis->influence, error) < 0)
+        return -1;
+    design_shape(design, displacement, design->wanted);
+    design_take_free(design, design->wanted);
+    for (int i = 0; i < design->targets; i++)
+        design->wanted[i] = design->target[i] - design->wanted[i];
+    return 0;
+}
+
+/*
+ * Compute the influence matrix, the voltage problem, and tangent stiffness matrix and forces of the
+ * inputs about the equilibrium under the scene's loads at 0 V. Returns 0, or -1 with error filled.
+ */
+static int influence_under_loads(analysis *analysis, char *error)
+{
+    const design *design = &analysis->design;
+    const bool was_nonlinear = analysis->is_nonlinear;
+    double *voltage = calloc((size_t)design->amplifiers + 1, sizeof *voltage),
+           *displacement = calloc((size_t)design->mesh.free_dof + 1, sizeof *displacement);
+    int failed = voltage && displacement ? 0 : analysis_explain(analysis, PZS_E_WORKSPACE, error);
+    analysis->is_nonlinear = true;
+    failed = failed || analysis_reach(analysis, voltage, 0, displacement, error) < 0 ||
+             influence_at(analysis, displacement, error) < 0;
+    analysis->is_nonlinear = was_nonlinear;
+    free(voltage);
+    free(displacement);
+    return failed ? -1 : 0;
+}
+
+/* Whether the tables of a design are made about the nonlinear equilibrium under its loads. */
+static bool is_loaded(const design *design)
+{
+    return design->simulate.influence_at == INFLUENCE_LOADED &&
+           design->kinematics != KINEMATICS_LINEAR;
+}
+
+int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error)
+{
+    const design *design = &analysis->design;
+    return analysis->about.tangent
+               ? vibration_solve_at(vibration, design, &analysis->about, number, MASS_LUMPED, error)
+               : vibration_solve(vibration, design, number, MASS_LUMPED, error);
+}
+
 int analysis_influence(analysis *analysis, char *error)
 {
     const pzs_structure *structure = &analysis->design.structure;
@@ -532,6 +603,8 @@ int analysis_influence(analysis *analysis, char *error)
                                  sizeof *analysis->influence);
     if (!analysis->influence)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+    if (is_loaded(&analysis->design))
+        return influence_under_loads(analysis, error);
     const pzs_status status = analysis->source->influence(analysis);
     if (status != PZS_OK)
         return analysis_explain(analysis, status, error);
@@ -622,5 +695,6 @@ void analysis_free(analysis *analysis)
     free(analysis->charge);
     free(analysis->recovered);
     reactions_free(&analysis->reactions);
+    linearised_free(&analysis->about);
     memset(analysis, 0, sizeof *analysis);
 }

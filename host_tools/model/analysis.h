@@ -60,11 +60,15 @@ typedef struct analysis {
     void *electric_work;
     double *input_value; /* [inputs] input values of the last computed displacement, with the
                             computed voltages of the open electrodes */
-    double *charge; /* [electrodes] charge of each electrode at the last computed displacement (C)
-                     */
+    double *charge;   /* [electrodes] charge of each electrode at the last computed displacement (C)
+                       */
+    linearised about; /* tangent stiffness matrix and forces of the inputs about the equilibrium to
+                         which influence matrix and vibration modes belong; empty: they belong to
+                         the reference state */
     bool is_nonlinear;   /* whether displacements are computed by the nonlinear equilibrium solver;
                             the initial value is that of the scene */
-    double *influence;   /* [outputs][inputs] influence matrix in the reference state, filled by
+    double *influence;   /* [outputs][inputs] influence matrix in the reference state, or about the
+                            loaded equilibrium where the scene asks for it, filled by
                             analysis_influence */
     double *recovered;   /* [nodes of all outputs, in the order of design.place_node] values of the
                             outputs of strains and stresses in the last solution of analysis_solve
@@ -212,11 +216,27 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free);
 double analysis_stiffening(analysis *analysis);
 
 /*
- * Compute the influence of every input on every output in the reference state, and from it the data
- * of the least-squares problem for the optimal voltages. Once they are computed, further calls do
- * nothing. Returns 0, or -1 with error filled.
+ * Compute the influence of every input on every output in the reference state, or about the
+ * equilibrium under the scene's loads where the scene asks for it (simulate.influence), and from it
+ * the data of the least-squares problem for the optimal voltages. Once they are computed, further
+ * calls do nothing. Returns 0, or -1 with error filled.
  */
 int analysis_influence(analysis *analysis, char *error);
+
+/*
+ * Keep in analysis->about the tangent stiffness matrix and the forces of the inputs at the
+ * equilibrium that the nonlinear solver has reached. Returns 0, or -1 with error filled where this
+ * equilibrium is unstable.
+ */
+int analysis_linearise(analysis *analysis, char *error);
+
+/*
+ * Compute the lowest vibration modes of the structure, in the state in which its influence matrix
+ * is computed: the reference state, or the loaded equilibrium.
+ *   number in  number of modes
+ * Returns 0, or -1 with error filled and the result empty.
+ */
+int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error);
 
 /*
  * Fill `error` with the message of a library status and with the place on the mesh to which the

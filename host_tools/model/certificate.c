@@ -118,6 +118,12 @@ bool certificate_refuses(const certificate *certificate)
     return certificate->is_assessed && certificate->rate > 0 && !is_stable;
 }
 
+bool certificate_is_prestressed(const certificate *certificate)
+{
+    const double ratio = certificate->load_ratio;
+    return !certificate->is_loaded && ratio > 0 && fabs(ratio - 1) > 0.05;
+}
+
 double certificate_first(const certificate *certificate)
 {
     const int first = vibration_first(&certificate->vibration);
@@ -332,6 +338,10 @@ void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT
                  certificate->reason);
     if (!certificate->is_assessed)
         return;
+    if (certificate->is_loaded)
+        text_append(text, CERTIFICATE_TEXT,
+                    "Tables, modes and structures are those about the equilibrium under the "
+                    "loads.\n");
     if (certificate->loop.is_made) {
         loop_text(&certificate->loop, text);
         return;
@@ -339,7 +349,7 @@ void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT
     if (certificate->rate > 0)
         rate_text(certificate, verdict);
     range_text(certificate, range);
-    snprintf(text, CERTIFICATE_TEXT, "%s%s%s", verdict, range,
-             certificate->assumes_measured ? "\nJudged as if every target node were measured."
-                                           : "");
+    text_append(text, CERTIFICATE_TEXT, "%s%s%s", verdict, range,
+                certificate->assumes_measured ? "\nJudged as if every target node were measured."
+                                              : "");
 }

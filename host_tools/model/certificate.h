@@ -134,9 +134,14 @@ typedef struct certificate {
     char reason[SCENE_ERROR]; /* reason why the vibration modes are unknown or the loop was not
                                  assessed, and advice to the user */
     vibration vibration;
-    bool is_assessed; /* true where the scene has a target and amplifiers, so that the stability of
-                         the control loop was assessed; the members of this struct after this one
-                         are valid only then */
+    bool is_loaded;    /* true where the vibration modes and the influence matrix belong to the
+                          equilibrium under the scene's loads; false: the reference state */
+    double load_ratio; /* first natural frequency about the equilibrium under the scene's static
+                          loads relative to that of the reference state; 0: not computed, or the
+                          equilibrium is unstable */
+    bool is_assessed;  /* true where the scene has a target and amplifiers, so that the stability of
+                          the control loop was assessed; the members of this struct after this one
+                          are valid only then */
     bool assumes_measured; /* true where the loop was assessed as if every target node were
                               measured, because some readings come from electrodes */
     int modes;      /* number of vibration modes of the structure with which the loop is assessed */
@@ -179,6 +184,12 @@ int certificate_newer(const certificate_loop *loop);
  * voltages or 0.9 to 1.1 of its frequencies.
  */
 bool certificate_refuses(const certificate *certificate);
+
+/*
+ * Whether the static loads are known to change the first natural frequency by more than 5 %, while
+ * the certificate and the tables of the loop belong to the structure without loads.
+ */
+bool certificate_is_prestressed(const certificate *certificate);
 
 /*
  * First natural frequency of the structure (Hz) that does not belong to a rigid motion; NAN where

@@ -385,9 +385,9 @@ void certificate_make(certificate *certificate, const analysis *analysis)
     certificate->has_own_damping = design->dynamics.damping_given;
     certificate->rate = design->control.rate;
     certificate->radius = certificate->gain = certificate->stable_rate = (double)NAN;
-    certificate->has_modes =
-        vibration_solve(&certificate->vibration, &analysis->design, design->dynamics.modes,
-                        MASS_LUMPED, certificate->reason) == 0;
+    certificate->has_modes = analysis_vibration(analysis, &certificate->vibration,
+                                                design->dynamics.modes, certificate->reason) == 0;
+    certificate->is_loaded = analysis->about.tangent != NULL;
     if (certificate->has_modes)
         assess(certificate, analysis);
 }

@@ -144,7 +144,7 @@ static int choose_modes(builder *builder, char *error)
         const int number =
             2 * builder->vibration->count < MODE_LIMIT ? 2 * builder->vibration->count : MODE_LIMIT;
         vibration next;
-        if (vibration_solve(&next, design, number, MASS_LUMPED, error) < 0)
+        if (analysis_vibration(builder->analysis, &next, number, error) < 0)
             return -1;
         vibration_free(&builder->more);
         builder->more = next;

@@ -45,10 +45,13 @@ static int linearise(deformed *deformed, const voltages *best, int modes, char *
     if (!deformed->offset)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
     fill_offset(deformed, best);
-    if (vibration_solve_at(&deformed->vibration, design, solver, modes, MASS_LUMPED, error) < 0)
+    if (!linearised_take(&deformed->about, design, solver))
+        return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+    if (vibration_solve_at(&deformed->vibration, design, &deformed->about, modes, MASS_LUMPED,
+                           error) < 0)
         return -1;
     const size_t amplifiers = (size_t)design->amplifiers;
-    if (!modal_open_at(&deformed->modal, design, &deformed->vibration, solver, amplifiers))
+    if (!modal_open(&deformed->modal, design, &deformed->vibration, amplifiers))
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
     return 0;
 }
@@ -73,6 +76,7 @@ void deformed_close(deformed *deformed)
 {
     modal_close(&deformed->modal);
     vibration_free(&deformed->vibration);
+    linearised_free(&deformed->about);
     free(deformed->offset);
     if (deformed->analysis.source)
         analysis_free(&deformed->analysis);

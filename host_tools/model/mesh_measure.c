@@ -5,10 +5,8 @@
  */
 #include <stdio.h>
 #include <stdlib.h>
-#include "design_build.h"
-#include "mass.h"
+#include "loaded.h"
 #include "mesh_measure.h"
-#include "vibration.h"
 #include "voltages.h"
 
 const char *const mesh_shape_name = "shape error";
@@ -89,19 +87,13 @@ int mesh_measure_shape(const scene *scene, const void *context, mesh_values *val
 int mesh_measure_modes(const scene *scene, const void *context, mesh_values *values, char *error)
 {
     const int *number = context;
-    design design;
-    vibration vibration;
-    int failed = design_build(&design, scene, error);
-    if (!failed) {
-        failed = vibration_solve(&vibration, &design, *number, MASS_LUMPED, error);
-        for (int i = 0; !failed && i < vibration.count; i++) {
-            char name[SCENE_LABEL];
-            mesh_mode_name(i, name);
-            mesh_values_add(values, name, vibration.frequency[i]);
-        }
-        if (!failed)
-            vibration_free(&vibration);
+    loaded_modes modes;
+    const int failed = loaded_modes_open(&modes, scene, *number, error);
+    for (int i = 0; !failed && i < modes.vibration.count; i++) {
+        char name[SCENE_LABEL];
+        mesh_mode_name(i, name);
+        mesh_values_add(values, name, modes.vibration.frequency[i]);
     }
-    design_free(&design);
+    loaded_modes_close(&modes);
     return failed;
 }

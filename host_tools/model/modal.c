@@ -4,9 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../lib/core/linalg.h"
 #include "../../lib/model/model.h"
-#include "../../lib/nonlinear/nonlinear.h"
 
 double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 {
@@ -54,42 +52,6 @@ bool modal_open(modal *modal, const design *design, const vibration *vibration, 
         return false;
     for (size_t mode = 0; mode < modal->modes; mode++)
         fill_mode(modal, design, vibration, mode);
-    return true;
-}
-
-/*
- * Compute the static response of every vibration mode to one input, at the deformed equilibrium
- * that the nonlinear solver has reached.
- *   force [free_dof] out  work array
- */
-static void fill_response_at(modal *modal, const vibration *vibration, pzs_solver *solver, size_t k,
-                             double *force)
-{
-    const size_t dof = solver->state.model->state.structure->free_dof;
-    memset(force, 0, dof * sizeof *force);
-    pzs_nonlinear_unit_force(solver, (uint32_t)k, force);
-    pzs_nonlinear_clear_prescribed(solver, force);
-    for (size_t mode = 0; mode < modal->modes; mode++) {
-        const size_t of = (size_t)vibration->rigid + mode;
-        modal->response[mode * modal->inputs + k] =
-            pzs_linalg_inner(vibration->shape + of * dof, force, (uint32_t)dof) /
-            vibration->square[of];
-    }
-}
-
-bool modal_open_at(modal *modal, const design *design, const vibration *vibration,
-                   pzs_solver *solver, size_t inputs)
-{
-    double *force = calloc((size_t)design->mesh.free_dof + 1, sizeof *force);
-    if (!allocate(modal, design, vibration, inputs) || !force) {
-        free(force);
-        return false;
-    }
-    for (size_t mode = 0; mode < modal->modes; mode++)
-        fill_mode(modal, design, vibration, mode);
-    for (size_t k = 0; k < inputs; k++)
-        fill_response_at(modal, vibration, solver, k, force);
-    free(force);
     return true;
 }
 

@@ -25,15 +25,6 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 bool modal_open(modal *modal, const design *design, const vibration *vibration, size_t inputs);
 
 /*
- * Fill the modal description of a structure from its vibration modes about a deformed equilibrium,
- * with the forces that a unit of each input exerts there.
- *   solver in  equilibrium solver at this equilibrium
- * Returns whether memory sufficed; call modal_close in either case.
- */
-bool modal_open_at(modal *modal, const design *design, const vibration *vibration,
-                   pzs_solver *solver, size_t inputs);
-
-/*
  * Copy the modal description of a structure. Returns whether memory sufficed; call modal_close in
  * either case.
  */

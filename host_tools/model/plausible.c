@@ -19,6 +19,7 @@ typedef enum subject_type {
     SUBJECT_VOLTAGES,
     SUBJECT_OPTIMUM,
     SUBJECT_PATH,
+    SUBJECT_PRESTRESS,
     SUBJECT_LOOP,
     SUBJECT_STRESS
 } subject_type;
@@ -180,6 +181,10 @@ static const struct rule {
     {"loop_amplitude_at_target", SUBJECT_LOOP, measure_amplitude_at_target, 0, 3.01, "thicknesses",
      "the loop is certified on the linear modes of the undeformed shape, and larger deformations "
      "change them; simulate the loop with kinematics: nonlinear"},
+    {"prestress", SUBJECT_PRESTRESS, measure_prestress, 0.95, 1.05, "of that without loads",
+     "modes, influence matrix and certificate of the unloaded structure do not hold; write "
+     "kinematics: nonlinear, and for a control loop simulate: {influence: loaded}, with which they "
+     "belong to the equilibrium under the loads"},
     {"stress_reserve", SUBJECT_STRESS, measure_reserve, 1, HUGE_VAL, "",
      "the strength is exceeded there; lower loads or voltages, or thicken the layer"},
     {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",
@@ -317,6 +322,12 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
                         .path_difference = difference,
                         .negative_pivots = negative_pivots};
     apply_all(warnings, SUBJECT_PATH, &of);
+}
+
+void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded)
+{
+    const subject of = {.scene = scene, .name = "", .unloaded = unloaded, .loaded = loaded};
+    apply_all(warnings, SUBJECT_PRESTRESS, &of);
 }
 
 void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude,

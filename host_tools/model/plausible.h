@@ -91,6 +91,14 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
 /*
+ * Warn where the static loads of a scene change the first natural frequency, which is then not that
+ * of the unloaded structure.
+ *   unloaded, loaded in  first natural frequency without and with the loads (Hz); 0: the
+ *       equilibrium under the loads is unstable; NAN: not known
+ */
+void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded);
+
+/*
  * Warn about a stable control loop with a vibration model in three cases: the noise of its sensors
  * is as large as its target; the loop becomes unstable
  * if the sensor readings are one tick older than the scene file states; or the target displaces the

@@ -29,6 +29,8 @@ typedef struct subject {
                                  equilibrium */
     double amplitude;         /* largest displacement of the target divided by the thickness of the
                                  structure */
+    double unloaded, loaded; /* first natural frequency of the structure without and with its static
+                                loads (Hz); NAN: not known */
     double noise; /* standard deviation of the noise of the sensors divided by the root mean square
                      of the target */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
@@ -137,6 +139,12 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
  */
 measure measure_age, measure_noise, measure_amplitude, measure_amplitude_certified,
     measure_amplitude_at_target;
+
+/*
+ * Function that measures how far the static loads change the first natural frequency
+ * (plausible_result.c).
+ */
+measure measure_prestress;
 
 /*
  * Function that measures the hysteresis of the actuators where the control loop has a self-test

@@ -194,6 +194,24 @@ int measure_idle(const subject *of, int k, measured *found)
     return k == 0;
 }
 
+/* ---- prestress by loads ------------------------------------------------- */
+
+int measure_prestress(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    found->value = of->unloaded > 0 ? of->loaded / of->unloaded : (double)NAN;
+    if (scene->loads > 0)
+        found->at = scene->load[0].at;
+    if (of->loaded > 0)
+        snprintf(found->what, WHAT,
+                 "the static loads move the first natural frequency from %.4g Hz to %.4g Hz",
+                 of->unloaded, of->loaded);
+    else
+        snprintf(found->what, WHAT,
+                 "the structure buckles under its static loads; first natural frequency");
+    return k == 0;
+}
+
 /* ---- certified loop --------------------------------------------------- */
 
 /*
@@ -221,21 +239,22 @@ static bool is_certified_at_target(const subject *of)
 
 int measure_amplitude(const subject *of, int k, measured *found)
 {
-    const bool has_tables_at_target = of->scene->simulate.at_target;
+    const bool has_tables_at_target = of->scene->simulate.influence_at == INFLUENCE_TARGET;
     return measure_target_amplitude(of, k, !has_tables_at_target && !is_certified_at_target(of),
                                     found);
 }
 
 int measure_amplitude_certified(const subject *of, int k, measured *found)
 {
-    const bool has_tables_at_target = of->scene->simulate.at_target;
+    const bool has_tables_at_target = of->scene->simulate.influence_at == INFLUENCE_TARGET;
     return measure_target_amplitude(of, k, !has_tables_at_target && is_certified_at_target(of),
                                     found);
 }
 
 int measure_amplitude_at_target(const subject *of, int k, measured *found)
 {
-    return measure_target_amplitude(of, k, of->scene->simulate.at_target, found);
+    return measure_target_amplitude(of, k, of->scene->simulate.influence_at == INFLUENCE_TARGET,
+                                    found);
 }
 
 int measure_age(const subject *of, int k, measured *found)

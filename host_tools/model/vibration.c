@@ -14,7 +14,6 @@
 #include "mass.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
-#include "../../lib/nonlinear/nonlinear.h"
 #include "../mesh/springs.h"
 
 /*
@@ -58,11 +57,10 @@ typedef struct search {
     mass mass;
     pzs_model model;
     void *work;
-    double *tangent; /* [entries of the stiffness matrix] tangent stiffness matrix at the
-                        equilibrium; NULL: the structure vibrates about the reference state */
-    size_t entries;  /* number of stored entries of the stiffness matrix */
-    uint8_t *held;   /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
-                        for vibration */
+    const linearised *about; /* tangent stiffness matrix and forces at the equilibrium about which
+                                the structure vibrates; NULL: the reference state */
+    uint8_t *held; /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
+                      for vibration */
     size_t free_dof, room; /* number of free dof, and number of vectors of the Lanczos basis for
                               which there is memory */
     double shift;
@@ -98,34 +96,10 @@ static bool assemble(search *search)
 {
     if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
         return false;
-    if (search->tangent)
-        memcpy(search->model.state.stiffness.value, search->tangent,
-               search->entries * sizeof *search->tangent);
+    if (search->about)
+        memcpy(search->model.state.stiffness.value, search->about->tangent,
+               search->about->entries * sizeof(double));
     return true;
-}
-
-/*
- * Compute the tangent stiffness matrix at the equilibrium of the solver, with rows and columns of
- * prescribed displacements replaced by those of the unit matrix. The factors in the model of the
- * solver are overwritten. Returns whether memory sufficed.
- */
-static bool take_tangent(search *search, pzs_solver *solver)
-{
-    const pzs_envelope *stiffness = &solver->state.model->state.stiffness;
-    const pzs_prescribed_motion *held = &solver->state.tables->prescribed;
-    double *imbalance = calloc(search->free_dof, sizeof *imbalance);
-    search->entries = stiffness->start[PZS_CEIL(stiffness->n) / PZS_TILE];
-    search->tangent = malloc(search->entries * sizeof *search->tangent);
-    if (imbalance && search->tangent) {
-        pzs_nonlinear_build(solver, true, imbalance);
-        for (uint32_t i = 0; i < held->count; i++)
-            pzs_nonlinear_prescribe(&solver->state.model->state.stiffness, held->dof[i], 0,
-                                    imbalance);
-        memcpy(search->tangent, stiffness->value, search->entries * sizeof *search->tangent);
-    }
-    const bool is_taken = imbalance && search->tangent;
-    free(imbalance);
-    return is_taken;
 }
 
 /*
@@ -614,8 +588,7 @@ static void take_modes(search *search, vibration *vibration)
     for (int i = 0; i < vibration->count; i++) {
         double *vector = vibration->shape + (size_t)i * search->free_dof, sign;
         take_shape(search, (size_t)i, vector);
-        const double square =
-            search->tangent ? square_of(search, (size_t)i) : energy(search, vector);
+        const double square = search->about ? square_of(search, (size_t)i) : energy(search, vector);
         const int is_rigid = search->shift > 0 && square < rigid_below * search->shift;
         vibration->rigid += is_rigid;
         vibration->square[i] = is_rigid ? 0 : square;
@@ -645,19 +618,34 @@ static void take_masses(search *search, vibration *vibration)
     }
 }
 
+/*
+ * Modal force of one input: the product of a mode shape with the nodal forces per unit of this
+ * input.
+ *   vector [free_dof] in  mode shape
+ */
+static double modal_force(const search *search, const double *vector, uint32_t input)
+{
+    const pzs_rows *in = &search->design->structure.input;
+    double sum = 0;
+    if (search->about)
+        return pzs_linalg_inner(search->about->force + input * search->free_dof, vector,
+                                (uint32_t)search->free_dof);
+    for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
+        sum += in->value[entry] * vector[in->dof[entry]];
+    return sum;
+}
+
 /* Compute the static value of each modal coordinate under a unit of each input. */
 static void take_responses(const search *search, vibration *vibration)
 {
-    const pzs_rows *in = &search->design->structure.input;
+    const uint32_t inputs = search->design->structure.input.count;
     for (int mode = 0; mode < vibration->count; mode++) {
         const double *vector = vibration->shape + (size_t)mode * search->free_dof;
-        double *response = vibration->response + (size_t)mode * in->count;
-        for (uint32_t input = 0; input < in->count; input++) {
-            for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
-                response[input] += in->value[entry] * vector[in->dof[entry]];
-            response[input] =
-                mode < vibration->rigid ? (double)NAN : response[input] / vibration->square[mode];
-        }
+        double *response = vibration->response + (size_t)mode * inputs;
+        for (uint32_t input = 0; input < inputs; input++)
+            response[input] = mode < vibration->rigid
+                                  ? (double)NAN
+                                  : modal_force(search, vector, input) / vibration->square[mode];
     }
 }
 
@@ -710,7 +698,6 @@ static int allocate_search(search *search, size_t number)
 static void free_search(search *search)
 {
     mass_free(&search->mass);
-    free(search->tangent);
     free(search->work);
     free(search->held);
     free(search->basis);
@@ -750,23 +737,23 @@ int vibration_most(const design *design)
 }
 
 /*
- * Compute the lowest vibration modes about the reference state (solver NULL) or about the
- * equilibrium of a solver. Returns 0, or -1 with error filled and the result empty.
+ * Compute the lowest vibration modes about the reference state (about NULL) or about a
+ * nonlinear equilibrium. Returns 0, or -1 with error filled and the result empty.
  */
-static int solve_structure(vibration *vibration, const design *design, pzs_solver *solver,
+static int solve_structure(vibration *vibration, const design *design, const linearised *about,
                            int number, double lumped, char *error)
 {
     search search;
     memset(&search, 0, sizeof search);
     search.design = design;
+    search.about = about;
     const int most = vibration_most(design), wanted = number < most ? number : most;
     if (mass_build(&search.mass, design, lumped, error) < 0)
         return -1;
     int failed = -1;
     if (wanted < 1)
         scene_fault(design->at, error, "%d modes of %d free dof; ask for at least 1", number, most);
-    else if (!allocate_search(&search, (size_t)wanted) ||
-             (solver && !take_tangent(&search, solver)))
+    else if (!allocate_search(&search, (size_t)wanted))
         scene_fault(design->mesh.line[0].at, error,
                     "%d modes of %d free dof do not fit into memory", wanted, most);
     else
@@ -789,11 +776,11 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     return failed;
 }
 
-int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *solver, int number,
-                       double lumped, char *error)
+int vibration_solve_at(vibration *vibration, const design *design, const linearised *about,
+                       int number, double lumped, char *error)
 {
     memset(vibration, 0, sizeof *vibration);
-    const int failed = solve_structure(vibration, design, solver, number, lumped, error);
+    const int failed = solve_structure(vibration, design, about, number, lumped, error);
     if (failed)
         vibration_free(vibration);
     return failed;

@@ -13,8 +13,7 @@
 #ifndef VIBRATION_H
 #define VIBRATION_H
 
-#include "design.h"
-#include "pzs_nonlinear.h"
+#include "linearised.h"
 
 typedef struct vibration {
     int count;   /* number of computed natural frequencies and mode shapes */
@@ -65,15 +64,13 @@ int vibration_take_measured(vibration *vibration, const design *design, size_t n
 
 /*
  * Compute the lowest vibration modes for small vibrations about a deformed equilibrium, with the
- * tangent stiffness matrix there, which contains the prestress.
- *   solver in/out  solver of the same design at an equilibrium; the factors in its model are
- *                  overwritten
- *   number in      number of modes
- *   lumped in      part of the lumped mass matrix in the mass matrix, from 0 to 1
- * Returns 0, or -1 with error filled and the result empty.
+ * tangent stiffness matrix and the forces of the inputs there.
+ *   about  in  tangent stiffness matrix at the equilibrium, which contains the prestress, and
+ * forces number in  number of modes lumped in  part of the lumped mass matrix in the mass matrix,
+ * from 0 to 1 Returns 0, or -1 with error filled and the result empty.
  */
-int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *solver, int number,
-                       double lumped, char *error);
+int vibration_solve_at(vibration *vibration, const design *design, const linearised *about,
+                       int number, double lumped, char *error);
 
 /*
  * Check that the measured influence matrix of a scene determines the static responses of the

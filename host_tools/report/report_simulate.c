@@ -93,13 +93,12 @@ static void write_plant(const simulate_page *self)
             simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
     put(file,
         "imperfections: %t. Sensors: %d, noise %q, delay %d ticks. Amplifiers: steps of %q, dead "
-        "band %q. The controller’s influence matrix is that of the %s.</p>\n",
+        "band %q. The controller’s influence matrix is that %s.</p>\n",
         *imperfections ? imperfections : "none",
         simulation->estimates ? simulation->estimator.sensors : design->targets,
         simulation->estimates ? (double)NAN : simulate->noise, design->units.length,
         simulate->delay, simulate->step, self->page.inputs.unit, simulate->dead_band,
-        self->page.inputs.unit,
-        simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
+        self->page.inputs.unit, simulate_words_influence(design));
 }
 
 static void write_certificate(const simulate_page *self)

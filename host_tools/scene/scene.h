@@ -704,6 +704,19 @@ typedef struct scene_imperfections {
 } scene_imperfections;
 
 /*
+ * State of the structure in which the controller's tables are computed. INFLUENCE_UNDEFORMED: the
+ * influence matrix and the vibration modes of the reference state, without loads; INFLUENCE_LOADED:
+ * both about the nonlinear equilibrium under the scene's loads at 0 V, whose prestress changes
+ * them; INFLUENCE_TARGET: the influence matrix at the nonlinear equilibrium with the optimal
+ * voltages, and the vibration modes of the reference state.
+ */
+typedef enum scene_influence_at {
+    INFLUENCE_UNDEFORMED,
+    INFLUENCE_TARGET,
+    INFLUENCE_LOADED
+} scene_influence_at;
+
+/*
  * Way in which the motion of a plant with inertia is computed. MOTION_MODAL: in the vibration modes
  * of the undeformed state about the static equilibrium; MOTION_NONLINEAR: with all degrees of
  * freedom, at large rotation.
@@ -717,9 +730,9 @@ typedef enum scene_motion { MOTION_MODAL, MOTION_NONLINEAR } scene_motion;
 typedef struct scene_simulate {
     bool given;
     int ticks, seed;
-    bool at_target; /* true: the controller uses the influence matrix of the structure deformed by
-                       the optimal voltages; false: that of the undeformed structure */
-    scene_kinematics kinematics; /* kinematics of the simulated plant, linear or nonlinear */
+    scene_influence_at influence_at; /* state of the structure in which the influence matrix of the
+                                        controller is computed */
+    scene_kinematics kinematics;     /* kinematics of the simulated plant, linear or nonlinear */
     double *stiffness, *d; /* [materials] factors by which stiffness and piezoelectric constants of
                               the plant differ from what the controller knows */
     double *gain;      /* [amplifiers] factor by which each column of a measured influence matrix is

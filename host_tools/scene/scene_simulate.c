@@ -689,16 +689,22 @@ static int read_events(reader *reader, int node, void *to, const void *rule)
 /* ---- the section simulate ---- */
 
 static const range seeds = {0, 1e9, 0, "must be from 0 to 1e9"};
-static const choice influence_places[] = {{"undeformed", 0}, {"target", 1}, {NULL, 0}};
+static const choice influence_places[] = {{"undeformed", INFLUENCE_UNDEFORMED},
+                                          {"loaded", INFLUENCE_LOADED},
+                                          {"target", INFLUENCE_TARGET},
+                                          {NULL, 0}};
 
 static const field simulate_fields[] = {
     {"ticks", read_int, offsetof(scene_simulate, ticks), &tick_count, 1, .of = OF_NUMBER,
      .help = "Length of the simulation in ticks."},
     {"seed", read_int, offsetof(scene_simulate, seed), &seeds, .of = OF_NUMBER,
      .help = "Seed of noise and random faults; the same seed gives the same bits; default 1."},
-    {"influence", read_either, offsetof(scene_simulate, at_target), influence_places,
-     .help = "Shape at which the influence matrix of the controller is made: undeformed (default), "
-             "or at the nonlinear optimum (target; needs kinematics: nonlinear)."},
+    {"influence", read_choice, offsetof(scene_simulate, influence_at), influence_places,
+     .help =
+         "State in which the tables of the controller are made: undeformed (default); loaded: "
+         "influence matrix and vibration modes about the equilibrium under the loads, whose "
+         "prestress changes them; target: influence matrix at the nonlinear optimum. loaded and "
+         "target need kinematics: nonlinear."},
     {"plant", read_plant, .of = OF_NUMBER, .form = &plant_form,
      .help = "Structure as it is, which the controller does not know."},
     {"sensors", read_measurement, .form = &measurement_form,
@@ -763,6 +769,29 @@ static int check_motion(reader *reader, int node)
                       "motion: nonlinear needs a nonlinear plant; write kinematics: nonlinear");
 }
 
+/*
+ * Refuse tables about a nonlinear equilibrium where the scene, or for tables about the loaded
+ * structure the plant, has linear kinematics.
+ */
+static int check_influence(reader *reader, int node)
+{
+    const scene *scene = reader->s;
+    const int at = tree_find(reader->t, node, "influence");
+    const bool is_loaded = scene->simulate.influence_at == INFLUENCE_LOADED;
+    if (scene->simulate.influence_at == INFLUENCE_UNDEFORMED)
+        return 0;
+    if (scene->kinematics == KINEMATICS_LINEAR)
+        return tree_fault(reader->t, at,
+                          "'influence: %s' needs the nonlinear structure; write "
+                          "kinematics: nonlinear",
+                          is_loaded ? "loaded" : "target");
+    if (is_loaded && scene->simulate.kinematics == KINEMATICS_LINEAR)
+        return tree_fault(reader->t, at,
+                          "'influence: loaded' needs a nonlinear plant, which has the prestress, "
+                          "too; leave kinematics out of plant");
+    return 0;
+}
+
 int read_simulate(reader *reader, int node, void *to, const void *rule)
 {
     static const double default_rate = 1000;
@@ -784,9 +813,5 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
     scene->simulate.given = true;
     if (check_motion(reader, node) != 0)
         return -1;
-    if (!scene->simulate.at_target || scene->kinematics != KINEMATICS_LINEAR)
-        return 0;
-    return tree_fault(reader->t, tree_find(reader->t, node, "influence"),
-                      "'influence: target' needs the nonlinear structure; write "
-                      "kinematics: nonlinear");
+    return check_influence(reader, node);
 }

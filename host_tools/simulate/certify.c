@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "../system/progress.h"
+#include "../text/append.h"
 #include "storm.h"
 
 enum {
@@ -730,9 +731,12 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
         snprintf(rest, room,
                  "about the shape of its target, %.3g thicknesses, at gain %g, frequency %g of the "
                  "deformed structure, vibration changes %.5g times a tick and %d of %d storms do "
-                 "not settle; write simulate: {influence: target}, or make the target smaller",
+                 "not settle%s",
                  target->amplitude, target->at_gain, target->at_frequency, target->radius,
-                 target->failed, target->storms);
+                 target->failed, target->storms,
+                 certificate_is_prestressed(certificate)
+                     ? ""
+                     : "; write simulate: {influence: target}, or make the target smaller");
     else if (loop->failed > 0)
         snprintf(
             rest, room,
@@ -743,4 +747,9 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
     else
         snprintf(rest, room, "at gain %g, frequency %g vibration grows %.5g times a tick",
                  loop->at_gain, loop->at_frequency, loop->radius);
+    if (certificate_is_prestressed(certificate))
+        text_append(text, SCENE_ERROR,
+                    "; the static loads make the first natural frequency %.3g times as high: write "
+                    "kinematics: nonlinear and simulate: {influence: loaded}",
+                    certificate->load_ratio);
 }

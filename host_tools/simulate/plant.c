@@ -149,7 +149,7 @@ static int prepare_motion(plant *plant, char *error)
                    ? scene_fault(design->simulate.at, error,
                                  "a plant with inertia is not possible: %.300s", plant->reason)
                    : 0;
-    if (vibration_solve(&plant->vibration, design, design->simulate.modes, MASS_LUMPED, error) <
+    if (analysis_vibration(&plant->analysis, &plant->vibration, design->simulate.modes, error) <
             0 ||
         choose_motion(plant, error) < 0)
         return -1;

@@ -125,10 +125,12 @@ int simulate_tables(analysis *nominal, char *error)
 {
     design *design = &nominal->design;
     voltages best;
-    if (!design->simulate.at_target)
+    if (design->simulate.influence_at == INFLUENCE_UNDEFORMED)
         return 0;
     if (check_readings(design, error) < 0)
         return -1;
+    if (design->simulate.influence_at == INFLUENCE_LOADED)
+        return 0; /* analysis_influence has made these tables */
     memset(&best, 0, sizeof best);
     nominal->is_nonlinear = true;
     int failed =

@@ -7,7 +7,10 @@
 
 const char *simulate_words_influence(const design *design)
 {
-    return design->simulate.at_target ? "at the target" : "at rest";
+    static const char *const name[] = {[INFLUENCE_UNDEFORMED] = "in the undeformed state",
+                                       [INFLUENCE_LOADED] = "about the equilibrium under the loads",
+                                       [INFLUENCE_TARGET] = "at the nonlinear optimum"};
+    return name[design->simulate.influence_at];
 }
 
 /* Return the name of the type of a load, for texts that describe events of a simulation. */

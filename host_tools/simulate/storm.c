@@ -164,9 +164,8 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     rig->targets = (size_t)design->targets;
     rig->amplifiers = (size_t)design->amplifiers;
     rig->sensors = estimator ? (size_t)estimator->sensors : rig->targets;
-    if (vibration_solve(&rig->vibration, design,
-                        design->simulate.given ? design->simulate.modes : 100, MASS_LUMPED,
-                        error) < 0)
+    if (analysis_vibration(analysis, &rig->vibration,
+                           design->simulate.given ? design->simulate.modes : 100, error) < 0)
         return -1;
     if (!take_memory(rig) || !modal_open(&rig->modal, design, &rig->vibration, rig->amplifiers))
         return no_memory(analysis, error);

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * A structure linearised about a nonlinear equilibrium: the tangent stiffness matrix there, which
+ * contains the prestress, and the forces of the inputs. Vibration modes about the equilibrium are
+ * computed from these two (vibration_solve_at).
+ */
+#ifndef LINEARISED_H
+#define LINEARISED_H
+
+#include "design.h"
+#include "pzs_nonlinear.h"
+
+typedef struct linearised {
+    double *tangent; /* entries of the tangent stiffness matrix, stored like the stiffness matrix of
+                        the library's model; rows and columns of prescribed displacements are those
+                        of the unit matrix */
+    size_t entries;  /* number of stored entries of the tangent stiffness matrix */
+    double *force;   /* [inputs][free_dof] nodal forces per unit of each input of the structure */
+} linearised;
+
+/*
+ * Compute the tangent stiffness matrix and the forces of all inputs at the equilibrium that a
+ * solver has reached.
+ *   solver in/out  solver of the same design at an equilibrium; the factors in its model are
+ *                  overwritten, so that the influence matrix there must be computed before
+ * Returns whether memory sufficed; call linearised_free in either case.
+ */
+bool linearised_take(linearised *linearised, const design *design, pzs_solver *solver);
+void linearised_free(linearised *linearised);
+
+#endif

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Vibration modes of a structure under its static loads (loaded.h). */
+#include "loaded.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "design_build.h"
+#include "mass.h"
+
+/* ---- first natural frequency under load -------------------------------- */
+
+/* Whether a scene has loads or prescribed displacements, which may cause prestress. */
+static bool has_loads(const scene *scene)
+{
+    bool has = scene->loads > 0;
+    for (int k = 0; k < scene->supports; k++)
+        has |= scene->support[k].value != NULL;
+    return has;
+}
+
+/*
+ * Compute the first natural frequency, in the state of the structure in which the modes of an
+ * analysis are computed.
+ *   first out  frequency (Hz), 0 for a rigid motion
+ * Returns 0, or -1 with error filled.
+ */
+static int find_first(const analysis *analysis, double *first, char *error)
+{
+    vibration vibration;
+    if (analysis_vibration(analysis, &vibration, 1, error) < 0)
+        return -1;
+    *first = vibration.frequency[0];
+    vibration_free(&vibration);
+    return 0;
+}
+
+/* Compute the first natural frequencies of an analysis with nonlinear kinematics. */
+static loaded_frequency compare_first(analysis *analysis)
+{
+    char ignored[SCENE_ERROR];
+    loaded_frequency first = {(double)NAN, (double)NAN};
+    double *voltage = calloc((size_t)analysis->design.amplifiers + 1, sizeof *voltage),
+           *displacement = calloc((size_t)analysis->design.mesh.free_dof + 1, sizeof *displacement);
+    if (voltage && displacement && find_first(analysis, &first.unloaded, ignored) == 0 &&
+        analysis_reach(analysis, voltage, 0, displacement, ignored) == 0) {
+        const bool is_stable = analysis->equilibrium.solver.info.negative_pivots == 0;
+        if (!is_stable)
+            first.loaded = 0;
+        else if (analysis_linearise(analysis, ignored) == 0)
+            (void)find_first(analysis, &first.loaded, ignored);
+    }
+    free(voltage);
+    free(displacement);
+    return first;
+}
+
+loaded_frequency loaded_first(const scene *given)
+{
+    loaded_frequency first = {(double)NAN, (double)NAN};
+    char ignored[SCENE_ERROR];
+    analysis analysis;
+    scene nonlinear = *given;
+    nonlinear.kinematics = KINEMATICS_NONLINEAR;
+    if (given->influence.given || !has_loads(given) ||
+        analysis_prepare(&analysis, &nonlinear, ignored) < 0)
+        return first;
+    first = compare_first(&analysis);
+    analysis_free(&analysis);
+    return first;
+}
+
+/* ---- modes of a scene --------------------------------------------------- */
+
+/* Whether a scene applies voltages, which may cause prestress. */
+static bool has_voltages(const scene *scene)
+{
+    bool has = false;
+    for (int k = 0; k < scene->actuators; k++)
+        has |= scene->actuator[k].applied != 0;
+    return has;
+}
+
+/*
+ * Compute the vibration modes about the equilibrium under the scene's loads and applied voltages.
+ * Returns 0, or -1 with error filled.
+ */
+static int solve_loaded(loaded_modes *modes, const scene *scene, int number, char *error)
+{
+    analysis *analysis = &modes->analysis;
+    if (analysis_prepare(analysis, scene, error) < 0 ||
+        find_first(analysis, &modes->first.unloaded, error) < 0)
+        return -1;
+    modes->is_loaded = true;
+    double *displacement = calloc((size_t)analysis->design.mesh.free_dof + 1, sizeof *displacement);
+    if (!displacement)
+        return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+    const int failed = analysis_continue(analysis, displacement, error) < 0 ||
+                       analysis_linearise(analysis, error) < 0;
+    free(displacement);
+    if (failed || analysis_vibration(analysis, &modes->vibration, number, error) < 0)
+        return -1;
+    modes->first.loaded = modes->vibration.frequency[0];
+    return 0;
+}
+
+int loaded_modes_open(loaded_modes *modes, const scene *scene, int number, char *error)
+{
+    const bool is_linear = scene->kinematics == KINEMATICS_LINEAR || scene->influence.given;
+    memset(modes, 0, sizeof *modes);
+    modes->first = (loaded_frequency){(double)NAN, (double)NAN};
+    if (!is_linear && (has_loads(scene) || has_voltages(scene)))
+        return solve_loaded(modes, scene, number, error);
+    if (design_build(&modes->analysis.design, scene, error) < 0 ||
+        vibration_solve(&modes->vibration, &modes->analysis.design, number, MASS_LUMPED, error) < 0)
+        return -1;
+    return 0;
+}
+
+void loaded_modes_close(loaded_modes *modes)
+{
+    vibration_free(&modes->vibration);
+    analysis_free(&modes->analysis);
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Vibration modes of a structure under its static loads: about the nonlinear equilibrium there,
+ * whose prestress changes them (a membrane under tension, a plate under compression), and how far
+ * the loads move the first natural frequency.
+ */
+#ifndef LOADED_H
+#define LOADED_H
+
+#include "analysis.h"
+
+/* First natural frequency of a structure without and with its loads. */
+typedef struct loaded_frequency {
+    double unloaded, loaded; /* first natural frequency in the reference state, and about the
+                                equilibrium under the scene's loads at 0 V (Hz); NAN where there is
+                                none; `loaded` is 0 where that equilibrium is unstable */
+} loaded_frequency;
+
+/*
+ * Compute the first natural frequency of a scene without and with its loads, with nonlinear
+ * kinematics whatever the scene says. Both are NAN where the scene has no loads, no densities or no
+ * structure of its own, or where an equilibrium was not found.
+ */
+loaded_frequency loaded_first(const scene *scene);
+
+/* Vibration modes of a scene, about the equilibrium under its loads where it has nonlinear ones. */
+typedef struct loaded_modes {
+    analysis analysis; /* of a scene without loads, or with linear kinematics, only its design is
+                          built, so that supports may permit rigid motions */
+    vibration vibration;
+    bool is_loaded; /* true: the modes are those about the equilibrium under the scene's loads and
+                       applied voltages; false: those of the reference state */
+    loaded_frequency first;
+    mesh_error mesh_error; /* estimated discretisation error of the frequencies; empty unless the
+                              user has asked for this estimate */
+    plausible warnings;
+} loaded_modes;
+
+/*
+ * Compute the vibration modes of a scene: with loads, applied voltages or prescribed displacements
+ * and kinematics that is not linear, those about the equilibrium that they cause, otherwise those
+ * of the reference state.
+ *   number in  number of modes, reduced to the number that the structure has
+ * Returns 0, or -1 with error filled; call loaded_modes_close in either case.
+ */
+int loaded_modes_open(loaded_modes *modes, const scene *scene, int number, char *error);
+void loaded_modes_close(loaded_modes *modes);
+
+#endif
