@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Initialisation of the controller, optimisation step and control tick (pzs_control.h).
+ * Controller (pzs_control.h): initialisation, optimisation of the voltages, control tick.
  *
- * A step solves
+ * Each tick solves
  *
  *   minimise   |W (B v - e)|^2 + regularisation |v - v0|^2
  *   subject to lower <= v <= upper,  |v - v_last| <= step limit
@@ -14,8 +14,8 @@
  *   H (v - base) + regularisation (base - v0) - B'W^2 (e - B base)
  *
  * for any base voltages. Near the base it is as accurate as the residual e - B base. A tick
- * predicts the shape B v after each step, which makes v the next base at no cost; pzs_step renews
- * its base only where rounding errors would matter.
+ * predicts the shape B v of its new voltages, which makes v the next base at no cost; pzs_step
+ * renews its base only where rounding errors would matter.
  */
 #include <string.h>
 #include "boxls.h"
@@ -42,8 +42,8 @@
 /* ---- optimisation step ---------------------------------------------------- */
 
 /*
- * Compute the bounds of an optimisation step: the step limits around the last voltages, clamped to
- * the voltage limits. Returns the number of inputs whose step limit and voltage limits do not
+ * Compute the bounds of the voltages in a tick: the step limits around the last voltages, clamped
+ * to the voltage limits. Returns the number of inputs whose step limit and voltage limits do not
  * overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
@@ -83,8 +83,8 @@ static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control
 }
 
 /*
- * Set the bounds of an optimisation step if step limits are in force. Returns the first input whose
- * step limit and voltage limits do not overlap, or -1.
+ * Set the bounds of the voltages in a tick if step limits are in force. Returns the first input
+ * whose step limit and voltage limits do not overlap, or -1.
  */
 static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -114,12 +114,12 @@ static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const 
 }
 
 /*
- * Compute the target gradient B'W^2 (wanted - shown), with influence matrix B and output weights W,
- * where `shown` is the shape of the base voltages (around which the gradient is computed) plus the
- * disturbance (measured minus predicted shape). Returns |W (wanted - shown)|^2. From it follows
- * target_energy, the squared norm of the weighted target error, by which the size of the objective
- * is judged; it is bounded below by its rounding error. Both are finite only if the target gradient
- * is.
+ * Compute the part B'W^2 (wanted - shown) of the gradient that depends on the target, with
+ * influence matrix B and output weights W, where `shown` is the shape of the base voltages (around
+ * which the gradient is computed) plus the disturbance (measured minus predicted shape). Returns |W
+ * (wanted - shown)|^2. From it follows target_energy, the squared norm of the weighted target
+ * error, by which the size of the objective is judged; it is bounded below by its rounding error.
+ * Both are finite only if the gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -181,7 +181,7 @@ static const pzs_real *expected_measurements(const pzs_control *control)
     return sum;
 }
 
-/* Return the largest number of multiply-adds of the optimiser in an optimisation step. */
+/* Return the largest number of multiply-adds that the optimiser may use in a tick. */
 static uint64_t work_limit(const pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
@@ -192,8 +192,8 @@ static uint64_t work_limit(const pzs_control *control)
 }
 
 /*
- * Optimise the voltages inside their bounds and, if the problem has them, its limit rows (limits of
- * sums of voltages).
+ * Optimise the voltages inside their bounds and, where sums of voltages are limited, inside these
+ * limits.
  */
 static void optimise_within(pzs_optimiser *optimiser, pzs_control *control)
 {
@@ -205,9 +205,9 @@ static void optimise_within(pzs_optimiser *optimiser, pzs_control *control)
 }
 
 /*
- * Bring the voltages inside the limit rows (limits of weighted sums of voltages), if the problem
- * has any. Returns whether they are inside; if not, *where is an input that is still on the way to
- * its limits because of its step limit.
+ * Bring the voltages inside the limits of weighted sums of voltages, if there are any. Returns
+ * whether they are inside; if not, *where is an input that is still on the way to its limits
+ * because of its step limit.
  */
 static bool enter_rows(pzs_control *control, int32_t *where)
 {
@@ -237,9 +237,10 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
 }
 
 /*
- * Set the work limit of an optimisation step and the rounding-error bound of its target gradient.
- * `missed` is the weighted squared norm of the target error at the base voltages, around which the
- * gradient is computed (m2).
+ * Set the work limit of the optimiser in a tick and the rounding-error bound of target_gradient,
+ * the part B'W^2 (wanted - shape) of the gradient, with influence matrix B and output weights W.
+ * `missed` is the squared norm |W (wanted - shape)|^2 (m2); `shape` is that of the base voltages,
+ * around which the gradient is computed.
  */
 static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control, pzs_real missed)
 {
@@ -267,7 +268,7 @@ static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
 }
 
 /*
- * Store the number of multiply-adds and the number of iterations of an optimisation step in the
+ * Store the number of multiply-adds and of iterations that the optimiser has used in a tick in the
  * results of the controller.
  */
 static void note_work(const pzs_optimiser *optimiser, pzs_control *control)
@@ -283,8 +284,8 @@ static void note_work(const pzs_optimiser *optimiser, pzs_control *control)
 }
 
 /*
- * Write the results of an optimisation step to the controller. `clash` is the first input whose
- * step limit and voltage limits do not overlap, or -1. Returns the status of the step.
+ * Write the results of the optimisation in a tick to the controller. `clash` is the first input
+ * whose step limit and voltage limits do not overlap, or -1. Returns the status of the tick.
  */
 static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
 {
@@ -295,11 +296,11 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Change an optimisation step so that it also damps vibration: the gradient of the objective at the
- * base voltages, around which gradients are computed, is multiplied by state.share, a factor from 0
- * to 1, and the damping gradient is added to the target gradient. Returns `missed`, the weighted
- * squared norm of the target error (m2), enlarged so that the rounding-error bound covers the
- * damping gradient too.
+ * Change the objective of a tick so that the tick also damps vibration: multiply its gradient at
+ * the base voltages (around which gradients are computed) by state.share, a factor from 0 to 1, and
+ * add the damping gradient, by which the voltages take energy out of the vibration. Returns
+ * `missed`, the weighted squared norm of the target error (m2), enlarged so that the rounding-error
+ * bound covers the damping gradient too.
  *   damping [inputs] in  damping gradient (m2/V)
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
@@ -319,9 +320,9 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
- * Keep the free inputs from compensating the voltage changes of inputs that are held at a fixed
- * voltage, which a damped tick otherwise does because it limits the change of the shape: the
- * gradient that these changes cause is added to the target gradient.
+ * Keep the voltages that may change from compensating those that pzs_hold has just moved to a fixed
+ * value. A tick that damps vibration would do so, because it limits the change of the shape; the
+ * gradient that the fixed voltages cause is therefore added to target_gradient.
  */
 static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -336,9 +337,10 @@ static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *contr
 }
 
 /*
- * Make one optimisation step of the controller from the shape `shown` towards the shape `wanted`.
- *   damping [inputs] in  gradient of the objective that damps vibration (m2/V); NULL: a step
- *                        without damping
+ * Make one control step: optimise the voltages to change the shape `shown` towards the shape
+ * `wanted`.
+ *   damping [inputs] in  term that damps vibration in half the gradient of the objective (m2/V);
+ *                        NULL: no damping
  */
 static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                        const pzs_real *shown, const pzs_real *damping)
@@ -351,10 +353,10 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     if (damping != NULL && control->state.is_paused)
         ignore_held_moves(optimiser, control);
-    control->state.is_paused = false; /* A fault detector that measures a test pulse sets is_paused
-                                         again after each optimisation step, so that the loop
-                                         follows target and loads again as soon as the detector no
-                                         longer runs. */
+    control->state.is_paused = false; /* While the fault detector measures a test pulse, it sets
+                                         is_paused again after each tick; the loop does not follow
+                                         target and loads then. As soon as the detector no longer
+                                         runs, the loop follows them again. */
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;
@@ -557,8 +559,8 @@ size_t pzs_control_bytes(const pzs_problem *problem)
 }
 
 /*
- * Set the bounds of the voltages before the first optimisation step of the controller. Without step
- * limits the bounds are the voltage limits in every optimisation step.
+ * Set the bounds of the voltages in a new controller. Without step limits the bounds are the
+ * voltage limits in every tick.
  */
 static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -572,9 +574,8 @@ static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *cont
 }
 
 /*
- * Set the controller before its first optimisation step: reference voltages clamped to the limits,
- * and all inputs whose effects are linearly independent in the free set, whose voltages the
- * optimiser may change.
+ * Set a new controller to its first voltages, the reference voltages clamped to the limits, and let
+ * the optimiser begin with all inputs free whose effects on the shape are linearly independent.
  */
 static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
 {
@@ -603,7 +604,8 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
     (void)pzs_tableau_rebuild(optimiser);
 }
 
-/* Return the default of the work limit of the optimiser in one optimisation step (multiply-adds).
+/*
+ * Return the default of the largest number of multiply-adds that the optimiser may use in a tick.
  */
 static uint64_t usual_work(const pzs_problem *problem)
 {

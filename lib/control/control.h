@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Internal functions of the controller for the optional blocks of the control loop. */
+/* Internal functions of the controller for the other stages of the control tick. */
 #ifndef PZS_LIB_CONTROL_H
 #define PZS_LIB_CONTROL_H
 
@@ -12,20 +12,20 @@
 #define CONTROL_READY 1u
 
 /*
- * Return the checksum of the counts and arrays of a voltage optimisation problem, which its member
+ * Return the checksum of the counts and arrays in the tables of the controller, which their member
  * crc must equal.
  */
 uint32_t pzs_problem_crc(const pzs_problem *problem);
 
 /*
- * Return the checksum of a voltage optimisation problem, and look for numbers that are not finite
- * in its influence matrix, Hessian, output weights and reference voltages. *bad receives the index
+ * Return the checksum of the tables of the controller, and look for numbers that are not finite in
+ * their influence matrix, Hessian, output weights and reference voltages. *bad receives the index
  * of the first such number in its array, or -1. Each array is read once.
  */
 uint32_t pzs_problem_check(const pzs_problem *problem, int32_t *bad);
 
 /*
- * Check the tables of a voltage optimisation problem.
+ * Check the tables of the controller.
  *   influence [outputs][inputs] in   influence matrix that is used with them (m/V)
  *   where                       out  index to which the status refers, or -1
  * Returns PZS_OK or the errors of pzs_control_init.
@@ -37,13 +37,13 @@ pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real 
 void pzs_control_predict(pzs_control *control);
 
 /*
- * Tell the controller that state.voltage was changed outside an optimisation step. The next step or
- * tick then starts from the new voltages.
+ * Tell the controller that its array state.voltage was changed by another function than pzs_step or
+ * pzs_tick, which then start from the new voltages.
  */
 void pzs_control_moved(pzs_control *control);
 
 /*
- * Make the next ticks damp vibration: at the present voltages the gradient of the objective is
+ * Make the next ticks damp vibration: at the present voltages half the gradient of the objective is
  * multiplied by `share`, and the damping gradient is subtracted from it. Voltages that do not
  * change obey all limits of such a tick, and in static equilibrium the voltages are those without
  * damping.
@@ -58,32 +58,32 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
                       pzs_real *carry);
 
 /*
- * Record the voltage at which an input is held (V), or NaN if it is not held. The voltage must be
- * recorded with every change of the voltage limits in force (state.lower, state.upper) that is to
- * last longer than one tick of a loop, because each tick derives these limits again.
+ * Record the voltage at which pzs_hold keeps an input (V), or NaN if it keeps none. The voltage
+ * must be recorded with every change of the voltage limits in force (state.lower, state.upper) that
+ * is to last longer than one tick of a loop, because each tick derives these limits again.
  */
 void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage);
 
 /* ---- parts of the initialisation that every tick repeats ---------------- */
 
 /*
- * Set the pointers of the controller to its arrays in the workspace. The voltage optimisation
- * problem of the controller must be set before.
+ * Set the pointers of the controller to its arrays in the workspace. state.problem, its tables,
+ * must be set before.
  */
 void pzs_control_place(pzs_control *control, void *work);
 
 /*
- * Compute row k of the Hessian: from `table`, the Hessian in the tables of the voltage optimisation
- * problem, or, if `table` is NULL, from influence matrix and output weights. The Hessian is
- * symmetric to the last bit.
+ * Compute row k of the Hessian B'W^2 B + regularisation I: from `table`, the matrix B'W^2 B of the
+ * controller's tables, or, if `table` is NULL, from influence matrix B and output weights W. The
+ * Hessian is symmetric to the last bit.
  */
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
 
 /*
- * Compute all rows of the Hessian: from `table`, the Hessian in the tables of the voltage
- * optimisation problem, or, if `table` is NULL, from influence matrix and output weights. The
- * tableau (pivoted Hessian) of the optimiser is used as work array. Returns the index of the first
- * entry of the Hessian that is not finite, or -1.
+ * Compute the Hessian B'W^2 B + regularisation I: from `table`, the matrix B'W^2 B of the
+ * controller's tables, or, if `table` is NULL, from influence matrix B and output weights W. The
+ * tableau (pivoted Hessian) of the optimiser is overwritten. Returns the index of the first entry
+ * of the Hessian that is not finite, or -1.
  */
 int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *table);
 
@@ -94,8 +94,8 @@ int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *tab
 void pzs_control_find_step_limits(pzs_control *control);
 
 /*
- * Let the bounds of an optimisation step and the voltage limits in force share their arrays, for a
- * voltage optimisation problem without step limits, in which both are always equal.
+ * Let the bounds of the voltages in a tick and the voltage limits in force share their arrays,
+ * where there are no step limits and both are always equal.
  */
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
 
@@ -106,8 +106,8 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
 void pzs_control_set_constants(pzs_control *control);
 
 /*
- * Set the step limits and the voltage limits in force to those of the tables; for an input that is
- * held at a fixed voltage, both limits become this voltage.
+ * Set the step limits and the voltage limits in force to those of the tables; for an input that
+ * pzs_hold keeps at a voltage, both limits become this voltage.
  */
 void pzs_control_restore_limits(pzs_control *control);
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Block of the control loop that corrects late sensor readings, for a loop without vibration
- * damper. To readings that were taken `delay` ticks ago, the block adds the changes that the model
- * predicts from the voltage changes since then. Without the correction the control step would
- * compensate the same deviation in several ticks, and the loop would oscillate.
- *
- * An electrode that the fault detector has found faulty counts as if its voltage had not changed.
+ * Correction of late sensor readings: a stage of the control tick, for a loop without vibration
+ * damper. To readings that were taken `delay` ticks ago, it adds the changes that the model
+ * predicts from the voltage changes since then. Without the correction the controller would
+ * compensate the same deviation in several ticks, and the loop would oscillate. An electrode that
+ * the fault detector has found faulty counts as if its voltage had not changed.
  *
  * The work of a tick is sensors * inputs multiply-adds, and `delay` times as many after missed
  * ticks.
@@ -60,7 +59,9 @@ static pzs_status check(const pzs_reading_delay *tables, const pzs_problem *prob
 
 /* ---- ring buffer of the voltages of the last ticks ------------------- */
 
-/* Set the pointers of the block for late readings to its tables, its controller and its arrays. */
+/*
+ * Set the pointers of the correction of late readings to its tables, the controller and its arrays.
+ */
 static void place(pzs_reading_delay_state *state, const pzs_reading_delay *tables,
                   pzs_control *control)
 {

@@ -140,8 +140,8 @@ static void *work_of(pzs_estimate *estimate)
 }
 
 /*
- * Initialise the shape estimator as a block of the control loop. Its memory holds the estimator,
- * then the workspace of the estimator, then the estimated shape.
+ * Initialise the shape estimator as a block (stage of the control tick). Its memory holds the
+ * struct pzs_estimate, then the workspace of the estimator, then the estimated shape.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
@@ -162,10 +162,7 @@ static pzs_real *shape_of(pzs_estimate *estimate)
     return (void *)((uint8_t *)estimate + before);
 }
 
-/*
- * Run the shape estimator in a tick of the control loop. A tick without readings has no measured
- * shape.
- */
+/* Run the shape estimator in a control tick. A tick without readings has no measured shape. */
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_estimate *estimate = self;

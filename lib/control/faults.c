@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Fault detector: finds, from the measured shape, electrodes whose voltage does not follow their
- * amplifier.
+ * Fault detector for structures that do not vibrate: finds, from the measured shape, electrodes
+ * whose voltage does not follow their amplifier.
  *
  * Between two measured shapes the commanded voltages change by x, and the disturbance (measured
  * minus predicted shape) changes by B f + load, with the influence matrix B. f_j is the voltage by
@@ -10,13 +10,13 @@
  * electrode is suspected in two cases:
  *
  *   - its voltage was changed by at least the amplitude of a test signal, and the shape hardly
- *   responded: the electrode is stuck, or was dead before; or
+ *     responded: the electrode is stuck, or was dead before; or
  *   - the shape jumped as if the voltage of this electrode, more than that of any other, had
  *     vanished: it has just died.
  *
  * A load may cause either. A test signal is therefore applied to the suspected electrode: it is set
  * to two voltages in turn, one amplitude above and below its present voltage, inside voltage limits
- * and step limits, while the control step compensates with the other electrodes. The electrode is
+ * and step limits, while the controller compensates with the other electrodes. The electrode is
  * faulty if it does not respond to these moves; the effect of a load does not correlate with them.
  *
  * The work of a tick for m outputs and n inputs is (m + n) n multiply-adds and less than 40 (m + n)
@@ -34,8 +34,8 @@
 
 #define READY 1u
 /*
- * Factor by which the sums that the fault detector forms over the measured shapes decay before each
- * new shape is added.
+ * Factor by which the decaying sums of the fault detector (voltage changes of each electrode,
+ * commanded and indicated by the shape) are multiplied before the next measured shape is added.
  */
 #define FADING PZS_R(0.75)
 /*
@@ -45,8 +45,8 @@
  */
 #define NO_RESPONSE 16
 /*
- * Smallest regularisation of the least-squares estimate of electrode voltages from the measured
- * shape, relative to the diagonal of the matrix of the estimate.
+ * Smallest weight of the regularisation in the least-squares estimate of electrode voltages from
+ * the measured shape, relative to the diagonal of the normal matrix.
  */
 #define LEAST_RIDGE PZS_R(1e-5)
 /*
@@ -74,8 +74,9 @@
 #define MISSING_LIMIT 8u
 
 /*
- * Bits of state.missing, which has an entry for each output. NOT_MEASURED: the last shape has no
- * measurement of the output. EXCLUDED: the least-squares estimate does not use the output.
+ * Bits of state.missing, which has an entry for each output. NOT_MEASURED: the last measured shape
+ * has no value of the output. EXCLUDED: the least-squares estimate of electrode voltages does not
+ * use the output.
  */
 enum { NOT_MEASURED = 1, EXCLUDED = 2 };
 
@@ -249,8 +250,7 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
         return finish(detector, PZS_E_STAGE, -1);
     const pzs_problem *problem = control->state.problem;
     if (problem->limit_rows != NULL) /* a test signal changes the voltage of one input alone and
-                                        could violate limit rows (limits of weighted sums of
-                                        voltages) */
+                                        could violate a limit of a weighted sum of voltages */
         return finish(detector, PZS_E_ARGUMENT, -1);
     const size_t need = PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, delay);
     const int32_t missing = guard_missing_bytes(work, bytes, need);
@@ -282,8 +282,8 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
 
 /*
  * Update the disturbance (measured minus predicted shape) and state.change, its change since the
- * last shape times the squared output weights. The change is zero for an output that was not
- * measured in both shapes. Returns whether enough outputs were measured in both shapes.
+ * last measured shape times the squared output weights. The change is zero for an output that was
+ * not measured in both shapes. Returns whether enough outputs were measured in both shapes.
  */
 static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -348,8 +348,7 @@ static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage
 
 /*
  * Return an exponentially decaying sum of the fault detector after it has decayed once and a new
- * term was added. A sum that is not finite, as after a flipped bit of the memory, starts anew with
- * the term.
+ * term was added. If damaged memory has made the sum infinite or NaN, it starts anew with the term.
  */
 static pzs_real faded_sum(pzs_real sum, pzs_real term)
 {
@@ -500,9 +499,10 @@ static void set_test_voltages(pzs_fault_detector *detector)
 }
 
 /*
- * Mark an electrode that has passed a test, so that it is not tested again for a fixed number
- * of measured shapes (CLEARED_SHAPES). The sums that caused the test start anew: otherwise a sum
- * that a flipped bit has made very large would cause test after test until it has decayed.
+ * Mark an electrode that has passed a test, so that the fault detector does not test it again for a
+ * fixed number of measured shapes (CLEARED_SHAPES). The decaying sums of its voltage changes, which
+ * led to the test, start anew: otherwise a sum that damaged memory has made very large would cause
+ * test after test until it has decayed.
  */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
@@ -525,9 +525,9 @@ static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
 }
 
 /*
- * Fix the voltage of a faulty electrode in the controller at that which it probably has: 0 V for a
- * dead electrode, the present voltage for a stuck one. The predicted shape then agrees with the
- * structure, and the next control step only has to compensate for the lost effect of the electrode.
+ * Fix the voltage of a faulty electrode in the controller at the value that it probably has: 0 V
+ * for a dead electrode, the present voltage for a stuck one. The predicted shape then agrees with
+ * the structure, and the controller only has to compensate for the lost effect of the electrode.
  */
 static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
 {
@@ -674,9 +674,9 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Set the amplitude of the test signals of all electrodes to that of the tables, reduced to just
- * below half the step limit. The amplitude is 0 for an electrode whose voltage limits leave no room
- * for a test.
+ * Set the amplitude of the test signals of all electrodes to `amplitude` (V), reduced to just below
+ * half the step limit. The amplitude is 0 for an electrode whose voltage limits leave no room for a
+ * test.
  */
 static void set_amplitude(pzs_fault_detector *detector, pzs_real amplitude)
 {
@@ -693,8 +693,8 @@ static void *work_of(pzs_fault_detector *detector)
 }
 
 /*
- * Initialise the fault detector as a block of the control loop. Its memory holds the detector,
- * followed by its workspace.
+ * Initialise the fault detector as a block (stage of the control tick). Its memory holds the struct
+ * pzs_fault_detector, followed by the detector's workspace.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {

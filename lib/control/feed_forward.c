@@ -81,8 +81,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Check that a feed-forward table is valid, was generated from the same scene file as the voltage
- * problem, and has `rows` rows, one for each output or sensor.
+ * Check that a feed-forward table (effects of known loads) is valid, was generated from the same
+ * scene file as the controller's tables, and has `rows` rows, one for each output or sensor.
  */
 static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *problem,
                         uint16_t rows)
@@ -96,8 +96,8 @@ static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *
 }
 
 /*
- * Set the pointers of the feed-forward block to its tables and to its arrays for corrected readings
- * and target shape.
+ * Set the pointers of the feed-forward of known loads to its tables and to its arrays for corrected
+ * readings and target shape.
  */
 static void place(pzs_feed_forward_state *state, const pzs_known_loads *loads)
 {

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference governor: lets a control step that also damps vibration follow a moving target shape
- * without lag.
+ * Reference governor: slows a moving target shape down, so that a control tick that also damps
+ * vibration can follow it without lag.
  *
- * A control step that damps vibration goes only the part `share` of the way from the last voltages
- * to the static optimum. Whenever the target changes, the governor computes the voltages v_t within
- * the limits that are optimal for the target without disturbances. It moves its reference voltages
+ * A tick that damps vibration goes only the part `share` of the way from the last voltages to the
+ * static optimum. Whenever the target changes, the governor computes the voltages v_t within the
+ * limits that are optimal for the target without disturbances. It moves its reference voltages
  * v_ref towards v_t, by dr in a tick, which is at most a fixed part of the step limits. It replaces
  * the target shape z by
  *
  *   z - B (v_t - v_ref) + B dr / share
  *
- * with the influence matrix B, so that the control step adds the whole dr to the voltages, and only
- * a share of the remaining correction. Once v_ref has arrived, the target is passed on unchanged.
+ * with the influence matrix B, so that the tick adds the whole dr to the voltages, and only a share
+ * of the remaining correction. Once v_ref has arrived, the target is passed on unchanged.
  *
  * The work of a tick is zero while the target stands still and v_ref has arrived; otherwise outputs
- * * inputs multiply-adds, and an optimisation step when the target has changed.
+ * * inputs multiply-adds, and an optimisation of the voltages when the target has changed.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -40,8 +40,8 @@ static void *work_of(pzs_governor_state *state)
 }
 
 /*
- * Set the pointers of the reference governor to its tables, to the controller of the loop and to
- * its arrays.
+ * Set the pointers of the governor (which slows targets down) to its tables, to the controller of
+ * the loop and to its arrays.
  */
 static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_control *control)
 {
@@ -57,9 +57,8 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
 }
 
 /*
- * Return the influence matrix that must be passed to pzs_control_init to initialise a second
- * controller like this one: NULL if this controller uses the matrix of the voltage optimisation
- * problem.
+ * Return the influence matrix with which pzs_control_init must initialise the governor's own
+ * controller to be like that of the loop: NULL if the loop uses the matrix of its tables.
  */
 static const pzs_real *influence_of(const pzs_control *control)
 {
@@ -94,9 +93,9 @@ static bool are_equal(const pzs_real *left, const pzs_real *right, uint32_t coun
 }
 
 /*
- * Whether the same inputs are held at the same voltages in two controllers.
- *   left, right [count] in  for each controller the voltages at which inputs are held (V), NaN: not
- *   held
+ * Whether pzs_hold keeps the same inputs at the same voltages in two controllers.
+ *   left, right [count] in  for each controller the voltages at which inputs are kept (V), NaN: not
+ *                           kept
  */
 static bool are_held_alike(const pzs_real *left, const pzs_real *right, uint32_t count)
 {
@@ -108,8 +107,8 @@ static bool are_held_alike(const pzs_real *left, const pzs_real *right, uint32_t
 }
 
 /*
- * Whether the target shape and the inputs that are held at a fixed voltage are the same as when the
- * governor last computed the optimal voltages.
+ * Whether the target shape and the inputs that pzs_hold keeps at a fixed voltage are the same as
+ * when the governor last computed the optimal voltages.
  */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
@@ -121,9 +120,9 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 
 /*
  * Compute the optimal voltages for the target shape, within the voltage limits of the tables,
- * without step limits, and with the same inputs held at a fixed voltage as in the control loop. The
- * voltage limits in the loop's controller are not used, because a hysteresis block may have
- * replaced them by limits of effects (voltages without hysteresis).
+ * without step limits, and with the same inputs kept at a fixed voltage as in the control loop. The
+ * voltage limits in the loop's controller are not used, because the compensation of hysteresis may
+ * have replaced them by limits of effects (voltages without hysteresis).
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {
@@ -141,8 +140,8 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 }
 
 /*
- * Return the largest fraction of the way from the reference voltages of the governor to the optimal
- * voltages that exceeds for no input the part of its step limit that the governor may use.
+ * Return the largest fraction of the way from the governor's slowed-down voltages (`reference`) to
+ * the optimal voltages for which no input exceeds pzs_governor.part of its step limit.
  */
 static pzs_real largest_part(const pzs_governor_state *state)
 {
@@ -156,10 +155,10 @@ static pzs_real largest_part(const pzs_governor_state *state)
 }
 
 /*
- * Move the reference voltages towards the optimal voltages by one tick. Then compute the voltages
- * optimum - reference - move / share (V), whose shape is to be subtracted from the target; `share`
- * is the part of the way to the optimum that one control step goes. Returns whether any of these
- * voltages differs from zero.
+ * Move the governor's slowed-down voltages (`reference`) towards the optimal voltages by one tick.
+ * Then compute the voltages whose shape is to be subtracted from the target (V): optimal voltages,
+ * minus `reference`, minus the change of `reference` in this tick divided by pzs_governor.share.
+ * Returns whether any of these voltages differs from zero.
  */
 static bool move_reference(pzs_governor_state *state)
 {
@@ -183,7 +182,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_problem *problem = signals->control->state.problem;
     place(state, signals->tables, signals->control);
     if (pzs_guard_nonfinite(signals->wanted, problem->outputs) >= 0)
-        return PZS_OK; /* a target shape that is not finite is left to the control step, which keeps
+        return PZS_OK; /* a target shape that is not finite is left to the controller, which keeps
                           the last voltages and returns a warning */
     if (!is_known(state, signals->wanted))
         find_optimum(state, signals->wanted);

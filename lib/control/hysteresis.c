@@ -3,17 +3,16 @@
  * Model of hysteresis and creep of piezoelectric ceramic, and its inverse. The effect of an
  * electrode is the voltage that would move the structure as far without hysteresis and creep.
  *
- * The effect of an electrode at the voltage v, with the distance s of v from the middle of the
- * voltage range, is
+ * The effect u of an electrode at the voltage v, with s = v - middle of the voltage range, is
  *
  *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j,
  *
  * where m is a piecewise linear function of four slopes, P_i is the position of play i (an element
- * with backlash), a_i is the weight of the play (one above and one below the middle), and x_j is a
- * creep of first order. Play i follows s with the slack r_i. It is computed in series: play i
- * follows play i - 1 with the slack r_i - r_(i-1), and play 0 follows s. Both forms are equal, and
- * in series every memory can result from some voltages. Slopes are positive and weights are not
- * negative, so u rises with v for every memory: voltage limits and step limits of a tick are mapped
+ * with backlash), a_i is the weight of the play (one value above and one below the middle), and x_j
+ * is a creep term of first order. Play i follows s with the slack r_i. It is computed in series:
+ * play i follows play i - 1 with the slack r_i - r_(i-1), and play 0 follows s. Both forms are
+ * equal, and in series all positions can result from some voltages. Slopes are positive and weights
+ * are not negative, so u always rises with v: voltage limits and step limits of a tick are mapped
  * to limits of the effect, and the inverse is unique.
  *
  * From the present voltage on, u is a piecewise linear function of v. In either direction the plays
@@ -22,7 +21,7 @@
  * the changes of the plays that move. The inverse goes through the straight pieces one by one and
  * ends with one division. Neither the effect nor its inverse needs an iteration.
  *
- * The work of a tick for each input is `plays` steps of the memory, and one step for each play that
+ * The work of a tick for each input is `plays` steps of the plays, and one step for each play that
  * moves on the way to the lowest or to the highest voltage of the tick; the inverse goes through at
  * most 2 plays + 4 pieces.
  */
@@ -66,8 +65,9 @@ uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables)
 }
 
 /*
- * Whether hysteresis tables have either all arrays or no array of the model of the electrodes as it
- * was identified.
+ * Whether hysteresis tables contain either all or none of the arrays identified_offset,
+ * identified_slope, identified_above and identified_below, the model of the electrodes as it was
+ * measured.
  */
 static bool is_identified_complete(const pzs_hysteresis *tables)
 {
@@ -118,8 +118,9 @@ static bool are_rising(const pzs_real *slack, uint32_t plays)
 }
 
 /*
- * Whether the hysteresis parameters with index k, which several inputs may share, are valid: the
- * numbers are finite, and the effect (voltage without hysteresis) rises with the voltage.
+ * Whether the hysteresis parameters in set k of the tables (one set for all inputs, or one for
+ * each) are valid: the numbers are finite, and the effect (voltage without hysteresis) rises with
+ * the voltage.
  */
 static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 {
@@ -136,8 +137,8 @@ static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 }
 
 /*
- * Whether the numbers of the model of an electrode as it was identified are finite, with index k of
- * the hysteresis parameters; true where the tables have no such model.
+ * Whether the numbers of set k in the arrays identified_... of hysteresis tables, the model of the
+ * electrodes as it was measured, are finite; true where the tables have no such arrays.
  */
 static bool is_identified_valid(const pzs_hysteresis *tables, uint32_t k)
 {
@@ -151,8 +152,8 @@ static bool is_identified_valid(const pzs_hysteresis *tables, uint32_t k)
 }
 
 /*
- * Return the index of the hysteresis parameters that belong to an input; several inputs may share
- * the same parameters.
+ * Return the index of the set of hysteresis parameters that belongs to an input; there is one set
+ * for all inputs, or one for each.
  */
 static size_t set_of(const pzs_hysteresis *tables, uint32_t input)
 {
@@ -181,7 +182,7 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 
 /* ---- one electrode ---------------------------------------------------- */
 
-/* Parameters of the model of one electrode. A play is an element with backlash. */
+/* Parameters of the hysteresis model of one electrode. */
 typedef struct electrode {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
                               effect (voltage without hysteresis), from the lowest voltages to the
@@ -189,17 +190,18 @@ typedef struct electrode {
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     const pzs_real *above; /* [plays] weight of each play (element with backlash) in the effect
-                              (voltage without hysteresis) of voltages above the middle of the
-                              range (1) */
+                              (voltage without hysteresis) while the play is above the middle of the
+                              voltage range (1) */
     const pzs_real *below; /* [plays] weight of each play (element with backlash) in the effect
-                              (voltage without hysteresis) below the middle (1) */
+                              (voltage without hysteresis) while the play is below the middle of the
+                              voltage range (1) */
     const pzs_real *creep; /* [creeps] final value of each creep term of an electrode's effect,
                               divided by the voltage (1) */
     pzs_real middle;       /* middle of the voltage range of the electrode, from which the model of
                               hysteresis counts voltages (V) */
     pzs_real half_range;   /* half of the voltage range of the electrode (V) */
-    pzs_real offset; /* constant part of the effect of the electrode, which is the voltage that
-                        would act alike without hysteresis (V) */
+    pzs_real offset; /* constant part of the effect of the electrode, the voltage that would move
+                        the structure as far without hysteresis (V) */
     uint32_t plays, creeps;
 } electrode_tables;
 
@@ -297,9 +299,10 @@ static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 }
 
 /*
- * Return a creep term (V) after it has gone the fraction `rate` of the way to its final value, gain
- * times voltage. A creep term above gain times `most` in absolute value, which cannot result from
- * any voltages, is first set to the final value.
+ * Return a creep term of an electrode's effect (V) after it has gone the fraction `rate` of the way
+ * to its final value, which is `gain` (1) times the voltage. A creep term whose absolute value
+ * exceeds `gain` times `most`, the largest possible voltage (V), shows damaged memory and is first
+ * set to the final value.
  */
 static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_real voltage,
                             pzs_real most)
@@ -399,10 +402,11 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * Search for the voltage with a wanted effect (voltage without hysteresis), along the piecewise
- * linear characteristic of an electrode from its present voltage upwards or downwards. All
- * positions are multiplied by `sign`, so that the search always runs towards larger numbers. A play
- * is an element with backlash.
+ * Search for the voltage with a wanted effect (voltage without hysteresis), from the present
+ * voltage of an electrode upwards or downwards, along its piecewise linear characteristic (effect
+ * as a function of the voltage). All positions are multiplied by `sign`, the direction of the
+ * search, so that the search always runs towards larger numbers. A play is an element with
+ * backlash.
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
@@ -410,41 +414,44 @@ typedef struct effect_walk {
                               highest (1) */
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
-    const pzs_real *play;  /* [plays] position of each play (element with backlash), relative to the
-                              middle of the voltage range and not multiplied by `sign` (V) */
-    const pzs_real *ahead; /* [plays] weight of each play (element with backlash) in the effect
-                              (voltage without hysteresis) once its position is past the middle of
-                              the voltage range, seen in the direction of the search (1) */
+    /*
+     * [plays] position of each play (element with backlash) at the start of the search for a
+     * voltage, relative to the middle of the voltage range (V); higher voltages are positive, also
+     * where the search goes downwards
+     */
+    const pzs_real *play;
+    const pzs_real *ahead;  /* [plays] weight of each play (element with backlash) in the effect
+                               (voltage without hysteresis) in the second half of the voltage range,
+                               the upper one in a search towards higher voltages (1) */
     const pzs_real *behind; /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage without hysteresis) as long as its position is short of the
-                               middle of the voltage range, seen in the direction of the search (1)
-                             */
-    pzs_real sign;  /* direction of the search along the characteristic of the electrode: 1 towards
-                       higher voltages, -1 towards lower ones */
-    pzs_real knot;  /* distance from the middle of the voltage range at which the slope of the
-                       piecewise linear part of the effect (voltage without hysteresis) changes (V)
-                     */
-    pzs_real place; /* present position, relative to the middle of the voltage range, of the search
-                       along the characteristic of the electrode (V) */
+                               (voltage without hysteresis) in the first half of the voltage range,
+                               the lower one in a search towards higher voltages (1) */
+    pzs_real sign; /* direction of the search for a voltage along the characteristic of an electrode
+                      (effect as a function of the voltage): 1 towards higher voltages, -1 towards
+                      lower ones */
+    pzs_real knot; /* distance from the middle of the voltage range at which the slope of the
+                      piecewise linear part of the effect (voltage without hysteresis) changes (V)
+                    */
+    pzs_real place; /* voltage that the search along the characteristic of an electrode (effect as a
+                       function of the voltage) has reached, relative to the middle of the voltage
+                       range (V) */
     pzs_real gain; /* slope of the effect (voltage without hysteresis) as a function of the voltage,
-                      just ahead of the present position of the search along the characteristic of
-                      the electrode (1) */
+                      just ahead of the voltage that the search has reached (1) */
     uint32_t plays;
     uint32_t moving;  /* number of plays (elements with backlash) that have used up their slack and
                          move with the voltage: the first ones in the order of their slack */
-    uint32_t crossed; /* number of moving plays (elements with backlash) whose position is past the
-                         middle of the voltage range */
-    uint32_t knots;   /* number of changes of slope of the piecewise linear part of the effect
-                         (voltage without hysteresis) that the search along the characteristic of
-                         the electrode has passed */
+    uint32_t crossed; /* number of plays (elements with backlash) that move with the voltage and
+                         have crossed the middle of the voltage range */
+    uint32_t knots;   /* number of changes of slope in the piecewise linear part of the effect
+                         (voltage without hysteresis) that the search for a voltage has passed */
 } effect_walk;
 
 #define NOWHERE PZS_R(HUGE_VAL)
 
 /*
  * Return the slope of the piecewise linear part of an electrode's effect (voltage without
- * hysteresis) in its segment k (0 to 3); the segments are numbered in the direction in which a
- * voltage is searched.
+ * hysteresis) in quarter k of the voltage range: k = 0 to 3 from the lowest voltages to the highest
+ * in a search towards higher voltages, otherwise in the reverse order.
  */
 static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 {
@@ -469,8 +476,9 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
 }
 
 /*
- * Return the position at which the next play (element with backlash) has used up its slack and
- * begins to move, in the search for a voltage along the characteristic of an electrode (V).
+ * Return the voltage, relative to the middle of the voltage range (V), at which the next play
+ * (element with backlash) has used up its slack and begins to move, in the search for a voltage
+ * with a wanted effect.
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -479,8 +487,9 @@ static pzs_real next_move(const effect_walk *walk)
 }
 
 /*
- * Return the position at which the next moving play (element with backlash) crosses the middle of
- * the voltage range, in the search for a voltage along the characteristic of an electrode (V).
+ * Return the voltage, relative to the middle of the voltage range (V), at which the next of the
+ * plays (elements with backlash) that move with the voltage crosses the middle of the range, in the
+ * search for a voltage with a wanted effect.
  */
 static pzs_real next_crossing(const effect_walk *walk)
 {
@@ -488,9 +497,9 @@ static pzs_real next_crossing(const effect_walk *walk)
 }
 
 /*
- * Return the position at which the slope of the piecewise linear part of the effect (voltage
- * without hysteresis) changes next, in the search for a voltage along the characteristic of an
- * electrode (V).
+ * Return the voltage, relative to the middle of the voltage range (V), at which the slope of the
+ * piecewise linear part of the effect (voltage without hysteresis) changes next, in the search for
+ * a voltage with a wanted effect.
  */
 static pzs_real next_knot(const effect_walk *walk)
 {
@@ -498,9 +507,9 @@ static pzs_real next_knot(const effect_walk *walk)
 }
 
 /*
- * Let the next play (element with backlash) move with the voltage that is searched, and add its
- * weight to the slope of the effect (voltage without hysteresis). The weight differs before and
- * past the middle of the voltage range.
+ * Let the next play (element with backlash) move with the voltage in the search for a voltage with
+ * a wanted effect, and add its weight to the slope of the effect (voltage without hysteresis). The
+ * weight differs below and above the middle of the voltage range.
  */
 static void move_play(effect_walk *walk)
 {
@@ -511,8 +520,8 @@ static void move_play(effect_walk *walk)
 }
 
 /*
- * Let the search along the characteristic of an electrode pass the next change of slope of the
- * piecewise linear part of the effect (voltage without hysteresis).
+ * Let the search for a voltage with a wanted effect pass the next change of slope of the piecewise
+ * linear part of the effect (voltage without hysteresis).
  */
 static void pass_knot(effect_walk *walk)
 {
@@ -521,8 +530,8 @@ static void pass_knot(effect_walk *walk)
 }
 
 /*
- * Let the search along the characteristic of an electrode pass the nearest position at which the
- * slope of the effect (voltage without hysteresis) changes, and update the slope.
+ * Let the search for a voltage with a wanted effect pass the nearest voltage at which the slope of
+ * the effect (voltage without hysteresis) changes, and update the slope.
  */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
@@ -537,9 +546,10 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 }
 
 /*
- * Find the slope of the effect of an electrode (voltage without hysteresis) at the voltage from
- * which another voltage is searched: pass all changes of slope that are not ahead of this start,
- * and let the plays (elements with backlash) move that have no slack left.
+ * Find the slope of the effect of an electrode (voltage without hysteresis) at its present voltage,
+ * at which the search for a voltage with a wanted effect starts: changes of slope at or behind this
+ * voltage are passed, and plays (elements with backlash) that have no slack left move with the
+ * voltage.
  */
 static void find_first_slope(effect_walk *walk)
 {
@@ -593,8 +603,8 @@ pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
 /* ---- identified model ------------------------------------------------- */
 
 /*
- * Return the parameters of the model of the electrode of an input as it was identified, in which
- * the hysteresis is not reduced for the sake of a robust inverse.
+ * Return the parameters of the hysteresis model of the electrode of an input as it was measured.
+ * The compensation may use a model with less hysteresis, whose inverse is more robust.
  */
 static electrode_tables identified_electrode(const pzs_hysteresis *tables, uint32_t input)
 {
@@ -634,10 +644,7 @@ static size_t effect_bytes(const void *tables, const pzs_problem *problem)
     return PZS_EFFECT_BLOCK_BYTES(problem->inputs, hysteresis->plays, hysteresis->creeps);
 }
 
-/*
- * Set the pointers of the hysteresis block, a stage of the control loop, to its tables and its
- * arrays.
- */
+/* Set the pointers of the compensation of hysteresis to its tables and its arrays. */
 static void place(pzs_compensator *compensator, const pzs_hysteresis *tables)
 {
     const size_t inputs = tables->inputs;
@@ -669,10 +676,10 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
         return status;
     if (!signals->has_inverse)
         return PZS_E_STAGE;
-    if (control->state.problem->limit_rows != NULL) /* hysteresis compensation replaces voltages by
-                                                       effects (voltages without hysteresis), to
-                                                       which limit rows (limits of weighted sums of
-                                                       voltages) do not apply */
+    if (control->state.problem->limit_rows != NULL) /* the compensation of hysteresis replaces
+                                                       voltages by effects (voltages without
+                                                       hysteresis), to which limits of sums of
+                                                       voltages do not apply */
         return PZS_E_ARGUMENT;
     memset(compensator, 0, sizeof *compensator);
     place(compensator, tables);
@@ -811,7 +818,7 @@ static pzs_status inverse_init(void *self, const void *tables, pzs_loop_signals 
 
 /*
  * Return the voltage of input k, inside the range that this tick allows, that has the effect
- * (voltage without hysteresis) which the control step has chosen.
+ * (voltage without hysteresis) which the optimiser has chosen.
  */
 static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control *control,
                            const pzs_real *given, uint32_t k)

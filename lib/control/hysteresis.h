@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Hysteresis and creep of one electrode: the effect of a voltage, the voltage of an effect, and the
- * memory of the electrode. The effect is the voltage that would move the structure as far without
- * hysteresis and creep.
+ * memory by which earlier voltages still act. The effect is the voltage that would move the
+ * structure as far without hysteresis and creep.
  */
 #ifndef PZS_LIB_HYSTERESIS_H
 #define PZS_LIB_HYSTERESIS_H
@@ -53,16 +53,16 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
 /*
  * Return the effect of electrode `input`, the voltage that would move the structure as far without
  * hysteresis, at a voltage that the loop gives in this tick, by the model of the electrode as it
- * was identified (V). The inverse, with which the loop computes voltages, may use a model with less
- * hysteresis.
+ * was measured (V). The compensation may use a model with less hysteresis.
  */
 pzs_real pzs_hysteresis_identified(const pzs_compensator *compensator, uint32_t input,
                                    pzs_real voltage);
 
 /*
  * Return the voltage at which electrode `input` has a wanted effect (voltage without hysteresis),
- * starting from its present voltage `from` (V). The result is exact up to rounding; the search
- * visits at most 2 plays + 4 straight pieces of the characteristic.
+ * starting from its present voltage `from` (V). The result is exact up to rounding. The effect is a
+ * piecewise linear function of the voltage; the search for the voltage visits at most 2 n + 4
+ * pieces, with n plays (elements with backlash).
  */
 pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
                                 hysteresis_memory memory, pzs_real from, pzs_real effect);

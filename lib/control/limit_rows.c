@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Check and checksum of the tables of limit rows (limits of weighted sums of voltages), and
- * corrections of voltages that violate a limit row.
+ * corrections of voltages that violate such a limit.
  *
  * Every correction moves all voltages along the straight line between two vectors of voltages, one
- * value for each input. The voltages inside a limit row form a convex set, and so do those that
- * violate a row by at most a given amount. Hence no point of the line violates a row more than both
+ * value for each input. The vectors that obey a limit form a convex set, and so do those that
+ * violate it by at most a given amount. Hence no point of the line violates a limit more than both
  * ends of the line do, except by rounding errors, which are checked.
  */
 #include "limit_rows.h"
@@ -90,7 +90,7 @@ static bool is_row_usable(const pzs_problem *problem, uint32_t k)
 }
 
 /*
- * Whether a limit of a weighted sum of absolute values of voltages, limit row k, has no negative
+ * Whether limit row k, the limit of a weighted sum of absolute values of voltages, has no negative
  * coefficient, no lower limit, and an upper limit above the rounding errors of the sum.
  */
 static bool is_absolute_usable(const pzs_problem *problem, uint32_t k)
@@ -105,8 +105,8 @@ static bool is_absolute_usable(const pzs_problem *problem, uint32_t k)
 }
 
 /*
- * Whether the safe voltages, which the tables store with the limit rows (limits of weighted sums of
- * voltages), are inside all voltage limits and limit rows.
+ * Whether the safe voltages in the tables are inside the limits of all voltages and of all their
+ * sums.
  */
 static bool is_safe(const pzs_problem *problem)
 {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limit rows: limits of weighted sums of voltages (pzs_limit_rows). The controller, the loop and
- * the last check before the amplifiers call the functions for limit rows through one table of
- * pointers, so that a program whose voltage optimisation problem has no limit rows does not link
- * them.
+ * Functions for limit rows, which are limits of weighted sums of voltages (pzs_limit_rows). The
+ * controller, the loop and the last check before the amplifiers call them through one table of
+ * pointers, so that a program without such limits does not link them.
  */
 #ifndef PZS_LIB_LIMIT_ROWS_H
 #define PZS_LIB_LIMIT_ROWS_H
@@ -11,15 +10,15 @@
 #include "pzs_control.h"
 
 /*
- * Number of arrays of limit rows (limits of sums of voltages) in the checksum of a voltage
- * optimisation problem.
+ * Number of arrays of the limits of sums of voltages that enter the checksum of the controller's
+ * tables.
  */
 #define LIMIT_ROW_PARTS 8u
 
 struct pzs_limit_row_calls {
     /*
-     * Check the tables of the limit rows (limits of sums of voltages) of a voltage optimisation
-     * problem. Returns PZS_OK, or an error with *where as pzs_control_init states them.
+     * Check the tables of the limits of sums of voltages. Returns PZS_OK, or an error with *where
+     * as pzs_control_init states them.
      */
     pzs_status (*check_rows)(const pzs_problem *problem, int32_t *where);
     /* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
@@ -40,9 +39,9 @@ struct pzs_limit_row_calls {
      */
     void (*repair)(pzs_control *control);
     /*
-     * Compute the voltages that minimise the objective of the control step inside bounds and limit
-     * rows (limits of sums of voltages), as far as the work limit of the optimiser allows. The
-     * voltages must be inside bounds and limit rows before the call.
+     * Compute the voltages that minimise the objective of a control tick inside their bounds and
+     * inside the limits of their sums, as far as the work limit of the optimiser allows. The
+     * voltages must be inside all of these before the call.
      */
     void (*optimise)(pzs_control *control);
     /*
@@ -81,54 +80,52 @@ struct pzs_limit_row_calls {
      */
     uint32_t (*add_row_limits)(uint32_t sum, const pzs_problem *problem);
     /*
-     * Return the smallest and the default work limit of the optimiser in an optimisation step for a
-     * problem with limit rows (multiply-adds).
+     * Functions that return the smallest and the default number of multiply-adds that the optimiser
+     * may use in a tick where sums of voltages are limited.
      */
     uint64_t (*least_work)(const pzs_problem *problem);
     uint64_t (*usual_work)(const pzs_problem *problem);
 };
 
 /*
- * Functions for those limit rows that limit weighted sums of absolute values of voltages. The
- * optimiser for limit rows calls them through a table of pointers, so that a program without limits
- * of absolute values does not link them.
+ * Functions for limits of weighted sums of absolute values of voltages. The optimiser calls them
+ * through a table of pointers, so that a program without such limits does not link them.
  */
 struct pzs_absolute_row_calls {
     /*
-     * Choose for each input the sign that its voltage keeps in the next round of iterations, and
-     * adapt the bounds and the response matrix of the optimiser to a changed choice. The present
-     * voltages always have the chosen signs.
+     * Choose for each input in a limited sum of absolute values of voltages the sign that its
+     * voltage keeps in the next iterations, and adapt the bounds and the matrix of the optimiser to
+     * a changed choice. The present voltages always have the chosen signs.
      *   may_cross in  whether a voltage at 0 V may get the other sign where this lowers the
      *                 objective
      * Returns whether a sign has changed.
      */
     bool (*choose_signs)(pzs_control *control, bool may_cross);
     /*
-     * Return the largest violation of the optimality (KKT) conditions (m2/V) by voltages at 0 V
-     * that lower the objective if they change their sign, and add to solver->gap, the upper bound
-     * of the distance of half the objective from its minimum, what a change of signs may gain.
-     *   reduced [inputs] in  gradient minus the contributions of the active limit rows (m2/V)
+     * Return the largest violation of the optimality (KKT) conditions (m2/V) by voltages at 0 V in
+     * limited sums of absolute values: the objective would fall if such a voltage got the other
+     * sign. What such changes of signs may gain is added to the duality gap, solver->gap (m2).
+     *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);
 };
 
-/* Return the number of limit rows (limits of sums of voltages) of a voltage optimisation problem.
- */
+/* Return the number of limited sums of voltages of a controller. */
 static inline uint32_t limit_row_count(const pzs_problem *problem)
 {
     return problem->limit_rows != NULL ? problem->limit_rows->sums.count : 0;
 }
 
-/* Whether limit row k limits a weighted sum of absolute values of voltages. */
+/* Whether limited sum k is a weighted sum of absolute values of voltages. */
 static inline bool limit_row_is_absolute(const pzs_limit_rows *rows, uint32_t k)
 {
     return k + rows->absolute_count >= rows->sums.count;
 }
 
 /*
- * Return the weighted sum, of voltages or of their absolute values, that limit row k limits (V).
+ * Return the weighted sum of voltages, or of their absolute values, that limit row k limits (V).
  * The terms are added in the order of the stored coefficients, so that the optimiser and the last
- * gate compute the same bits.
+ * check before the amplifiers compute the same bits.
  */
 pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage);
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The control loop: a list of blocks, the stages of computation of a tick. They are initialised in
- * one workspace and run in every tick in the order of the list, followed by a last check of all
- * voltages.
- *
- * The workspace holds, each part aligned to 8 bytes: two arrays of voltages that are published in
- * turn, three copies of the voltages of the last tick, and the memory of the blocks.
+ * The control loop: a list of blocks, which are the stages of a control tick. The blocks are
+ * initialised in one workspace and run in every tick in the order of the list, followed by a last
+ * check of all voltages. The workspace holds, each part aligned to 8 bytes: two arrays of voltages
+ * that are published in turn, three copies of the voltages of the last tick, and the memory of the
+ * blocks.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -34,8 +33,8 @@ static bool is_complete(const pzs_block *block)
 }
 
 /*
- * Whether two blocks (stages of computation) must not be in the same control loop, because they are
- * of the same type, or of a phase of the tick in which a loop may have one block only.
+ * Whether two blocks (stages of a control tick) must not be in the same loop, because they are of
+ * the same type, or of a phase of the tick in which a loop may have one block only.
  */
 static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 {
@@ -45,9 +44,9 @@ static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 }
 
 /*
- * Check block k of the list of a control loop, a stage of its computation: the block must be
- * complete, must be allowed together with the blocks before it, and must follow them in the order
- * of the phases of a tick.
+ * Check block k (a stage of the control tick) in the list of a loop: the block must be complete,
+ * must be allowed together with the blocks before it, and must follow them in the order of the
+ * phases of a tick.
  */
 static pzs_status check_block(const pzs_block *blocks, size_t k)
 {
@@ -60,8 +59,8 @@ static pzs_status check_block(const pzs_block *blocks, size_t k)
 }
 
 /*
- * Return the index of the control step, the block that computes the voltages, in a list of `count`
- * blocks of a control loop, or `count` if the list has none.
+ * Return the index of pzs_step_block, the stage of the control tick that computes the voltages, in
+ * a list of `count` blocks, or `count` if the list has none.
  */
 static size_t find_step(const pzs_block *blocks, size_t count)
 {
@@ -116,8 +115,8 @@ static size_t bytes_of(const pzs_block *block, const pzs_problem *problem)
 }
 
 /*
- * Return the address of the memory of block k (a stage of computation) in the workspace of the
- * control loop.
+ * Return the address of the memory of block k (a stage of the control tick) in the workspace of the
+ * loop.
  */
 static void *memory_of(const pzs_loop_core *core, const pzs_problem *problem, size_t k)
 {
@@ -199,9 +198,9 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
- * Initialise the blocks (stages of computation) of a control loop, except the control step, that
- * run in the phase PZS_PHASE_OBSERVE, or all others, from the last to the first. observes in  true:
- * the blocks of PZS_PHASE_OBSERVE; false: all others
+ * Initialise the blocks (stages of the control tick), except pzs_step_block, that run in
+ * PZS_PHASE_OBSERVE, or all others, from the last of the list to the first.
+ *   observes in  true: the blocks of PZS_PHASE_OBSERVE; false: all others
  */
 static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool observes)
 {
@@ -218,8 +217,8 @@ static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool ob
 }
 
 /*
- * Initialise all blocks (stages of computation) of a control loop except the control step, from the
- * last to the first, because each block must know how many readings the block after it needs. The
+ * Initialise all blocks (stages of the control tick) except pzs_step_block, from the last of the
+ * list to the first, because each block must know how many readings the block after it needs. The
  * blocks of PZS_PHASE_OBSERVE, which use the readings of the sensors, come after all others, when
  * the number of readings of the loop is known.
  */
@@ -240,8 +239,8 @@ static pzs_status init_others(pzs_loop *loop)
 }
 
 /*
- * Return the checksum of an influence matrix that the device has computed, or 0 if the matrix is
- * that of the tables.
+ * Return the checksum of the influence matrix that the device has computed, or 0 if the loop uses
+ * the influence matrix of the controller's tables.
  */
 static uint32_t device_influence_crc(const pzs_loop_core *core)
 {
@@ -306,9 +305,9 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
     const int32_t bad = pzs_guard_nonfinite(voltage, inputs);
     if (bad >= 0)
         return finish(loop, PZS_E_NONFINITE, NULL, bad);
-    for (uint16_t j = 0; j < inputs; j++) /* release every input that is held at a fixed voltage,
-                                             also one that a test signal of the fault detector holds
-                                           */
+    for (uint16_t j = 0; j < inputs; j++) /* release every input that pzs_hold keeps at a fixed
+                                             voltage, also one to which the fault detector applies a
+                                             test signal */
         (void)pzs_release(core->control, j);
     (void)pzs_control_start(core->control, voltage);
     loop->state.missed = 0;
@@ -362,7 +361,7 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 
 /*
  * Choose the constant table whose checksum the loop checks next: the next table of the same block
- * (stage of computation), or the first table of the next block.
+ * (stage of the control tick), or the first table of the next block.
  */
 static void go_on(pzs_loop *loop, bool is_same_block)
 {
@@ -373,10 +372,10 @@ static void go_on(pzs_loop *loop, bool is_same_block)
 }
 
 /*
- * Check the next slice of the constant tables of all blocks (stages of computation) except the
- * control step, one table after the other. A table with a wrong checksum is read a second time.
- * Returns whether the tables are intact, as far as is known; if they are not, info.block is the
- * type of the block.
+ * Check the next slice of the constant tables of all blocks (stages of the control tick) except
+ * those of the controller, one table after the other. A table with a wrong checksum is read a
+ * second time. Returns whether the tables are intact, as far as is known; if they are not,
+ * info.block is the type of the block.
  *   part [PZS_TABLE_PARTS]  work array
  */
 static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core,
@@ -421,8 +420,8 @@ static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_pr
 }
 
 /*
- * Whether the status that a block (stage of computation) has returned takes precedence over the
- * status that the earlier blocks of this tick have left.
+ * Whether the status that a block (stage of the control tick) has returned takes precedence over
+ * the status that the earlier blocks of this tick have left.
  */
 static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_status result)
 {
@@ -433,9 +432,9 @@ static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_
 }
 
 /*
- * Run all blocks (stages of computation) of a tick. After an error, also one that was found before
- * the first block, only the supervisor runs. As long as a block of PZS_PHASE_COMMISSION, which
- * tests the hardware before the loop takes control, returns a warning or an error, no block after
+ * Run all blocks (stages) of a control tick. After an error, also one that was found before the
+ * first block, only the supervisor runs. As long as a block of PZS_PHASE_COMMISSION, which tests
+ * the hardware before the loop controls the voltages, returns a warning or an error, no block after
  * it runs. Returns the status that takes precedence, and stores its block and its index.
  */
 static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals,
@@ -488,8 +487,8 @@ static pzs_status give_out(pzs_loop *loop, const pzs_loop_core *core, pzs_status
 }
 
 /*
- * Whether the list of blocks (stages of computation) of a control loop ends with a supervisor,
- * which switches between operating modes.
+ * Whether the list of the blocks (stages) of a control tick ends with a supervisor, which decides
+ * whether the loop controls the voltages.
  */
 static bool is_supervised(const pzs_loop_core *core)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Divergence monitor of the supervisor. A tick is implausible in two cases:
+ * Divergence monitor of the supervisor: finds ticks whose measured shape the model cannot explain.
+ * A tick is implausible in two cases:
  *
  *   - the structure deviates from the model by more than changes of the target, noise and the
  *     largest sudden load explain:
@@ -8,14 +9,14 @@
  *         amplitude > 4 envelope + 6 noise + load
  *
  *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is
- *     that of the vibration block, if there is one; otherwise the RMS of the disturbance (measured
- *     minus predicted shape) minus its low-passed value, so that steady loads and a steady error of
- *     the model do not count;
+ *     that of the vibration which the damper estimates, if there is a damper; otherwise the RMS of
+ *     the disturbance (measured minus predicted shape) minus its low-passed value, so that steady
+ *     loads and a steady error of the model do not count;
  *   - the shape does not respond: over the last moves, the measured changes of the shape had less
  *     than a tenth of the predicted size in the predicted direction, as with a wrong polarity, an
- *     amplifier that is switched off, or vibration under a loop without a vibration model.
+ *     amplifier that is switched off, or vibration under a loop without a vibration damper.
  *
- * The work of a tick is about 20 operations for each output; with a vibration block, 5.
+ * The work of a tick is about 20 operations for each output; with a vibration damper, 5.
  */
 #include <string.h>
 #include "monitor.h"
@@ -23,19 +24,19 @@
 #include "../core/numbers.h"
 
 /*
- * Factor of the deviation of the measured from the predicted shape that changes of the target
- * explain, in the amplitude of the deviation above which the divergence monitor counts a tick as
- * implausible.
+ * Factor of `envelope` in the threshold of the divergence monitor, envelope * MARGIN + noise *
+ * NOISE_MARGIN + load: a tick is implausible if the measured shape deviates from the predicted one
+ * by more. The envelope is the deviation that changes of the target explain.
  */
 #define MARGIN 4
 /*
- * Factor of the RMS noise of the measured shape, in the amplitude above which the divergence
- * monitor counts a tick as implausible.
+ * Factor of the RMS noise of the measured shape in the threshold of the divergence monitor: a tick
+ * is implausible if the measured shape deviates from the predicted one by more than this threshold.
  */
 #define NOISE_MARGIN 6
 /*
- * Factor by which a deviation of the measured from the predicted shape, as changes of the target
- * cause it, decays in each tick.
+ * Factor by which the divergence monitor multiplies its largest recent deviation of the measured
+ * from the predicted shape in each tick, so that a single deviation is forgotten.
  */
 #define PEAK_FADING PZS_R(0.9)
 /*
@@ -71,7 +72,10 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
     pzs_monitor_place(monitor, memory, outputs);
 }
 
-/* Mean values over all outputs of squares and products of shape changes in one tick (m2). */
+/*
+ * Mean squares over all outputs with which the divergence monitor compares the measured and the
+ * predicted shape in one tick (m2).
+ */
 typedef struct squares {
     pzs_real deviation; /* mean square of (measured minus predicted shape) minus its low-passed
                            value (m2) */
@@ -82,10 +86,10 @@ typedef struct squares {
 } squares;
 
 /*
- * Return the number of inputs whose voltage is fixed, times 2, plus 1 while the fault detector
- * applies a test signal. If this number changes, the predicted shape may have jumped without a
- * motion of the structure, because an input was fixed at the voltage that its electrode really has,
- * or was released.
+ * Return the number of inputs whose voltage is fixed (pzs_hold), times 2, plus 1 while the fault
+ * detector applies a test signal. If this number changes, the predicted shape may have jumped
+ * without a motion of the structure, because an input was fixed at the voltage that its electrode
+ * really has, or was released.
  */
 static uint32_t count_fixed(const pzs_loop_signals *signals)
 {
@@ -118,7 +122,7 @@ static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *sig
 
 /*
  * Start the divergence monitor with the measured, predicted and target shapes of this tick.
- *   has_modes in  true: a vibration block computes the amplitude by which the measured shape
+ *   has_modes in  true: a vibration damper computes the amplitude by which the measured shape
  *                 deviates from the model, so only the target is stored
  */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, bool has_modes)
@@ -191,8 +195,8 @@ static pzs_real change_of_target(pzs_monitor_state *monitor, const pzs_loop_sign
 }
 
 /*
- * Update two variables of the divergence monitor where the loop has a vibration block: the
- * amplitude by which the structure deviates from the model, which the block has computed, and its
+ * Update two variables of the divergence monitor where the loop has a vibration damper: the
+ * amplitude by which the structure deviates from the model, which the damper has computed, and its
  * envelope, the amplitude that changes of the target explain.
  */
 static void follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Functions that all parts of the voltage optimiser use: the length of loops over the inputs
- * (voltages), and the check of the largest work (multiply-adds) that a control step may take.
+ * (voltages), and the check of the largest number of multiply-adds that a tick may take.
  */
 #ifndef PZS_LIB_OPTIMISER_H
 #define PZS_LIB_OPTIMISER_H
@@ -20,9 +20,10 @@ static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return whether the dual method of the voltage optimiser, which problems of many inputs use, finds
- * the active set, the voltages at their limits. Where PZS_DUAL_INPUTS, the number of inputs from
- * which it is used, is above PZS_INPUT_LIMIT, the largest number of inputs, this is a constant.
+ * Return whether the optimiser finds the active set (the voltages at their limits) by its dual
+ * active-set method, which is for many inputs. Where PZS_DUAL_INPUTS, the number of inputs from
+ * which the method is used, is above PZS_INPUT_LIMIT, the largest number of inputs, the result is a
+ * constant.
  */
 static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 {
@@ -31,9 +32,9 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 
 /*
  * Return whether `cost` multiply-adds are within the work limit of the optimiser, together with the
- * work that ends a round of iterations: the gradient computed from the Hessian at its end, and, if
- * the gradient at its start was only predicted, also the gradient there, which is needed to undo
- * the round.
+ * work that ends the present round (sequence of iterations): the gradient computed from the Hessian
+ * at its end, and, if the gradient at its start was only predicted, also the gradient there, which
+ * is needed to undo the round.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

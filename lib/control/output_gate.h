@@ -11,27 +11,28 @@
 
 typedef struct output_gate {
     const pzs_problem *problem;
-    pzs_real *const *held;    /* [3][inputs] three copies of the voltage at which the program or the
-                                 fault detector holds an input (V); NaN: not held */
+    pzs_real *const *held;    /* [3][inputs] three copies of the voltage at which pzs_hold keeps an
+                                 input (V); NaN: it keeps none */
     pzs_real *last[3];        /* [inputs] three copies of the voltages of the last tick (V) */
     volatile pzs_real *frame; /* [inputs] array to fill with the voltages of this tick, which are
                                  not yet published (V) */
 } output_gate;
 
-/* Return the checksum of the voltage limits and step limits of a voltage optimisation problem. */
+/* Return the checksum of the voltage limits and step limits in the tables of the controller. */
 uint32_t pzs_output_limit_sum(const pzs_problem *problem);
 
 /*
  * Correct voltages that may not be applied to the amplifiers, and fill the array gate->frame with
  * all voltages.
  *   voltage [inputs] in/out  voltages of the controller (V)
- *   limit_sum        in      checksum of the limits when the tables were last known to be intact
+ *   limit_sum        in      checksum of the limits when the tables of the controller were last
+ *                            known to be intact
  *   where            out     first corrected input, or -1
  * A voltage is clamped to the step limit around the last voltage and to the voltage limits, which
- * take precedence. An input that pzs_hold holds is exempt from the step limit. A voltage that is
- * not finite becomes the last voltage. Returns PZS_OK, PZS_W_OUTPUT if a voltage was corrected, or
- * PZS_E_CRC if limits are damaged: the last voltages are then unchanged, and gate->frame must not
- * be used.
+ * take precedence. An input that pzs_hold keeps at a fixed voltage is exempt from the step limit. A
+ * voltage that is not finite becomes the last voltage. Returns PZS_OK, PZS_W_OUTPUT if a voltage
+ * was corrected, or PZS_E_CRC if limits are damaged: the last voltages are then unchanged, and
+ * gate->frame must not be used.
  */
 pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t limit_sum,
                            int32_t *where);

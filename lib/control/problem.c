@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Checksum of a voltage optimisation problem, the tables from which the controller computes
- * voltages, and order of its arrays in the checksum (control.h, problem.h).
+ * Checksum of the tables of the controller (pzs_problem), and order of their arrays in the
+ * checksum.
  */
 #include "control.h"
 #include "problem.h"
@@ -12,16 +12,15 @@
              time */
 
 /*
- * Arrays and numbers of a voltage optimisation problem that must be finite, one bit for the place
- * of each in the checksum: influence matrix, Hessian, output weights, reference voltages,
+ * Arrays and numbers in the tables of the controller that must be finite, one bit for the place of
+ * each in the checksum: influence matrix, Hessian, output weights, reference voltages,
  * regularisation.
  */
 #define FINITE_PARTS (1u << 2 | 1u << 3 | 1u << 4 | 1u << 8 | 1u << 9)
 
 /*
- * List the arrays of the limit rows (limits of weighted sums of voltages) that the checksum of a
- * voltage optimisation problem covers. An array that is missing or too large to be read gets the
- * size 0 bytes.
+ * List the arrays of the limits of weighted sums of voltages that the checksum of the controller's
+ * tables covers. An array that is missing or too large to be read gets the size 0 bytes.
  */
 static void list_row_parts(const pzs_problem *problem, pzs_table_part part[LIMIT_ROW_PARTS])
 {

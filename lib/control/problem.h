@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Arrays of a voltage optimisation problem, the tables from which the controller computes voltages,
- * in the order in which their checksum covers them.
+ * Arrays in the tables of the controller (pzs_problem), in the order in which their checksum covers
+ * them.
  */
 #ifndef PZS_LIB_PROBLEM_H
 #define PZS_LIB_PROBLEM_H

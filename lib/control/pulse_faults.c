@@ -4,40 +4,44 @@
  * electrodes from the readings of the sensors, while the loop goes on.
  *
  * Suspicion: the mean readings and the mean voltages of a window of time are compared with those of
- * an earlier standstill of the target. The weights of the means fall to 0 at both ends of the
- * window, so that vibration hardly changes them, even while the target moves. Let du be the change
- * of the voltages, dy that of the readings, D the static readings per volt, and S the scales of the
- * sensors. The lost voltages f minimise |S (dy - D (du + f))|^2 + ridge |f|^2. A structure whose
- * gain differs from the model loses a common part c of all voltage changes, f = c du, which is
- * taken out. The electrode whose remaining loss explains most of the difference is suspected, if it
- * lost about its own voltage (as a dead electrode) or its own change of voltage (as a stuck or
- * reversed one).
+ * an earlier interval in which the target stood still. The weights of the means fall to 0 at both
+ * ends of the window, so that vibration hardly changes them, even while the target moves. Let du be
+ * the change of the voltages, dy that of the readings, D the static readings per volt, and S the
+ * scales of the sensors. The errors f of the voltages, by which
+ * the voltages that the readings show differ from the given ones, minimise |S (dy - D (du + f))|^2
+ * + ridge |f|^2 with a small constant `ridge`. A structure whose gain differs from the model causes
+ * a part of f that is proportional to du, which is subtracted. The electrode whose remaining error
+ * explains most of the change of the readings is suspected, if its error is about the loss of its
+ * own voltage (as for a dead electrode) or of its own change of voltage (as for a stuck or reversed
+ * one).
  *
  * Proof: the suspected electrode and a reference electrode, which seems healthy, make slow test
  * pulses (test_pulse.h) at the same time, during which the loop damps vibration, but does not
- * follow the target. Readings and voltages are multiplied by the even weights of the pulse and
- * summed, so that constant loads, drift and vibration drop out. The response is fitted by the
- * modelled responses to the suspected electrode, to the reference electrode and to all others; the
- * factors of the first two are the gains of these electrodes. The suspected electrode is faulty if
- * its gain is small or negative, in comparison with that of the reference electrode, in two pulses
- * one after the other. Whatever else hides responses (hysteresis, a wrong model, missing readings,
- * lost control) hides that of the reference electrode too. Where neither electrode responds, as
- * with strong hysteresis, the pulses are repeated with larger voltages.
+ * follow the target. Readings and voltages are multiplied by weights that are symmetric in time
+ * about the middle of the pulse, and summed, so that constant loads, drift and vibration drop out.
+ * The response is fitted by the modelled responses to the suspected electrode, to the reference
+ * electrode and to all others; the factors of the first two are the gains of these electrodes. The
+ * suspected electrode is faulty if its gain is small or negative, in comparison with that of the
+ * reference electrode, in two pulses one after the other. Whatever else hides responses
+ * (hysteresis, a wrong model, missing readings) hides that of the reference electrode too. Where
+ * neither electrode responds, as with strong hysteresis, the pulses are repeated with larger
+ * voltages.
  *
  * A load that jumps during a pulse can hide a response. Readings and voltages are therefore also
  * summed with weights that are negative before the middle of the pulse and positive after it, to
  * which a pulse contributes nothing and a jump much. A pulse during which the readings have jumped
- * by a part of the response proves nothing.
+ * by a part of the response proves nothing. A motion of the target interrupts a proof, which begins
+ * anew after a pause of the target.
  *
- * A motion of the target interrupts a proof, which begins anew after a pause of the target.
+ * Where the loop compensates hysteresis, this file uses, in place of the voltages, their effects
+ * (voltages without hysteresis) by the hysteresis model as it was measured. The compensation
+ * assumes less hysteresis for the sake of robustness; with its model, healthy electrodes would seem
+ * to miss a part of their voltages.
  *
- * Where the loop compensates hysteresis, `voltages` means their effects by the identified model of
- * hysteresis. The inverse that computes the voltages assumes less hysteresis for the sake of
- * robustness, and would make healthy electrodes seem to lose a part of their voltages.
- *
- * The work of a tick is outputs + 8 (inputs + sensors) operations, and with compensation about
- * 3 operations for each play and each electrode. At the end of a window 3
- * inputs sensors + inputs^2 multiply-adds are added, and at the end of a pulse 3 inputs sensors.
+ * The work of a tick is outputs + 8 (inputs + sensors) operations, and with compensation of
+ * hysteresis about 3 operations for each of its plays (elements with backlash) of each electrode.
+ * At the end of a window 3 inputs sensors + inputs^2 multiply-adds are added, and at the end of a
+ * pulse 3 inputs sensors.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -55,22 +59,21 @@
  */
 #define READING_LIMIT PZS_R(1e12)
 /*
- * Regularisation in the least-squares estimate of the voltages that electrodes seem not to have
- * received, relative to the mean diagonal entry of the matrix of the least-squares problem.
+ * Weight of the regularisation in the least-squares estimate of the voltages that electrodes seem
+ * not to have received, relative to the mean diagonal entry of the normal matrix.
  */
 #define RIDGE PZS_R(1e-4)
 /*
- * Smallest part that the loss of a suspected electrode (voltage that it seems not to have received)
- * explains of the difference between the readings at an earlier standstill of the target and the
- * present ones. LEAST_MOVING_SHARE holds for readings during a motion of the target, because
- * vibration and damping add to the difference.
+ * Smallest part of the change of the readings (since an earlier interval in which the target stood
+ * still) that a fault of one electrode must explain to make the electrode suspected.
+ * LEAST_MOVING_SHARE holds while the target moves, because vibration and damping add to the change.
  */
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
  * Smallest and largest voltage that an electrode must seem not to have received to be suspected of
- * a fault, relative to the voltage or voltage change that it would not receive if it were dead,
- * stuck or reversed.
+ * a fault, relative to the voltage (if it were dead) or the voltage change (if it were stuck or
+ * reversed) that it would not receive.
  */
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
@@ -109,9 +112,10 @@
 #define REVERSED PZS_R(0.3)
 /*
  * Largest jump of the readings during a test pulse at which the pulse still proves a fault of an
- * electrode. The jump is measured by the late weights, which respond to sudden steps
- * (test_pulse.h), relative to the modelled response of the suspected electrode. A jump of a load
- * that is not noticed changes the gain by less than 2.4 times this number.
+ * electrode, relative to the modelled response of the suspected electrode. Weights that are
+ * antisymmetric in time about the middle of the pulse measure the jump (test_pulse.h). A jump of a
+ * load that is not noticed changes the gain (measured divided by modelled response) by less than
+ * 2.4 times this number.
  */
 #define JUMPED PZS_R(0.1)
 /*
@@ -146,15 +150,15 @@
  */
 #define MISSING_LIMIT 8u
 /*
- * The target shape counts as unmoved while the sum over the outputs of its squared weighted change
- * is below a fixed part (1/STILL) of the same sum for the smallest shape that the test pulse of an
- * electrode causes.
+ * The target shape counts as unmoved while the weighted sum of its squared changes over the outputs
+ * is below 1/STILL of the sum for the smallest shape change that the test pulse of an electrode
+ * causes.
  */
 #define STILL PZS_R(64)
 
 /*
- * Phases of the fault detector: averages readings until an electrode is suspected; applies test
- * pulses.
+ * Activities of the fault detector: WAITING, in which it averages readings until an electrode is
+ * suspected, and PULSING, in which it applies test pulses.
  */
 enum { WAITING = 0, PULSING };
 static pzs_real square(pzs_real number)
@@ -243,9 +247,7 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
         state->phase = WAITING;
 }
 
-/*
- * Let the fault detector go to the first tick of a phase: averaging of readings, or a test pulse.
- */
+/* Let the fault detector begin an activity: averaging of readings, or a test pulse. */
 static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 {
     state->phase = (uint8_t)phase;
@@ -257,7 +259,8 @@ static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 
 /*
  * Return the voltages [inputs] that act on the structure according to the model (V): the voltages,
- * or, where the loop compensates hysteresis, their effects by the identified model.
+ * or, where the loop compensates hysteresis, their effects (voltages without hysteresis) by the
+ * hysteresis model as it was measured.
  */
 static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
                                        const pzs_loop_signals *signals)
@@ -298,8 +301,8 @@ static uint32_t window_ticks(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Weights of the voltages and readings of a tick in the sums of the fault detector over a window
- * (time over which readings are averaged) or a test pulse (1).
+ * Weights of the voltages and readings of a tick in the sums of the fault detector over a test
+ * pulse or a window, a time over which readings are averaged (1).
  */
 typedef struct weights {
     pzs_real mean; /* weight of a tick in a mean value that vibration hardly changes, or, during a
@@ -408,7 +411,7 @@ static bool is_held(const pzs_control *control, uint32_t j)
 }
 
 /*
- * Hold electrode j at a voltage in the next tick (V): both its voltage limits become this voltage.
+ * Fix the voltage of electrode j in the next tick (V): both its voltage limits become this voltage.
  */
 static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 {
@@ -454,8 +457,8 @@ static void begin_pulses(pzs_pulse_detector_state *state)
 }
 
 /*
- * Let the control step choose the voltage of an electrode under test again, unless the program has
- * held or released the electrode meanwhile.
+ * Let the controller choose the voltage of an electrode under test again, unless the program has
+ * called pzs_hold or pzs_release for it meanwhile.
  *   number in  0: suspected electrode; 1: healthy electrode with which it is compared
  */
 static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
@@ -472,8 +475,8 @@ static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
 }
 
 /*
- * Let the control step choose the voltages of the suspected electrode and of the healthy one that
- * was tested with it again.
+ * Let the controller choose the voltages of the suspected electrode and of the healthy one that was
+ * tested with it again.
  */
 static void release_electrodes(pzs_pulse_detector_state *state)
 {
@@ -484,8 +487,8 @@ static void release_electrodes(pzs_pulse_detector_state *state)
 }
 
 /*
- * Whether the program has held or released one of the electrodes under test, which the fault
- * detector then leaves alone.
+ * Whether the program has called pzs_hold or pzs_release for one of the electrodes under test; the
+ * fault detector then ends the test and leaves the electrode alone.
  */
 static bool is_overridden(const pzs_pulse_detector_state *state)
 {
@@ -532,9 +535,9 @@ static void find_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the difference between mean voltages and readings of the fault detector's last window
- * (averaging time) and those of an earlier standstill of the target: the changes of the voltages,
- * and the changes of the readings that these do not explain.
+ * Compute the changes of the mean voltages of the fault detector's last window (time over which it
+ * averages) since an earlier interval in which the target stood still, and the changes of the mean
+ * readings that these voltages do not explain.
  */
 static void compare_means(pzs_pulse_detector_state *state)
 {
@@ -550,10 +553,11 @@ static void compare_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Estimate, by regularised least squares, the voltages that all electrodes seem not to have
- * received between an earlier standstill of the target and the last window (averaging time), from
- * the changes of the readings that the model does not explain. Returns the sum of squares of the
- * changes that no lost voltage explains, divided by the regularisation (V2).
+ * Estimate, by regularised least squares, the voltages that electrodes seem not to have received in
+ * the last window (time over which readings are averaged), from the changes of the readings that
+ * the model does not explain since an earlier interval in which the target stood still. Returns the
+ * sum of squares of the changes that remain unexplained, divided by the weight of the
+ * regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -571,13 +575,14 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums over the electrodes that are not held, from which the part of the lost voltages is computed
- * that all electrodes have in common. A lost voltage is one that an electrode seems not to have
- * received.
+ * Sums over the electrodes whose voltages are not fixed, with which the part of their missing
+ * voltages is computed that all have in common. The missing voltage of an electrode is the one that
+ * it seems not to have received.
  */
 typedef struct loss_sums {
-    pzs_real losses, moves, both; /* sums over electrodes of squared lost voltages, of squared
-                                     voltage changes, and of their products (V2) */
+    pzs_real losses, moves, both; /* sums over electrodes: squares of the voltages that they seem
+                                     not to have received (losses), squared voltage changes (moves),
+                                     and products of both (V2) */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -604,12 +609,12 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
- * Return the part of the change of the readings since an earlier standstill of the target that the
- * lost voltage of electrode j explains (0 to 1), or 0 where the loss is not that of a faulty
- * electrode. A lost voltage is one that an electrode seems not to have received.
- *   sums in  sums over all electrodes that are not held
- *   rest in  sum of squares of the change that no lost voltage explains, over the regularisation
- *            (V2)
+ * Return the part (0 to 1) of the change of the readings, since an earlier interval in which the
+ * target stood still, that is explained if electrode j has not received a part of its voltage, or 0
+ * where this part is not that of a dead, stuck or reversed electrode.
+ *   sums in  sums over all electrodes whose voltages are not fixed
+ *   rest in  sum of squares of the unexplained changes of the readings, divided by the weight of
+ *            the regularisation (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -629,8 +634,9 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
 }
 
 /*
- * Whether electrode j may be suspected: it is neither held nor under test. If a test has cleared
- * it, the voltage that it seems to have lost must exceed WORSE times the one that caused this test.
+ * Whether the fault detector may suspect electrode j: its voltage is not fixed, and it is not under
+ * test. If it has passed a test, the voltage that it seems to lack must exceed WORSE times the one
+ * that caused this test.
  */
 static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 {
@@ -641,11 +647,11 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 }
 
 /*
- * Return the electrode whose lost voltage (which it seems not to have received) explains the
- * largest part of the change of the readings since an earlier standstill of the target, or NO_INPUT
- * if no electrode is suspected.
- *   rest  in  sum of squares of the change that no lost voltage explains, over the regularisation
- *             (V2)
+ * Return the electrode for which the voltage that it seems not to have received explains the
+ * largest part of the change of the readings since an earlier interval in which the target stood
+ * still, or NO_INPUT if no electrode is suspected.
+ *   rest  in  sum of squares of the unexplained changes of the readings, divided by the weight of
+ *             the regularisation (V2)
  *   least in  smallest part of the change that makes an electrode suspected (1)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
@@ -664,8 +670,9 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
 }
 
 /*
- * Return the squared sine of the angle between the sensor readings that the model predicts for
- * electrode j and for the suspected electrode (0 to 1).
+ * Return the squared sine of the angle between two vectors (0 to 1): the readings [sensors] that
+ * the model predicts for a voltage on electrode j, and those for a voltage on the suspected
+ * electrode.
  */
 static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j)
 {
@@ -679,11 +686,11 @@ static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j)
 }
 
 /*
- * Return the electrode whose gain (measured divided by modelled response to a test pulse) is
- * compared with that of the suspected electrode. The responses of both should differ in shape and
- * be of similar size, because the errors of a much larger one would hide the smaller one.
- * Electrodes that seem to have followed their voltages are preferred. Returns NO_INPUT if there is
- * none.
+ * Return the electrode with which the suspected electrode is compared: its gain (measured divided
+ * by modelled response to a test pulse) should be that of a healthy electrode. The responses of
+ * both should differ in shape and be of similar size, because the errors of a much larger one would
+ * hide the smaller one. Electrodes that seem to have followed their voltages are preferred. Returns
+ * NO_INPUT if there is none.
  *   but in  electrode that is not chosen; NO_INPUT: none
  */
 static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t but)
@@ -712,7 +719,7 @@ static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t b
 
 /*
  * Whether the voltage of any electrode has changed by twice the height of its test pulse or more
- * since an earlier standstill of the target.
+ * since an earlier interval in which the target stood still.
  */
 static bool has_moved(const pzs_pulse_detector_state *state)
 {
@@ -739,7 +746,7 @@ static void set_base(pzs_pulse_detector_state *state)
 /* ---- proof ---------------------------------------------------------------- */
 
 /*
- * End the test of a suspected electrode: the control step again chooses its voltage and that of the
+ * End the test of a suspected electrode: the controller again chooses its voltage and that of the
  * healthy electrode that was tested with it.
  */
 static void end_proof(pzs_pulse_detector_state *state)
@@ -764,8 +771,8 @@ static void clear_suspect(pzs_pulse_detector_state *state)
 }
 
 /*
- * Store the voltage of the suspected electrode, its change, and the part that the electrode seems
- * to have lost, from which a dead and a stuck electrode are told apart.
+ * Store three numbers of the suspected electrode that tell a dead from a stuck electrode: its
+ * voltage, the change of its voltage, and the voltage that it seems not to have received.
  */
 static void store_loss(pzs_pulse_detector_state *state)
 {
@@ -796,7 +803,7 @@ static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
 }
 
 /*
- * Hold the suspected electrode, whose fault is proved, at its present voltage, for which the model
+ * Fix the suspected electrode, whose fault is proved, at its present voltage, for which the model
  * goes on to predict the shape.
  */
 static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fault)
@@ -941,8 +948,8 @@ static void update_states(pzs_pulse_detector_state *state)
 
 /*
  * Begin the test pulses of a suspected electrode after a motion of the target, and store the
- * voltage that it seems to have lost in the standstill before, because the fault may have occurred
- * in the middle of the window in which the electrode was suspected.
+ * voltage that it seemed to lack before the motion: when the electrode was first suspected, the
+ * fault may have been in the middle of the interval in which readings were averaged.
  */
 static void resume_proof(pzs_pulse_detector_state *state)
 {
@@ -960,9 +967,9 @@ static void resume_proof(pzs_pulse_detector_state *state)
 }
 
 /*
- * Evaluate the mean readings of a window (averaging time), and choose an electrode to be tested.
- * Its test pulses begin at once if the target stood still in the window. After a window that only
- * lets vibration decay before test pulses, the pulses begin.
+ * Evaluate the mean readings of a window (time over which they are averaged), and choose an
+ * electrode to be tested. Its test pulses begin at once if the target stood still in the window.
+ * After a window that only lets vibration decay before test pulses, the pulses begin.
  */
 static void end_window(pzs_pulse_detector *detector)
 {
@@ -992,9 +999,10 @@ static void end_window(pzs_pulse_detector *detector)
         return;
     if (state->suspect != NO_INPUT)
         begin_pulses(state);
-    else if (has_moved(state) || !number_is_finite(rest)) /* stores new means where damaged memory
-                                                             has made those of the earlier
-                                                             standstill infinite or NaN */
+    else if (has_moved(state) ||
+             !number_is_finite(rest)) /* store the means of this window (time over which readings
+                                         are averaged) for later comparison, also where damaged
+                                         memory has made the stored means infinite or NaN */
         set_base(state);
 }
 
@@ -1087,8 +1095,8 @@ static void find_unobservable(pzs_pulse_detector *detector)
 }
 
 /*
- * Initialise the fault detector as a block (stage of computation) of the control loop. Its memory
- * holds the detector, followed by its arrays.
+ * Initialise the fault detector as a block (stage of the control tick). Its memory holds the struct
+ * pzs_pulse_detector, followed by its arrays.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
@@ -1098,8 +1106,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     if (status != PZS_OK)
         return status;
     if (problem->limit_rows != NULL) /* the test pulse of a single input, which the fault detector
-                                        applies, could violate a limit row (limit of a weighted sum
-                                        of voltages) */
+                                        applies, could violate the limit of a weighted sum of
+                                        voltages */
         return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Least-squares fit of the response to a test pulse of the fault detector of a loop that damps
- * vibration (pulse_fit.h).
+ * Least-squares fit of the readings during a test pulse, by which the fault detector of a loop that
+ * damps vibration tests an electrode suspected of a fault and a healthy one together (pulse_fit.h).
  */
 #include <string.h>
 #include "pulse_fit.h"
@@ -26,9 +26,8 @@
  */
 #define EXPECTED PZS_R(0.05)
 /*
- * Columns of the least-squares fit of the response to a test pulse: modelled responses to the
- * suspected electrode (SUSPECT) and to the reference electrode (REFERENCE, a healthy one), and to
- * all other electrodes.
+ * Columns of the least-squares fit of the readings during a test pulse: modelled responses to the
+ * suspected electrode (SUSPECT), to a healthy electrode (REFERENCE), and to all other electrodes.
  */
 enum { OTHERS = 2, COLUMNS };
 
@@ -42,12 +41,13 @@ static pzs_real square(pzs_real number)
  * suspected electrode, to the healthy reference electrode, and to all other electrodes.
  */
 typedef struct pulse_fit {
-    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the scalar products of the three
-                                          modelled responses with each other; after the
-                                          factorisation the L D L^T factors of this matrix (1) */
-    pzs_real response[COLUMNS]; /* scalar products of the measured with each modelled response;
-                                   after the solution the gains (measured over modelled response)
-                                   (1) */
+    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the scalar products, over the sensors,
+                                          of the modelled responses to the suspected electrode, to
+                                          the healthy one and to all others with each other;
+                                          afterwards the L D L^T factors of this matrix (1) */
+    pzs_real response[COLUMNS]; /* scalar products, over the sensors, of the measured response with
+                                   each of the three modelled ones; after the solution the gains
+                                   (measured over modelled response) (1) */
     pzs_real own;    /* sum of squares of the modelled response to the suspected electrode (1) */
     pzs_real energy; /* sum of squares of the measured response (1) */
 } pulse_fit;
@@ -68,10 +68,10 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
 }
 
 /*
- * Compute the scalar products of the measured and of the modelled responses to the test pulse. The
- * gain (measured divided by modelled response) of all electrodes without a pulse is expected to be
- * 1, so that the fit leaves it there even if they have moved in the shape of the electrodes under
- * test.
+ * Compute the scalar products of the measured and of the modelled responses to a test pulse. The
+ * gain (measured divided by modelled response) of the electrodes without a pulse is expected to be
+ * 1; the expectation enters the fit as a further equation, because their response may be a
+ * combination of those of the two electrodes with a pulse.
  */
 static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 {
@@ -103,7 +103,8 @@ static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 
 /*
  * Replace the matrix of the least-squares fit of a test pulse by its L D L^T factors. Returns
- * whether the modelled responses to both electrodes under test are independent of each other.
+ * whether the modelled responses to the two electrodes with a pulse (the suspected one and a
+ * healthy one) are independent of each other.
  */
 static bool factor_fit(pulse_fit *fit)
 {
@@ -139,8 +140,9 @@ static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
 }
 
 /*
- * Compute by how much the readings have jumped during the test pulse, in the shapes of both
- * electrodes under test, apart from what the voltages explain with the measured gains.
+ * Compute by how much the readings have jumped during a test pulse like the modelled responses to
+ * the two electrodes with a pulse (the suspected one and a healthy one). The jumps that the
+ * voltages explain, with the measured gains of the electrodes, do not count.
  */
 static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
                        pulse_response *result)

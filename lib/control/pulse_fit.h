@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Least-squares fit of the response to a test pulse of the fault detector of a loop that damps
- * vibration (pulse_faults.c).
+ * Least-squares fit of the readings during a test pulse, by which the fault detector of a loop that
+ * damps vibration tests an electrode suspected of a fault and a healthy one together
+ * (pulse_faults.c).
  */
 #ifndef PZS_LIB_PULSE_FIT_H
 #define PZS_LIB_PULSE_FIT_H
@@ -28,12 +29,16 @@ static inline uint32_t tested_input(const pzs_pulse_detector_state *state, uint3
  * one.
  */
 typedef struct pulse_response {
-    pzs_real gain[2];   /* measured divided by modelled response, of the suspected electrode and of
-                           the reference electrode (1) */
-    pzs_real jumped[2]; /* jump of the readings during the test pulse in the shape of each of both
-                           electrodes, relative to the modelled response (1) */
-    bool is_measured;   /* false: a load or a motion has disturbed the test pulse, or readings were
-                           missing */
+    /*
+     * gain, measured divided by modelled response to the test pulse, of the electrode suspected of
+     * a fault [0] and of the healthy one with which it is compared [1] (1)
+     */
+    pzs_real gain[2];
+    pzs_real jumped[2]; /* jump of the readings during the test pulse that resembles the modelled
+                           response to the electrode suspected of a fault [0] and to the healthy one
+                           [1], relative to this response (1) */
+    bool is_measured;   /* whether the gains can be trusted; false: a load or a motion has disturbed
+                           the test pulse, or readings were missing */
 } pulse_response;
 
 /*

@@ -2,9 +2,10 @@
 /*
  * Repair of damaged working memory, as by radiation or by a wrong pointer of the firmware.
  * Everything that stays constant from tick to tick is derived again from the tables in flash at the
- * start of each tick of a loop, so that damage lasts for one tick at most. The Hessian is compared
- * with its source row by row, so that its damage lasts for as many ticks as there are inputs. What
- * changes from tick to tick is corrected by the measurements and by the checks of the optimiser.
+ * start of each tick of a loop, so that damage lasts for one tick at most. The optimiser's Hessian
+ * is compared with the tables row by row, so that its damage lasts for as many ticks as there are
+ * inputs. What changes from tick to tick is corrected by the measurements and by the checks of the
+ * optimiser.
  */
 #include "boxls.h"
 #include "boxls_tableau.h"
@@ -63,8 +64,8 @@ void pzs_control_set_constants(pzs_control *control)
 }
 
 /*
- * Set the present voltage limits and step limits of the controller: those of the tables, or, for an
- * input that is held, the held voltage as both voltage limits.
+ * Set the present voltage limits and step limits of the controller to those of the tables; for an
+ * input that pzs_hold keeps at a voltage, both voltage limits become this voltage.
  */
 void pzs_control_restore_limits(pzs_control *control)
 {
@@ -83,9 +84,9 @@ void pzs_control_restore_limits(pzs_control *control)
 /* ---- Hessian ----------------------------------------------------------- */
 
 /*
- * Return the column of the first entry in row k of the Hessian that differs from its source, or the
- * number of inputs if none does. The source is the row in the tables, or, if the tables contain no
- * Hessian, the mirrored entries across the diagonal.
+ * Return the column of the first entry in row k of the optimiser's Hessian that differs from the
+ * Hessian in the controller's tables or, if the tables contain none, from its mirrored entry across
+ * the diagonal; the number of inputs if no entry differs.
  */
 static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -105,8 +106,8 @@ static uint32_t find_difference(const pzs_control *control, const pzs_real *tabl
 }
 
 /*
- * Compute rows k and j of the Hessian again, including the mirrored entries across the diagonal,
- * and the copies of their diagonal entries.
+ * Compute rows k and j of the optimiser's Hessian again from the tables, including the mirrored
+ * entries across the diagonal, and the copies of their diagonal entries.
  */
 static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k, uint32_t j)
 {
@@ -122,9 +123,9 @@ static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k,
 }
 
 /*
- * Compare row k of the Hessian with its source: the Hessian in the tables of the voltage
- * optimisation problem or, if they contain none, the mirrored entries across the diagonal. Returns
- * whether the row had to be repaired.
+ * Compare row k of the optimiser's Hessian with the Hessian in the controller's tables or, if these
+ * contain none, with the mirrored entries across the diagonal. Returns whether the row had to be
+ * repaired.
  */
 static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -168,8 +169,8 @@ static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
 }
 
 /*
- * Let the next optimisation step compute the tableau (pivoted Hessian) of the optimiser anew, and
- * that for limit rows (limits of sums of voltages), if the problem has limit rows.
+ * Let the next tick compute the tableau (pivoted Hessian) of the optimiser anew, and that of the
+ * optimiser for limited sums of voltages, if sums are limited.
  */
 static void reset_tableaux(pzs_control *control)
 {
@@ -179,10 +180,11 @@ static void reset_tableaux(pzs_control *control)
 }
 
 /*
- * Compare the next row of the Hessian with its source, and set the padding of a part of all matrix
- * rows and vectors to zero, so that all of it is zero after as many ticks as there are inputs.
- * After a repair, the padding of all rows is set at once. After the last row of the Hessian or a
- * repair, compute the numbers of the optimiser again that depend on the whole Hessian.
+ * Compare the next row of the optimiser's Hessian with the tables, and set the padding (entries
+ * beyond the number of inputs) of a part of all matrix rows and vectors to zero, so that all of it
+ * is zero after as many ticks as there are inputs. If the row was damaged and repaired, the padding
+ * of all rows is set at once. After a repair, or after the last row, compute the numbers of the
+ * optimiser again that depend on the whole Hessian.
  */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {

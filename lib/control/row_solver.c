@@ -15,18 +15,18 @@
  * bound by its multiplier, the derivative of the objective with respect to the quantity.
  *
  * Responses. The quantities are q = C v, where C is the identity matrix with the scaled rows of A
- * below it. They respond to their multipliers by the matrix C P C', where P is the inverse of the
- * Hessian. The tableau is the negative of this matrix; it does not depend on the active set. The
- * dual method (boxls_dual.h) reads nothing but the tableau, the bounds and the present values of
- * the quantities. It treats limit rows like further inputs. There are as many linearly independent
- * quantities as inputs, so that the active set never holds more.
+ * below it. They respond to their multipliers by the response matrix C P C', where P is the inverse
+ * of the Hessian. The tableau is the negative of this matrix; it does not depend on the active set.
+ * The dual active-set method (boxls_dual.h) reads nothing but the tableau, the bounds and the
+ * present values of the quantities. It treats limit rows like further inputs. There are as many
+ * linearly independent quantities as inputs, so that the active set never holds more.
  *
  * Round. A round is a sequence of iterations. At its start the gradient is computed from H and the
  * sums of the limit rows from A. Then follow
  *
  *   step        to the minimum over the free quantities, with the active ones at their bounds;
- *   iterations  of the dual method, until all quantities are inside their bounds and all
- *               multipliers have the right sign;
+ *   iterations  of the dual active-set method, until all quantities are inside their bounds and
+ *               all multipliers have the right sign;
  *   correction  of the voltages for rounding errors. If a sum is outside its limits nevertheless,
  *               the step of the round is shortened. If the work limit has stopped the iterations,
  *               the round ends at the minimum of the objective on that part of its step which is
@@ -36,9 +36,9 @@
  * the end of each round the voltages are inside all bounds and limit rows.
  *
  * Singular Hessian. If the Hessian is singular, or nearly so, P is the inverse of the Hessian with
- * a shift of its diagonal. As each round starts from the true gradient, a round is then a
- * proximal-point step: the shift changes the iterates but not the optimum. After rounds that fail
- * because of rounding errors, the shift is raised.
+ * a shift of its diagonal. As each round starts from the true gradient, a round is then a proximal-
+ * point step: the shift changes the iterates but not the optimum. After rounds that fail because of
+ * rounding errors, the shift is raised.
  *
  * Rounding. The optimiser narrows the limits of each row by a margin for rounding errors, so that a
  * sum at a narrowed limit is inside the true limit.
@@ -53,23 +53,25 @@
 #include "../core/product.h"
 
 /*
- * Largest number of times that the optimiser for limit rows (limits of sums of voltages) computes
- * its response matrix (tableau) anew in a control step.
+ * Largest number of times in a tick that the optimiser for limited sums of voltages computes its
+ * tableau anew (negative response matrix: changes of voltages and limited sums per multiplier).
  */
 #define REBUILDS 3u
 /*
- * Largest number of rounds (sequences of iterations) in one call of the optimiser for limit rows
- * (limits of sums of voltages).
+ * Largest number of rounds (sequences of iterations) in one call of the optimiser for limited sums
+ * of voltages.
  */
 #define ROUNDS 40u
 /*
- * Number of products of the whole response matrix with a vector whose work exceeds that of a change
- * of signs for one limit of a sum of absolute values, once before and once in a round.
+ * Work of the optimiser for each limited sum of absolute values of voltages when it chooses the
+ * signs of the voltages anew: at most this number of products of its tableau (negative response
+ * matrix) with a vector.
  */
 #define SIGN_PRODUCTS 8u
 /*
- * Number of rounds by which limits of sums of absolute values raise the largest number of rounds in
- * one call of the optimiser: where several limits meet in a point, some rounds find no better one.
+ * Number by which limited sums of absolute values of voltages raise the largest number of rounds
+ * (sequences of iterations) in one call of the optimiser: where several limits meet in a point,
+ * some rounds do not lower the objective.
  */
 #define CROSSING_ROUNDS 160u
 /*
@@ -78,7 +80,7 @@
  */
 #define ROUNDING_FACTOR 4
 /*
- * The voltages are accepted as optimal if rounds of iterations no longer reduce the duality gap and
+ * The voltages are accepted as optimal if further iterations no longer reduce the duality gap and
  * the violation of the optimality (KKT) conditions is below this multiple of its rounding-error
  * bound.
  */
@@ -90,8 +92,8 @@
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
- * Smallest diagonal entry of the Hessian, relative to the largest one, up to which the optimiser
- * may raise the shift of the diagonal after rounds of iterations that failed.
+ * Largest shift of the diagonal of the Hessian to which the optimiser may go after iterations that
+ * failed: the smallest diagonal entry may become this fraction of the largest one.
  */
 #define MOST_CURVATURE PZS_BY_BITS(PZS_R(3e-1), PZS_R(1e-5))
 /*
@@ -100,18 +102,18 @@
  */
 #define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
 /*
- * The voltages are accepted as optimal if rounds of iterations no longer reduce the duality gap and
+ * The voltages are accepted as optimal if further iterations no longer reduce the duality gap and
  * the objective exceeds a lower bound of its minimum by no more than this fraction of
  * target_energy, the scale of the objective.
  */
 #define LOOSE_GAP (PZS_BY_BITS(100, 5) * GAP)
 /*
- * Largest number of times that the optimiser, at the end of a round of iterations, projects the
- * voltages on all limit rows (limits of sums of voltages).
+ * Largest number of times that the optimiser, after a sequence of iterations, projects the voltages
+ * on the limits of all weighted sums of voltages.
  */
 #define SWEEPS 4u
 /*
- * Largest number of times that the optimiser, at the end of a round of iterations, moves the active
+ * Largest number of times that the optimiser, after a sequence of iterations, moves the active
  * voltages and limited sums back to their bounds to correct rounding errors.
  */
 #define CORRECTIONS 2u
@@ -122,9 +124,9 @@ static uint32_t entry_count(const rows_run *run)
 }
 
 /*
- * Return the number of multiply-adds that the end of a round of iterations may take: corrections of
- * the voltages, sums of limit rows (limits of sums of voltages), and the gradient computed twice
- * from the Hessian.
+ * Return the number of multiply-adds that the end of a round (sequence of iterations) may take:
+ * corrections of the voltages, weighted sums of voltages, and the gradient computed twice from the
+ * Hessian.
  */
 static uint64_t end_work(const rows_run *run)
 {
@@ -134,8 +136,8 @@ static uint64_t end_work(const rows_run *run)
 }
 
 /*
- * Return the number of multiply-adds that the work limit of the optimiser leaves for the present
- * round of iterations, after what the end of the round takes.
+ * Return the number of multiply-adds that the work limit of the optimiser leaves for the iterations
+ * of the present round. The corrections and gradients after the iterations are already subtracted.
  */
 static uint64_t remaining_work(const rows_run *run)
 {
@@ -181,9 +183,9 @@ static void set_scales(const rows_run *run)
 }
 
 /*
- * Begin to compute the tableau (negative response matrix of voltages and limit rows) anew from
- * Hessian and limit rows. All inputs wait for their pivot exchange, and no quantity is kept at a
- * bound any more.
+ * Begin to compute the tableau (negative response matrix: changes of voltages and limited sums per
+ * multiplier) anew from Hessian and coefficients of the sums. All inputs wait for their pivot
+ * exchange, and no voltage or sum is kept at a bound any more.
  */
 static void reset_tableau(const rows_run *run)
 {
@@ -214,9 +216,10 @@ static void reset_tableau(const rows_run *run)
 }
 
 /*
- * Return the input for the next pivot exchange while the tableau (negative response matrix) is
- * computed anew: of those not yet exchanged, the one with the largest pivot. Returns the number of
- * inputs if all are exchanged, or if the largest pivot is too small for a Hessian without a shift.
+ * Return the input for the next pivot exchange while the tableau (negative response matrix: changes
+ * of voltages and limited sums per multiplier) is computed anew: of those not yet exchanged, the
+ * one with the largest pivot. Returns the number of inputs if all are exchanged, or if the largest
+ * pivot is so small that the diagonal of the Hessian must be shifted.
  */
 static uint32_t next_pivot(const rows_run *run)
 {
@@ -232,8 +235,8 @@ static uint32_t next_pivot(const rows_run *run)
 }
 
 /*
- * Estimate the rounding error of the pivots of the response matrix (tableau) in the dual method,
- * which finds the active set, from the largest diagonal entry of this matrix.
+ * Estimate the rounding error of the pivots in the dual active-set method from the largest diagonal
+ * entry of the response matrix (changes of voltages and limited sums per multiplier).
  */
 static void measure_pivots(const rows_run *run)
 {
@@ -247,8 +250,9 @@ static void measure_pivots(const rows_run *run)
 }
 
 /*
- * Begin to compute the response matrix (tableau) anew with a larger shift of the diagonal of the
- * Hessian: ten times the last one, between the fixed bounds of LEAST_CURVATURE and MOST_CURVATURE.
+ * Begin to compute the tableau (negative response matrix: changes of voltages and limited sums per
+ * multiplier) anew, with a larger shift of the diagonal of the Hessian: ten times the last one,
+ * between the fixed bounds LEAST_CURVATURE and MOST_CURVATURE.
  */
 static void raise_shift(const rows_run *run)
 {
@@ -258,9 +262,9 @@ static void raise_shift(const rows_run *run)
 }
 
 /*
- * Continue to compute the response matrix (tableau) anew, as far as the work limit of the optimiser
- * allows. The Hessian is shifted if one of its pivots is too small. Returns whether the matrix is
- * complete.
+ * Continue to compute the tableau (negative response matrix: changes of voltages and limited sums
+ * per multiplier) anew, as far as the work limit of the optimiser allows. The diagonal of the
+ * Hessian is shifted if one of its pivots is too small. Returns whether the tableau is complete.
  */
 static bool complete_tableau(const rows_run *run)
 {
@@ -378,10 +382,10 @@ static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 }
 
 /*
- * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limit rows
- * and the multipliers of the active rows. Also stores the duality gap, an upper bound of the
- * distance of half the objective from its minimum, in solver->gap. reduced [inputs] in  gradient
- * minus the contributions of the active limit rows (m2/V)
+ * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limited
+ * sums of voltages and multipliers of the active ones. Also stores the duality gap, an upper bound
+ * of the distance of half the objective from its minimum, in solver->gap.
+ *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  */
 pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 {
@@ -404,10 +408,10 @@ pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 }
 
 /*
- * Return the largest violation of the optimality (KKT) conditions (m2/V), also of those that let a
- * voltage change its sign where sums of absolute values are limited, and store the duality gap in
- * solver->gap. reduced [inputs] in  gradient minus the contributions of the active limit rows
- * (m2/V)
+ * Return the largest violation of the optimality (KKT) conditions (m2/V), and store the duality gap
+ * in solver->gap. Where sums of absolute values are limited, voltages at 0 V that would lower the
+ * objective with the other sign count, too.
+ *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  */
 static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
 {
@@ -419,11 +423,10 @@ static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
 }
 
 /*
- * Compute the violation of the optimality (KKT) conditions at the start of a round of iterations,
- * and its rounding-error bound. The bound never falls below the bound in the first round of the
- * control step, so that an optimum with zero gradient counts as found. The array `scratch` of the
- * optimiser receives the gradient minus the contributions of the active limit rows (limits of sums
- * of voltages).
+ * Compute the violation of the optimality (KKT) conditions at the start of a round (sequence of
+ * iterations), and its rounding-error bound. The bound never falls below that in the first round of
+ * the tick, so that an optimum with zero gradient counts as found. The array `scratch` of the
+ * optimiser receives the gradient minus the contributions of the active limits of sums of voltages.
  */
 static void measure_violation(const rows_run *run)
 {
@@ -451,10 +454,11 @@ static pzs_real largest_of(const pzs_real *vector, uint32_t count)
 
 /*
  * Predict the step to the minimum of the objective over the free quantities (voltages and limited
- * sums), with the active ones at their bounds. The array next_voltage of the tableau receives the
+ * sums), with the active ones at their bounds. The array next_voltage of run->tableau receives the
  * values of all quantities after the step, its array `direction` the multipliers of the active
  * ones. The equations are solved for the change of the present multipliers, so that rounding errors
- * of the tableau decay from round to round. measure_violation must have been called before.
+ * of the tableau (negative response matrix) decay with repeated steps. measure_violation must have
+ * been called before.
  */
 static void predict_step(const rows_run *run)
 {
@@ -571,8 +575,8 @@ static void correct_active(const rows_run *run)
 }
 
 /*
- * Move the voltages back along the straight line to those at the start of the round of iterations,
- * as far as limit rows (limits of sums of voltages) require it, and compute the gradient there.
+ * Move the voltages back along the straight line to those before the last iterations, as far as the
+ * limits of their weighted sums require it, and compute the gradient there.
  */
 static void return_inside(const rows_run *run)
 {
@@ -607,8 +611,8 @@ static void take_voltages(const rows_run *run, bool is_complete)
 }
 
 /*
- * After a round of iterations that the work limit has stopped, go back on the straight line to the
- * voltages at the start of the round, to the minimum of the objective on this line.
+ * After iterations that the work limit has stopped, go back on the straight line to the voltages
+ * before the iterations, to the minimum of the objective on this line.
  */
 static void shorten_round(const rows_run *run)
 {
@@ -617,8 +621,8 @@ static void shorten_round(const rows_run *run)
 }
 
 /*
- * Restore the voltages and gradients that the optimiser had at the start of the round of
- * iterations.
+ * Restore the voltages and gradients that the optimiser had at the start of the present round
+ * (sequence of iterations).
  */
 static void undo_round(const rows_run *run)
 {
@@ -634,9 +638,10 @@ static void undo_round(const rows_run *run)
 /* ---- rounds ------------------------------------------------------------------ */
 
 /*
- * After rounds of iterations that no longer reduce the duality gap: free all voltages and limit
- * rows from their bounds, or, at every second call in a control step, begin to compute the response
- * matrix anew with a larger shift of the Hessian. Returns whether another round may help.
+ * After iterations that no longer reduce the duality gap: free all voltages and limited sums from
+ * their bounds, or, at every second call in a tick, begin to compute the tableau (negative response
+ * matrix) anew with a larger shift of the diagonal of the Hessian. Returns whether further
+ * iterations may help.
  */
 static bool start_anew(const rows_run *run)
 {
@@ -654,10 +659,10 @@ static bool start_anew(const rows_run *run)
 }
 
 /*
- * Whether the voltages are optimal at the start of a round of iterations: either the objective
- * exceeds a lower bound of its minimum by at most the fraction GAP of target_energy, the scale of
- * the objective, or by at most the fraction LOOSE_GAP if the violation of the optimality (KKT)
- * conditions is below its rounding-error bound.
+ * Whether the present voltages are optimal: either the objective exceeds a lower bound of its
+ * minimum by at most the fraction GAP of target_energy, the scale of the objective, or by at most
+ * the fraction LOOSE_GAP if the violation of the optimality (KKT) conditions is below its rounding-
+ * error bound.
  */
 static bool is_converged(const rows_run *run)
 {
@@ -670,9 +675,8 @@ static bool is_converged(const rows_run *run)
 }
 
 /*
- * Whether the voltages at the start of the last round of iterations may be accepted as optimal
- * although they did not converge, because rounding errors prevent a smaller violation of the
- * optimality (KKT) conditions.
+ * Whether the present voltages may be accepted as optimal although the optimiser did not converge,
+ * because rounding errors prevent a smaller violation of the optimality (KKT) conditions.
  */
 static bool is_acceptable(const rows_run *run)
 {
@@ -682,9 +686,10 @@ static bool is_acceptable(const rows_run *run)
 }
 
 /*
- * Choose the signs that the voltages keep in a round of iterations, where the voltage optimisation
- * problem limits sums of absolute values. may_cross in  whether a voltage at 0 V may get the other
- * sign Returns whether a sign has changed.
+ * Choose the signs that the voltages keep during the next iterations, where sums of absolute values
+ * of voltages are limited.
+ *   may_cross in  whether a voltage at 0 V may get the other sign
+ * Returns whether a sign has changed.
  */
 static bool choose_signs(const rows_run *run, bool may_cross)
 {
@@ -694,8 +699,8 @@ static bool choose_signs(const rows_run *run, bool may_cross)
 
 /*
  * Make the step to the minimum over the free quantities (voltages and limited sums) and the
- * iterations of the dual method, and take the voltages that they reach, as far as these are inside
- * bounds and limit rows.
+ * iterations of the dual active-set method, and take the voltages that they reach, as far as these
+ * are inside the limits of all voltages and of all sums.
  */
 static void run_round(const rows_run *run)
 {
@@ -707,9 +712,9 @@ static void run_round(const rows_run *run)
     optimiser->iterations++;
     predict_step(run);
     /*
-     * The iterations of the dual method leave unused the work of two products of the whole response
-     * matrix, which follow in the same round; remaining_work has already subtracted what the end of
-     * the round takes.
+     * remaining_work has subtracted the work after the iterations, but the dual active-set method
+     * itself keeps the work of two products of a matrix and a vector in reserve, which is not
+     * needed here.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = pzs_iterate_dual(tableau, optimiser->rounding_bound / 2);
@@ -720,9 +725,9 @@ static void run_round(const rows_run *run)
 }
 
 /*
- * Whether a round of iterations raised the objective by more than can be explained by the rounding
- * error of its change and by the margins that narrow the active limit rows (limits of sums of
- * voltages). change in  change of the objective by the round (m2)
+ * Whether the last iterations raised the objective by more than is explained by rounding errors and
+ * by the margins for them, by which the optimiser narrows the limits of sums of voltages.
+ *   change in  change of the objective by the iterations (m2)
  */
 static bool has_increased(const rows_run *run, pzs_real change)
 {
@@ -737,9 +742,9 @@ static bool has_increased(const rows_run *run, pzs_real change)
 }
 
 /*
- * Make one round of iterations of the optimiser, whose response matrix (tableau) must be complete,
- * and keep the new voltages unless the objective has risen. Returns whether another round may lower
- * the objective.
+ * Make one round (sequence of iterations) of the optimiser, whose tableau (negative response
+ * matrix) must be complete, and keep the new voltages unless the objective has risen. Returns
+ * whether another round may lower the objective.
  */
 static bool make_round(const rows_run *run)
 {
@@ -773,8 +778,8 @@ static bool make_round(const rows_run *run)
 }
 
 /*
- * Compute the rest of the response matrix (tableau) of the optimiser if it is incomplete. Returns
- * whether the work limit then allows another round of iterations.
+ * Compute the rest of the optimiser's tableau (negative response matrix) if it is incomplete.
+ * Returns whether the work limit then allows another round (sequence of iterations).
  */
 static bool may_make_round(const rows_run *run)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * What the optimiser for limit rows (limits of weighted sums of voltages, row_solver.c) shares with
- * the file for limits of sums of absolute values (absolute_rows.c).
+ * Functions of the optimiser for limit rows (limits of weighted sums of voltages, row_solver.c)
+ * that the file for limits of sums of absolute values uses (absolute_rows.c).
  */
 #ifndef PZS_LIB_ROW_SOLVER_H
 #define PZS_LIB_ROW_SOLVER_H
@@ -17,11 +17,11 @@ typedef struct rows_run {
     const pzs_problem *problem;
     const pzs_limit_rows *rows;
     pzs_row_solver *solver;
-    pzs_optimiser *tableau;   /* response matrix (tableau), active set, bounds and multipliers that
-                                 the optimiser uses for the inputs together with the limit rows
-                                 (limits of sums of voltages) */
-    pzs_optimiser *optimiser; /* voltages, bounds and gradients that the optimiser uses for the
-                                 inputs alone, without limit rows */
+    pzs_optimiser *tableau;   /* tableau (negative response matrix: changes of voltages and limited
+                                 sums per multiplier), active set, bounds and multipliers for the
+                                 inputs and the limited sums together */
+    pzs_optimiser *optimiser; /* voltages, bounds and gradients of the optimiser for the inputs
+                                 alone, without the limited sums of voltages */
     uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
                                limit rows (limits of sums of voltages) */
 } rows_run;
@@ -74,11 +74,11 @@ void pzs_rows_load_values(const rows_run *run);
 pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient);
 
 /*
- * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limit rows
- * and the multipliers of the active rows, where no voltage may change its sign. Also stores the
- * duality gap, an upper bound of the distance of half the objective from its minimum, in
+ * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limited
+ * sums of voltages and multipliers of the active ones, where no voltage may change its sign. Also
+ * stores the duality gap, an upper bound of the distance of half the objective from its minimum, in
  * solver->gap.
- *   reduced [inputs] in  gradient minus the contributions of the active limit rows (m2/V)
+ *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  */
 pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced);
 

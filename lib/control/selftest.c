@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Self-test of amplifiers, cables and sensors before the loop takes control (pzs_loop.h).
- *
+ * Self-test of amplifiers, cables and sensors before the loop controls the voltages (pzs_loop.h).
  * The amplifiers are moved one after the other, because the response to a single electrode can be
  * recognised even if gains, natural frequencies and hysteresis differ much from the model. Patterns
  * in which many amplifiers move at once would need as many pulses for as many unknowns, and would
@@ -11,9 +10,8 @@
  * ceramic of every electrode into the minor hysteresis loop of the later pulses, whatever voltages
  * the electrode had before, so that the gains of electrodes can be compared with each other.
  *
- * Pulses and the weights of the readings are those of test_pulse.h.
- *
- * The evaluation of the measured responses is in selftest_evaluation.c.
+ * The shape of the pulses and the weights of the readings are in test_pulse.h, the evaluation of
+ * the measured responses is in selftest_evaluation.c.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -243,9 +241,10 @@ static void set_voltages(pzs_selftest *selftest, uint32_t position)
 /* ---- sensor readings ---------------------------------------------------- */
 
 /*
- * Add a reading of sensor i to the weighted sums of its readings during a pulse. A missing reading
- * is replaced by the last one.
- *   even, odd in  even and odd weight of the reading (1)
+ * Add a reading of sensor i to the two weighted sums of its readings during a test pulse. A missing
+ * reading is replaced by the last one.
+ *   even, odd in  weights of the reading in the two sums (1): `even` is symmetric, `odd`
+ *                 antisymmetric in time about the middle of the pulse
  */
 static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading, pzs_real even,
                         pzs_real odd)
@@ -381,8 +380,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     if (status != PZS_OK)
         return status;
     /*
-     * The self-test is refused in a voltage optimisation problem with limit rows (limits of
-     * weighted sums of voltages), because a test pulse of a single input could violate them.
+     * The self-test is refused where weighted sums of voltages are limited, because a test pulse of
+     * a single input could violate such a limit.
      */
     if (signals->control->state.problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Evaluation of the self-test of amplifiers, cables and sensors, for the block that makes the test
- * pulses (selftest.c).
+ * Evaluation of the self-test of amplifiers, cables and sensors, whose test pulses selftest.c
+ * makes.
  */
 #ifndef PZS_LIB_SELFTEST_H
 #define PZS_LIB_SELFTEST_H
@@ -17,7 +17,7 @@ void pzs_selftest_evaluate(pzs_selftest *selftest);
 
 /*
  * Whether the self-test moves input j: the tables give the input a pulse of positive height, and
- * the program does not hold the input at a fixed voltage.
+ * pzs_hold does not keep the input at a fixed voltage.
  */
 bool pzs_selftest_moves(const pzs_selftest *selftest, uint32_t j);
 

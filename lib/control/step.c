@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * The control step pzs_tick, which computes the voltages, as a block (stage of computation) of the
- * control loop.
- */
+/* The stage of the control tick that computes the voltages (pzs_step_block). */
 #include "pzs_loop.h"
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
@@ -12,8 +9,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Initialise the block (stage of computation) of the control loop that makes the control step. Its
- * memory holds the controller, followed by the workspace of the controller.
+ * Initialise the stage of the control tick that computes the voltages. Its memory holds the struct
+ * pzs_control, followed by the workspace of the controller.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Range of voltages that a step limit (largest change of a voltage in one step) allows. Rounding
- * may narrow this range but never widens it: the computed difference to the last voltage is at most
- * the step limit.
+ * Range of voltages that a step limit (largest change of a voltage in a tick) allows. Rounding may
+ * narrow this range but never widens it: the computed difference to the last voltage is at most the
+ * step limit.
  */
 #ifndef PZS_LIB_STEP_BOUNDS_H
 #define PZS_LIB_STEP_BOUNDS_H
 
 #include "../core/numbers.h"
 
-/* Return the lowest voltage that one step can reach from the voltage `last` (V). */
+/* Return the lowest voltage that one tick can reach from the voltage `last` (V). */
 static inline pzs_real step_down(pzs_real last, pzs_real step_limit)
 {
     const pzs_real down = last - step_limit;
@@ -18,7 +18,7 @@ static inline pzs_real step_down(pzs_real last, pzs_real step_limit)
     return inner < last ? inner : last;
 }
 
-/* Return the highest voltage that one step can reach from the voltage `last` (V). */
+/* Return the highest voltage that one tick can reach from the voltage `last` (V). */
 static inline pzs_real step_up(pzs_real last, pzs_real step_limit)
 {
     const pzs_real up = last + step_limit;
