@@ -2,9 +2,10 @@
 /*
  * Functions of coordinates in scenes: formulas, interpolation between values at scattered points,
  * and lists of values in the order of the rows of a target. A formula consists of numbers, the
- * variables x, y, z, theta1, theta2, the constant pi, the operators + - * / ^, parentheses, common
- * functions, and zernike(j, rho, phi): the Zernike polynomial of Noll index j with root mean square
- * 1 over the unit disc, which is NaN unless j is an integer from 1 to 1000.
+ * variables x, y, z (in space), theta1, theta2 (surface coordinates), the constant pi, the
+ * operators + - * / ^, parentheses, common functions, and zernike(j, rho, phi): the Zernike
+ * polynomial of Noll index j with root mean square 1 over the unit disc, which is NaN unless j is
+ * an integer from 1 to 1000.
  */
 #ifndef EXPR_H
 #define EXPR_H
@@ -25,7 +26,10 @@ typedef struct expr_point {
  */
 expr *expr_compile(const char *text, int *column, const char **error);
 
-/* Number of coordinates in expr_point; their indices follow its order x, y, z, theta1, theta2. */
+/*
+ * Number of coordinates of a point in expr_point, whose indices follow the order x, y, z (in
+ * space), theta1, theta2 (on the surface).
+ */
 enum { EXPR_AXES = 5 };
 
 /*
@@ -33,7 +37,8 @@ enum { EXPR_AXES = 5 };
  * host_tools/data).
  *   text   in                 description for reports
  *   axes   in                 number of coordinates of a point, 1 to 3
- *   axis   [axes]         in  index of each coordinate in the order x, y, z, theta1, theta2
+ *   axis [axes] in index of each coordinate among x, y, z (in space), theta1, theta2 (on the
+ *   surface)
  *   point  [count][axes]  in  coordinates of the points, finite
  *   value  [count]        in  values at the points, finite
  * Returns NULL when memory runs out.
@@ -79,7 +84,7 @@ const char *expr_text(const expr *expression);
 /* Return 1 if a function depends on none of x, y, z, theta1 and theta2, else 0. */
 int expr_is_constant(const expr *expression);
 
-/* Return 1 if a function depends on theta1 or theta2, else 0. */
+/* Return 1 if a function depends on a surface coordinate (theta1 or theta2), else 0. */
 int expr_uses_theta(const expr *expression);
 
 void expr_free(expr *expression);

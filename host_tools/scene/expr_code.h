@@ -54,9 +54,11 @@ struct expr {
     bool is_constant;
     scatter *scatter;             /* interpolated function through scattered points, or NULL */
     int axes, axis[SCATTER_AXES]; /* number of coordinates of the scattered points, and index of
-                                     each in the order x, y, z, theta1, theta2 */
+                                     each among the coordinates x, y, z in space and theta1, theta2
+                                     on the surface */
     double spacing; /* usual distance between neighbouring points of an interpolated function */
-    double *list;   /* [rows] values of a function that is given as a list of values, or NULL */
+    double *list;   /* [rows] values of a function that is given as a list, one for each row of a
+                       target (controlled displacement); NULL for other functions */
     int rows;
     instruction code[];
 };

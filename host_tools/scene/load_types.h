@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Table of the load types. A row holds
- *   the type; the words for it in texts; the quantity that its value measures, which gives its unit
- *   (words.h); and the function of its nodal forces (load_forces.h).
+ * Table of the load types. A row holds the type; the words for it in texts; the quantity that its
+ * value measures, which gives its unit (words.h); and the function of its nodal forces
+ * (load_forces.h).
  */
 #ifndef LOAD_TYPES_H
 #define LOAD_TYPES_H

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Lists of electrodes with outlines of any shape, and of their polygons (outline.h). */
+/*
+ * Lists of electrodes with outlines of any shape, and of the polygons that they cover (outline.h).
+ */
 #include "outline.h"
 
 #include <math.h>

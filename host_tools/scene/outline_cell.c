@@ -36,7 +36,8 @@ static void corners_of_quad(const quad_mesh *mesh, int element, double at[4][OUT
 }
 
 /*
- * Find the corners of an element between mesh lines; the elements are numbered with theta2 fastest.
+ * Find the corners of an element of a mesh whose sides are lines of constant surface coordinates
+ * theta1 and theta2; the elements are numbered with theta2 fastest.
  */
 static void corners_on_lines(const scene *scene, int element, double at[4][OUTLINE_AXES])
 {

@@ -10,14 +10,15 @@
 #include "scene.h"
 
 /*
- * Number of coordinates of a corner of an element: x, y, z, theta1 and theta2. On a mesh from a
- * file theta1 and theta2 are 0.
+ * Number of coordinates of a corner of an element: x, y, z in space, and the surface coordinates
+ * theta1 and theta2, which are 0 on a mesh from a file.
  */
 enum { OUTLINE_AXES = 5 };
 
 typedef struct outline_cell {
-    double at[4][OUTLINE_AXES]; /* coordinates x, y, z, theta1, theta2 of the corners (-,-) (+,-)
-                                   (+,+) (-,+) of the cell (element or part of one) */
+    double at[4][OUTLINE_AXES]; /* coordinates x, y, z (in space) and theta1, theta2 (on the
+                                   surface) of the corners of the cell (element or part of one), in
+                                   the order (-,-) (+,-) (+,+) (-,+) */
     double quad[4][2]; /* corners of the cell (element or part of one) in the plane of the electrode
                           outlines, counterclockwise */
     double centre[2]; /* mean of the four corners of a cell (element or part of one) in the plane of
@@ -62,12 +63,12 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
                        const double high[2], outline_cell *part);
 
 /*
- * Find one of the moves of a cell (element or part of one) by full turns (2 pi) of theta1 and
- * theta2, as far as these coordinates are periodic. An outline that goes beyond the ends of theta1
- * or theta2 meets the cell after one of these moves.
- *   k          in   number of the move, from 0 (no move) to OUTLINE_MOVES - 1: each coordinate
- *                   moves by 0, +1 or -1 turn
- *   shift [2]  out  displacement of the cell in the plane of the outlines
+ * Find one of the moves of a cell (element or part of one) by full turns (2 pi) of the surface
+ * coordinates theta1 and theta2, as far as these are periodic. An outline that goes beyond the ends
+ * of theta1 or theta2 meets the cell after one of these moves.
+ *   k  in  number of the move, from 0 (no move) to OUTLINE_MOVES - 1: each coordinate moves by 0,
+ *      +1 or -1 turn
+ *   shift  [2] out  displacement of the cell in the plane of the electrode outlines
  * Returns whether the surface of the scene is periodic in the directions of the move.
  */
 enum { OUTLINE_MOVES = 9 };
@@ -91,8 +92,8 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell,
                               const double natural[2]);
 
 /*
- * Find the natural coordinates of a point of the plane that lies in the cell (element or part of
- * one).
+ * Find the natural coordinates of a point of the plane of the electrode outlines that lies in the
+ * cell (element or part of one).
  */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2]);

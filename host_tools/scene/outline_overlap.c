@@ -56,7 +56,10 @@ static bool fills(const scene *scene, const scene_patches *patches, const scene_
     return is_inside;
 }
 
-/* Return whether both electrodes of a pair cover a whole square of the grid in an element. */
+/*
+ * Return whether both electrodes of a pair cover a whole square of the OVERLAP_GRID x OVERLAP_GRID
+ * squares into which an element is divided.
+ */
 static bool both_fill(const electrode_pair *pair, int element, clip_room *room)
 {
     for (int i = 0; i < OVERLAP_GRID; i++)
@@ -79,7 +82,7 @@ static bool both_fill(const electrode_pair *pair, int element, clip_room *room)
 
 /*
  * Return whether two electrodes overlap in some element: together they cover more than the element,
- * or both cover the same square of its grid.
+ * or both cover the same one of the squares into which it is divided.
  */
 static bool do_share_elements(const electrode_pair *pair, clip_room *room)
 {

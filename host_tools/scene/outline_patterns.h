@@ -38,8 +38,9 @@ typedef struct hexagon_pattern {
 typedef struct grid_pattern {
     double from[2], to[2]; /* corner of the rectangle with the smallest coordinates, and corner with
                               the largest coordinates, before the rotation by `angle` */
-    double gap, angle;     /* gap: distance between neighbouring electrodes; angle: rotation of the
-                              rectangle about its middle (degrees) */
+    double gap, angle; /* gap: distance between neighbouring electrodes (length); angle: rotation of
+                          the whole grid about the middle of the rectangle that it divides (degrees)
+                        */
     int count[2]; /* number of cells of the pattern along the first and the second coordinate */
 } grid_pattern;
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Pieces of electrodes, element by element, for pictures (outline_pieces.h). */
+/*
+ * Pictures of electrodes, drawn element by element: the part of an electrode, or of its outline,
+ * that lies in each element (outline_pieces.h).
+ */
 #include "outline_pieces.h"
 
 #include <string.h>
@@ -7,7 +10,10 @@
 #include "outline_formula.h"
 #include "outline_shares.h"
 
-/* The element in which the pieces of an electrode are drawn, and how they are drawn. */
+/*
+ * Picture of one electrode in one element: the element, the electrode, and the function that draws
+ * each piece (the part of the electrode, or of its outline, in the element).
+ */
 typedef struct piece_drawing {
     outline_plane plane;
     outline_cell cell; /* cell (quadrilateral in the plane of the electrode outlines) of the element

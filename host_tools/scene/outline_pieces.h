@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Pieces of electrodes with outlines of any shape, element by element, for pictures. */
+/*
+ * Pictures of electrodes with outlines of any shape, drawn element by element: the part of an
+ * electrode, or of its outline, that lies in each element.
+ */
 #ifndef OUTLINE_PIECES_H
 #define OUTLINE_PIECES_H
 

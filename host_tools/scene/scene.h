@@ -19,9 +19,9 @@
 #include "spline.h"
 
 /*
- * Limits: bytes of a name (SCENE_NAME), bytes of a name followed by _i_j (SCENE_LABEL), largest
- * number of mesh nodes (SCENE_NODES), largest number of functions whose best fit is removed from a
- * target (SCENE_FREE).
+ * Sizes and limits: bytes of a name (SCENE_NAME), bytes of the name of an amplifier or electrode, a
+ * name followed by its position _i_j in a grid (SCENE_LABEL), largest number of mesh nodes
+ * (SCENE_NODES), largest number of functions whose best fit is removed from a target (SCENE_FREE).
  */
 enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_NODES = 60000, SCENE_FREE = 16 };
 
@@ -42,11 +42,11 @@ typedef enum scene_surface_type {
 
 typedef struct scene_surface {
     scene_surface_type type;
-    double radius; /* radius of a cylinder or sphere, radius of a cone at theta1 = 0, or major
-                      radius of a torus (length unit of the scene file) */
+    double radius; /* radius of a cylinder or sphere, radius of a cone at the surface coordinate
+                      theta1 = 0, or major radius of a torus (length unit of the scene file) */
     double angle;  /* angle between the axis of a cone and its surface (degrees) */
-    int axial;     /* surface coordinate along the axis of a cylinder or spiral: 1 for theta1, 2 for
-                      theta2 */
+    int axial; /* number of the surface coordinate that runs along the axis of a cylinder or spiral:
+                  1 for theta1, 2 for theta2 */
     double waist, height; /* constants of a hyperboloid of revolution, whose radius at the height z
                              is waist sqrt(1 + (z/height)^2) */
     double tube;          /* minor radius of a torus (length unit of the scene file) */
@@ -54,8 +54,9 @@ typedef struct scene_surface {
                                    number of turns */
     double focal_length; /* distance of the focus of a paraboloid from its vertex (length unit of
                             the scene file) */
-    expr *formula[3]; /* formulas of the coordinates x, y and z of a surface in the variables theta1
-                         and theta2; a coordinate whose formula is NULL is theta1, theta2 or 0 */
+    expr *formula[3];    /* formulas of the coordinates x, y and z of a surface in the surface
+                            coordinates theta1 and theta2; a coordinate whose formula is NULL is
+                            theta1, theta2 or 0 */
     spline *meridian; /* meridian (r, z) of a surface of revolution, a spline whose parameter is the
                          chord length */
     bicubic points; /* height z over x and y of a surface fitted to measured points; empty on other
@@ -98,13 +99,14 @@ typedef struct scene_element {
     bool hr, lin33;  /* hr: true sets to 0 the stress resultants that belong to strains outside the
                         linear and bilinear strain modes of an element (Hellinger-Reissner), false
                         sets these strains to 0; lin33: true condenses the part of the normal strain
-                        e33 that is linear in the thickness coordinate */
+                        e33 that is linear in the thickness coordinate, so that each ply thickens
+                        freely */
     bool metric;     /* true: strains take the exact variation of the surface metric through the
                         thickness; false: metric of the reference surface */
     bool exact_area; /* true: exact area of an element; false: area from the metric at the centre of
                         the element */
-    int dof_per_node; /* number of dof of a node: 7, or 6 without the seventh, the displacement u3
-                         of the middle surface relative to the mean of both faces */
+    int dof_per_node; /* number of dof of a node: 7, or 6 without the last one, the displacement of
+                         the middle surface along the normal relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
                                its layers; false: from a shear strain that is constant through the
                                thickness */
@@ -195,7 +197,8 @@ typedef struct scene_layer {
                      its axis 1, 2 or 3, negative against that axis */
     double finger_distance; /* distance of the interdigitated electrodes on the faces of a layer
                                that is poled along the surface (m): the field of a voltage is along
-                               the poling; 0: electrodes cover the faces, the field is along e3 */
+                               the poling; 0: electrodes cover the faces, the field is along the
+                               normal */
     int bare;               /* faces without electrode: BARE_NONE, BARE_INNER, BARE_OUTER or
                                BARE_BOTH */
     unsigned char *present; /* [elements] 1 in the elements of the layer's element sets, on a mesh
@@ -206,18 +209,19 @@ typedef struct scene_layer {
 typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on one layer. */
     char name[SCENE_NAME];
     int layer;
-    double theta1[2], theta2[2]; /* ranges of theta1 and theta2 that a grid of patches covers, both
-                                    ends on mesh lines; default the whole mesh */
-    int grid[2]; /* number of patches along theta1 and theta2, default 1 and 1; every edge of a
-                    patch must be a mesh line; on a mesh from a file: number of element sets and 1
-                  */
+    double theta1[2], theta2[2]; /* ranges of the surface coordinates theta1 and theta2 that a grid
+                                    of patches covers */
+    int grid[2]; /* number of patches along the surface coordinates theta1 and theta2, default 1 and
+                    1; every edge of a patch must be a mesh line; on a mesh from a file: number of
+                    element sets and 1 */
     int *patch;  /* [elements] number of the patch to which each element of a mesh from a file
                     belongs; -1: the element has no patch; NULL on other meshes */
     outline_plane plane; /* plane in whose coordinates the outlines of the electrodes are given */
     bool cut; /* true: an outline may extend beyond the surface, and its part on the surface counts;
                  false: such an outline is refused */
-    scene_outlines *outlines; /* electrodes with outlines of any shape, which replace ranges and
-                                 sets; NULL: patches of whole elements */
+    scene_outlines *outlines; /* electrodes with outlines of any shape, which replace the coordinate
+                                 ranges or element sets of the patches; NULL: patches of whole
+                                 elements */
     scene_at at;
 } scene_patches;
 
@@ -235,9 +239,9 @@ typedef enum scene_edge {
 } scene_edge;
 
 /*
- * Type of a set of nodes: an edge, all nodes, the node at (theta1, theta2), or the nodes of a
- * rectangular region of the mesh; on a mesh from a file also a named set, or the node nearest to a
- * point in space.
+ * Type of a set of nodes: an edge, all nodes, the node at given surface coordinates, or the nodes
+ * of a rectangular region of the mesh; on a mesh from a file also a named set, or the node nearest
+ * to a point in space.
  */
 typedef enum scene_where_type {
     WHERE_EDGE,
@@ -250,11 +254,11 @@ typedef enum scene_where_type {
 typedef struct scene_where {
     scene_where_type type;
     scene_edge edge;
-    double theta[2]; /* coordinates theta1 and theta2 of a point, equal to those of its mesh node */
-    double span[2][2]; /* start and end of a region along theta1 and along theta2; infinite where
-                          the scene file gives no limit */
-    int node[2]; /* indices of the mesh lines of theta1 and of theta2 on which a point lies; on a
-                    mesh from a file, node[0] is the number of the node nearest to the point */
+    double theta[2]; /* surface coordinates theta1 and theta2 of the node of a place that is a point
+                      */
+    double span[2][2]; /* start and end of a region along the surface coordinates theta1 and theta2
+                        */
+    int node[2]; /* indices of the mesh lines of the surface coordinates theta1 and theta2 on */
     char set[SCENE_NAME]; /* name of the set of nodes, edges or elements in the mesh file to which
                              an item of the scene file refers */
     double x[3]; /* coordinates x, y, z of a point in space, on a mesh from a file (length unit of
@@ -283,7 +287,8 @@ typedef struct scene_direction {
     bool given;
     scene_component component; /* direction along an axis of the local triad or along a global axis;
                                   used where `vector` is zero */
-    double vector[3]; /* unit vector (x, y, z), or zero if the direction is not given as a vector */
+    double vector[3]; /* direction of a spring or stack as a unit vector (x, y, z); zero if it is
+                         not given as a vector */
 } scene_direction;
 
 /*
@@ -302,8 +307,9 @@ typedef struct scene_spring {
     scene_where where; /* nodes to which one spring each is attached; where.at.column is 0 if the
                           springs are attached at points and not at nodes */
     int points;
-    double (*point)[3]; /* [points] coordinates of the points: theta1, theta2 and 0, or x, y, z on a
-                           mesh from a file, where z is NAN if it is not given */
+    double (*point)[3]; /* [points] attachment points of the springs: surface coordinates theta1,
+                           theta2 and 0, or x, y, z on a mesh from a file, where z is NAN if it is
+                           not given */
     scene_where to; /* node at the other end of the springs; not given (to.at.column is 0) if they
                        end at the ground */
     scene_direction along; /* direction of elongation: a displacement of the shell along it
@@ -325,9 +331,9 @@ typedef struct scene_spring {
 /*
  * An actuator has one amplifier for each position in its grids of patches; the patches at one
  * position are connected to its amplifier, each with a signed factor. Positions are numbered along
- * theta1 and theta2, fastest along theta2. An actuator may instead be one uniform temperature,
- * heaters on its patches, or a number of stacks with one amplifier each. A sensor is described by
- * the same C struct: it has electrodes but no amplifiers.
+ * the surface coordinates theta1 and theta2, fastest along theta2. An actuator may instead be one
+ * uniform temperature, heaters on its patches, or a number of stacks with one amplifier each. A
+ * sensor is described by the same C struct: it has electrodes but no amplifiers.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
@@ -337,15 +343,16 @@ typedef struct scene_actuator {
                              or  of the layers under the patches */
     scene_spring *stacks; /* points, directions and stiffness of the stacks of a stack actuator;
                              NULL: the actuator has no stacks */
-    double applied;       /* voltage (V) or temperature (K) on every amplifier of an actuator in a
-                             solution without optimisation; if a list is given, its value of largest
-                             magnitude */
-    double *each;       /* [grid[0] * grid[1]] voltage (V) or temperature (K) of each amplifier in a
-                           solution without optimisation; NULL where all have the value `applied` */
-    bool open;          /* electrodes of a sensor: true: open circuit; false: short circuit */
+    double applied; /* input of every amplifier of an actuator, a voltage (V) or the temperature of
+                       a heater (K), where voltages are not optimised; where the scene file lists
+                       several values, the one of largest magnitude */
+    double *each;   /* [grid[0] * grid[1]] input of each amplifier, a voltage (V) or the temperature
+                       of a heater (K), where voltages are not optimised; NULL where all have the
+                       value `applied` */
+    bool open;      /* electrodes of a sensor: true: open circuit; false: short circuit */
     int first, grid[2]; /* first: number of the first amplifier of an actuator (or electrode of a
-                           sensor) among all of the scene; grid: number of patches along theta1 and
-                           theta2 */
+                           sensor) among all of the scene; grid: number of patches along the surface
+                           coordinates theta1 and theta2 */
     scene_at at;
 } scene_actuator;
 
@@ -367,24 +374,26 @@ typedef struct scene_support {
                               the name of its set or edge, or its number. The reactions of supports
                               of one name are added */
     scene_where where;
-    double direction[3]; /* unit vector whose projection on the surface is axis e1 of the support's
-                            nodes, or the direction of an oblique support; zero vector: not given */
+    double direction[3]; /* unit vector whose projection on the surface is the first local axis of
+                            the support's nodes, or the direction of an oblique support; zero
+                            vector: not given */
     expr *formula[3]; /* components of the direction of an oblique support as formulas of the place
                          of the node; NULL: the direction is given by numbers */
-    unsigned fix; /* bit i set: dof i of the support's nodes is prescribed; dof 0 to 2 are the means
-                     of the displacements u1, u2, u3 of both faces, 3 to 5 their differences, 6 is
-                     u3 of the middle surface relative to the mean; higher bits are FIX_SIMPLE to
-                     FIX_ACROSS */
+    unsigned fix; /* bit i set: dof i of the support's nodes is prescribed; dof 0 to 2 are the mean
+                     displacements of both faces along the node's local axes, 3 to 5 their
+                     differences, 6 is the normal displacement of the middle surface relative to the
+                     mean; higher bits are FIX_SIMPLE to FIX_ACROSS */
     expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
                      of the scene file); NULL: 0 */
     unsigned move; /* bit i set: the prescribed dof i takes the value of the support; the other
-                      prescribed dof are 0, so that a prescribed u3 moves both faces by the same
-                      distance. A bit of an oblique support (FIX_ALONG) stands for the mean
-                      displacement along its direction */
+                      prescribed dof are 0, so that a prescribed normal displacement moves both
+                      faces by the same distance. A bit of an oblique support (FIX_ALONG) stands for
+                      the mean displacement along its direction */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
-    int turn; /* sign with which the sine of a prescribed rotation is the value of the difference of
-                 u1 or u2; 0: the support prescribes a displacement */
+    int turn; /* for a prescribed rotation: sign with which its sine is the difference of both
+                 faces' tangential displacements (along axis e1 or e2 of the node) over the
+                 thickness; 0: the support prescribes a displacement */
     scene_at at;
 } scene_support;
 
@@ -404,8 +413,8 @@ typedef struct scene_load {
     scene_where where; /* nodes on which a point load or line load acts; for a face load on a mesh
                           from a file, the element set that it is limited to */
     scene_face face;
-    scene_component component; /* displacement component along which a load acts, such as u3 (normal
-                                  to the surface) for a pressure */
+    scene_component component; /* displacement component along which a load acts, such as the one
+                                  normal to the surface for a pressure */
     double vector[3]; /* unit vector (x, y, z) along which a weight acts; zero vector: the weight
                          acts along `component` */
     scene_direction about; /* axis about which a point load acts as a moment */
@@ -415,8 +424,8 @@ typedef struct scene_load {
                     at the inner face; NULL: the temperature is uniform */
     bool true_area; /* face load: true: load per area of the loaded face; false: load per area of
                        the reference surface */
-    scene_follower follower; /* face load: way in which a pressure follows the deformation;
-                                FOLLOWER_PRESSURE implies true_area */
+    scene_follower follower; /* way in which a pressure on a face turns with the deformed shell; a
+                                FOLLOWER_PRESSURE acts on the deformed area */
     scene_at at;
 } scene_load;
 
@@ -458,8 +467,8 @@ typedef enum scene_contact_output {
 } scene_contact_output;
 
 /*
- * Electric output: voltages of electrodes, the electric charge on their face that points along +e3,
- * or the potential of a face without electrode.
+ * Electric output: voltages of electrodes, the electric charge on their face that points along the
+ * outward normal, or the potential of a face without electrode.
  */
 typedef enum scene_electric_output {
     ELECTRIC_NONE,
@@ -579,9 +588,10 @@ typedef struct scene_limits {
     double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit, the
                                         largest change of a voltage in one tick (V), of all
                                         amplifiers; infinite if not given */
-    double regularisation; /* regularisation weight, the factor of the sum of squared voltages in
-                              the objective of the optimisation: absolute, or relative if
-                              regularisation_is_relative is true */
+    double regularisation; /* regularisation weight, the factor of the sum of squared distances of
+                              the voltages from their reference voltages in the objective of the
+                              optimisation: absolute (length^2/V^2), or relative to the mean
+                              diagonal entry of the Hessian if regularisation_is_relative is true */
     bool regularisation_is_relative;
     int each_count;
     scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
@@ -672,14 +682,15 @@ typedef struct scene_event {
     int announced_after; /* ticks until the controller is informed of EVENT_DEAD or EVENT_STUCK;
                             ANNOUNCED_NEVER: the controller is not informed; ANNOUNCED_DETECTED: the
                             controller has to detect the fault */
-    expr *value;         /* formula of the new target of EVENT_VALUE */
+    expr *value; /* formula of the target shape that replaces the old one at a simulation event of
+                    the type EVENT_VALUE */
     scene_at at;
 } scene_event;
 
 /*
- * Source of the measured shape in a simulation. SIGHT_SCENE: the readings of the scene's estimate
- * if there is one, else one sensor for each target node; SIGHT_ESTIMATED selects the former,
- * SIGHT_MEASURED the latter.
+ * Source of the measured shape in a simulation: the few readings of the scene's section `estimate`
+ * (SIGHT_ESTIMATED), one sensor for each target node (SIGHT_MEASURED), or the readings if the scene
+ * has that section and else the sensors (SIGHT_SCENE).
  */
 typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_sight;
 
@@ -743,7 +754,7 @@ typedef struct scene_simulate {
                           a fraction of the voltage range */
     scene_sight sight;
     double noise; /* standard deviation of the noise of a measured shape (length unit of the scene
-                     file); the readings of an estimate have their own noise */
+                     file); the readings of the section `estimate` have their own noise */
     int delay;    /* delay between measurement and use of the sensors' readings (ticks) */
     double step, dead_band; /* quantisation step of the digital-to-analogue converters and dead band
                                of the amplifiers (V) */
@@ -789,9 +800,10 @@ typedef struct scene_influence {
                      */
     int outputs;    /* number of rows of the influence matrix that are used, one for each output */
     int file_outputs;        /* number of outputs in the file of the influence matrix */
-    bool rows_are_actuators; /* true: the rows of the file are actuators; false: they are outputs */
-    int *row; /* [outputs] number of the row of the file that belongs to each used output, counted
-                 from 0 */
+    bool rows_are_actuators; /* true: the rows of the file of the influence matrix are actuators;
+                                false: they are outputs */
+    int *row; /* [outputs] number, from 0, of the output in the file of the influence matrix that
+                 each output of the scene is; outputs that the scene ignores are left out */
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
@@ -840,11 +852,13 @@ typedef struct scene_safety {
     bool given;    /* true: the scene asks for a supervisor by the section `safety` */
     bool left_out; /* true: the scene says `safety: none`; otherwise a loop that damps vibration has
                       a supervisor even if the scene does not ask for it */
-    double park;   /* park voltage of all amplifiers (V); NAN: the scene file gives none */
+    double park;   /* park voltage of all amplifiers: voltage of rest, to which they are ramped when
+                      control is lost (V); NAN: the scene file gives none */
     scene_at at;   /* position of the section `safety` in the scene file */
     int timeout; /* number of ticks without usable readings after which the supervisor takes control
                     away; 0: never */
-    int ramp_ticks; /* shortest duration of the voltage ramp to the park voltages (ticks) */
+    int ramp_ticks; /* shortest duration of the ramp to the park voltages (voltages of rest when
+                       control is lost) (ticks) */
     bool waits; /* true: the control loop waits for a command before it starts; false: it starts by
                    itself */
     double amplitude;      /* height of the test pulses of the self-test of the wiring (V); 0: no
@@ -874,8 +888,9 @@ typedef struct scene_short_list {
 typedef struct scene_hysteresis {
     bool given;
     double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
-    scene_short_list slope; /* [4] slopes of the piecewise linear function in the quarters of the
-                               voltage range, lowest quarter first (1) */
+    scene_short_list slope; /* [4] slopes, in the quarters of the voltage range from the lowest on,
+                               of the piecewise linear function of the voltage in the hysteresis
+                               model (1) */
     scene_short_list slack; /* [plays] slack of each play operator: change of the voltage after a
                                reversal before the operator follows; ascending (V) */
     scene_short_list above; /* [plays] weight of each play operator while its output is above the
@@ -903,12 +918,12 @@ typedef struct scene {
     uint32_t hash; /* hash of the text of the scene file and of the changes of --set */
     scene_element element;
     scene_kinematics kinematics;
-    double tolerance; /* largest relative error that linear kinematics may cause where the scene
-                         file says kinematics: auto */
+    double tolerance; /* largest difference between linear and nonlinear displacement, relative to
+                         the nonlinear one, at which `kinematics: auto` uses linear kinematics */
     scene_equilibrium equilibrium;
     scene_surface surface;
-    scene_line line[2]; /* mesh lines of theta1 and theta2; without points where the mesh comes from
-                           a file */
+    scene_line line[2]; /* mesh lines of the surface coordinates theta1 and theta2; without points
+                         */
     scene_quads *quads; /* mesh that is read from a file, or NULL where the scene has mesh lines on
                            a surface */
     bool reference_is_middle;

@@ -46,8 +46,8 @@ typedef enum dimension {
     DIMENSIONS,
     OF_COORDINATE = DIMENSIONS, /* physical dimension of the surface coordinate theta1 or theta2,
                                    whichever is the nearest enclosing key of the scene file */
-    OF_POINT,   /* physical dimension of a coordinate of a point, theta1, theta2 or x, y, z, by its
-                   position in a list */
+    OF_POINT, /* physical dimension of a coordinate of a point (surface coordinate theta1 or theta2,
+                 or x, y, z in space), by its position in a list */
     OF_OUTLINE, /* physical dimension of a coordinate or length in the plane of electrode outlines
                  */
     OF_SPRING,

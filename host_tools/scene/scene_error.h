@@ -6,7 +6,10 @@
 /* Size in bytes of an error message including the terminating NUL. */
 enum { SCENE_ERROR = 600 };
 
-/* Origin of the values of a scene, which error messages name. */
+/*
+ * Sources of the values of a scene, which error messages name: its file and the changes of the
+ * command-line option --set.
+ */
 typedef struct scene_origin {
     char *path; /* path of the scene file */
     char **set; /* [sets] changes of the form key=value that are applied to the scene file */
@@ -19,14 +22,14 @@ typedef struct scene_origin {
  */
 typedef struct scene_at {
     int line, column;
-    const scene_origin *origin; /* file and changes that line and column refer to; NULL in a YAML
-                                   tree, which has its own path, and for values that come from no
-                                   file */
+    const scene_origin *origin; /* scene file, and changes of the option --set, that line and column
+                                   refer to; NULL in a YAML tree, which has its own path, and for
+                                   values that come from no file */
 } scene_at;
 
 /*
  * Write an error message of the form file:line:column: text for a fault that is found after reading
- * the scene; without an origin the message is the text alone. Returns -1.
+ * the scene; without a file (member `origin` NULL) the message is the text alone. Returns -1.
  */
 int scene_fault(scene_at at, char *error, const char *format, ...);
 

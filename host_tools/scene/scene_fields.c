@@ -105,11 +105,12 @@ int require_kind(reader *reader, int node, tree_kind kind)
 }
 
 /*
- * Find a key at a given depth below a form of the scene file.
- *   depth               in   number of keys from the form to the key; 1: a key of the form itself
- *   path   [LIST_ROOM]  out  keys of the mappings that contain the key, joined by points
- *   length              in   length of the path to the form
- *   left         in/out  number of such keys to pass over before one is found
+ * Find a key at a given depth in the description of a scene value (form: type of the value and, for
+ * a mapping, its table of keys).
+ *   depth   in  number of keys from the form to the key; 1: a key of the form itself
+ *   path    [LIST_ROOM] out  keys of the mappings that contain the key, joined by points
+ *   length  in  length of the path to the form
+ *   left    in/out  number of places with this key that are passed over before one is reported
  * Returns whether there is such a key.
  */
 static bool find_key(const form *form, const char *key, int depth, char *path, int length,
@@ -139,10 +140,11 @@ static bool find_key(const form *form, const char *key, int depth, char *path, i
 }
 
 /*
- * Write where else in a scene file an unknown key is known, as "it is a key of simulate.sensors; ".
- * A key that the items of the section have is not sought elsewhere: the list around it is missing.
- *   section            in   name of the mapping that has the unknown key
- *   advice [LIST_ROOM] out  the advice; empty where the key is known nowhere else
+ * Write in which other section of a scene file an unknown key would be valid, as "it is a key of
+ * simulate.sensors; ".
+ *   section  in  name of the mapping that has the unknown key; where the items of a list in this
+ *            section may have the key, no other section is suggested
+ *   advice  [LIST_ROOM] out  the advice; empty where the key is known nowhere else
  */
 static void point_to_section(const char *key, const char *section, char advice[LIST_ROOM])
 {
@@ -200,8 +202,9 @@ static int check_keys(reader *reader, int node, const field *fields)
 }
 
 /*
- * Read the value of a key with the function of its table row, after refusing words that the scene
- * language no longer has. Returns 0, or -1 after writing the error message of the YAML tree.
+ * Read the value of a key with the function that its row of the table of keys names, after refusing
+ * words that the scene language no longer has. Returns 0, or -1 after writing the error message of
+ * the YAML tree.
  */
 static int read_child(reader *reader, int node, const field *field, void *to)
 {
@@ -530,7 +533,7 @@ const form triple_form = {.type = FORM_LIST, .item = &number_form, .least = 3, .
 
 /*
  * Return the description (form) of a scene value that is a list of two numbers, both within the
- * range `rule`.
+ * permitted range `rule`.
  */
 static form pair_form(const range *rule)
 {

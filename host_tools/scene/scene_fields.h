@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Table-driven reading of YAML mappings: each row of a table holds a key, the function that reads
- * its value, and the rule that the value must satisfy.
+ * its value, and the rule (such as a permitted range) that the value must satisfy.
  */
 #ifndef SCENE_FIELDS_H
 #define SCENE_FIELDS_H
@@ -92,12 +92,12 @@ typedef struct field {
     field_read *read;
     size_t offset;    /* offset of the member that receives the value of a key, in the C struct that
                          the mapping fills (bytes) */
-    const void *rule; /* argument of the function that reads the value of a key: a range, an array
-                         of choices, or another rule */
+    const void *rule; /* argument `rule` of the function that reads the value of a key: a permitted
+                         range, an array of permitted words, or what else that function needs */
     bool required;
     dimension of;     /* physical dimension of the numbers in the value of the key */
-    const form *form; /* form of the value of a key; NULL where the form follows from a basic read
-                         function */
+    const form *form; /* form: description of the values that a key accepts; NULL where the function
+                         that reads the value (member `read`) implies it, as for plain numbers */
     const char *help; /* sentence that explains the key to users */
 } field;
 
@@ -149,26 +149,28 @@ extern const form scene_form;
  */
 int read_map(reader *reader, int node, const field *fields, void *to);
 
-field_read read_real; /* reader of a number into a double; its rule is the permitted range, or NULL
-                       */
-field_read read_int;  /* reader of an integer number into an int; its rule is the permitted range */
-field_read read_pair; /* reader of a list of two numbers into a double[2]; its rule is the permitted
-                         range of both, or NULL */
-field_read read_int_pair; /* reader of a list of two integer numbers into an int[2]; its rule is the
-                             permitted range of both */
-field_read read_name;     /* reader of a value that is a name into a char[SCENE_NAME] */
-field_read read_text;     /* reader of a value that is a text into an allocated char * */
-field_read read_choice;   /* reader of a value that is a word into an int; its rule is the array of
-                             the permitted words */
-field_read read_flag; /* reader of one of the words true, false, on, off, yes and no into a bool */
-field_read read_either; /* reader of one of two words into a bool; its rule is an array of choices
-                           with the values 1 (true) and 0 (false) */
-field_read read_expr;   /* reader of a formula into an allocated expr *; its rule is the permitted
-                           range of a constant formula, or NULL */
+field_read read_real;     /* function that reads a number into a double; argument `rule`: permitted
+                             range, or NULL */
+field_read read_int;      /* function that reads an integer number into an int; argument `rule`:
+                             permitted range */
+field_read read_pair;     /* function that reads a list of two numbers into a double[2]; argument
+                             `rule`: permitted range of both, or NULL */
+field_read read_int_pair; /* function that reads a list of two integer numbers into an int[2];
+                             argument `rule`: permitted range of both */
+field_read read_name;     /* function that reads a name into a char[SCENE_NAME] */
+field_read read_text;     /* function that reads a text into an allocated char * */
+field_read read_choice;   /* function that reads a word into an int; argument `rule`: array of the
+                             permitted words with their values */
+field_read read_flag; /* function that reads one of the words true, false, on, off, yes and no into
+                         a bool */
+field_read read_either; /* function that reads one of two words into a bool; argument `rule`: array
+                           of both words with the values 1 (true) and 0 (false) */
+field_read read_expr;   /* function that reads a formula into an allocated expr *; argument `rule`:
+                           permitted range of a constant formula, or NULL */
 
 /*
- * Readers that keep the index of a value's YAML node in an int, so that the value can be read
- * later. read_scalar_node refuses lists and mappings.
+ * Functions that store the index of the YAML node of a value in an int, so that the value can be
+ * read later. read_scalar_node refuses lists and mappings.
  */
 field_read read_node, read_scalar_node;
 

@@ -111,10 +111,10 @@ static int read_list_node(reader *reader, int node, void *to, const void *rule)
 /* Columns of a table that gives a function: one for each coordinate, and one for the value. */
 typedef struct function_columns {
     int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* number of coordinates of a function given by a
-                                                     table, index of each coordinate in the order x,
-                                                     y, z, theta1, theta2, and number of the table's
-                                                     column that holds it */
-    int value; /* number of the table's column that holds the values of the function */
+                                                     table, index of each among x, y, z (in space),
+                                                     theta1, theta2 (on the surface), and number of
+                                                     the table's column that holds it */
+    int value; /* number of the column that holds the values of a function given by a table */
 } function_columns;
 
 typedef struct function_text {
@@ -217,7 +217,8 @@ static int take_named(reader *reader, const function_text *text, const number_ta
 /*
  * Multiply the factor `scale` by the one that converts a column of values with a stated unit, such
  * as "u3 [um]", to the units of the scene.
- *   node  in      YAML node of the key that the values belong to, of the dimension reader->of
+ *   node  in  YAML node of the key that the values belong to, whose physical dimension the reader
+ *         knows
  *   text  in/out  in: scale as the scene file states it; out: scale to the units of the scene
  * Returns 0, or -1 after writing the error message of the YAML tree: the unit has another dimension
  * than the key, or both the unit and `scale` convert the numbers.

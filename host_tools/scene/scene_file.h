@@ -27,8 +27,8 @@ int scene_table_read(reader *reader, int node, number_table *table);
 
 /*
  * Return the coordinate that a column of a file holds according to its name, whose first letter may
- * be a capital and which may have a unit in brackets behind it: the index of x, y, z, theta1 or
- * theta2, or -1 for any other name.
+ * be a capital and which may have a unit in brackets behind it: the index among x, y, z (in space),
+ * theta1 and theta2 (on the surface), or -1 for any other name.
  */
 int scene_file_axis(const char *name);
 
@@ -48,8 +48,8 @@ extern const form row_function_form, place_function_form, list_form, list_file_f
  */
 typedef struct scene_numbers {
     int count;
-    double *value; /* [count] numbers of the list or of the column of the file, in the units that
-                      the scene file states */
+    double *value; /* [count] numbers that a scene gives as a list, or as a column of another file,
+                      in the units that the scene file states */
 } scene_numbers;
 int scene_numbers_read(reader *reader, int node, scene_numbers *numbers);
 extern const form numbers_form;

@@ -16,8 +16,9 @@ typedef struct list_rule {
 } list_rule;
 
 /*
- * Read a list of numbers into a scene_short_list; rule: its list_rule. Returns 0, or -1 after
- * writing the error message of the YAML tree.
+ * Read a list of numbers into the scene_short_list `to`.
+ *   rule  in  a list_rule: permitted range of the numbers and permitted lengths of the list
+ * Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int read_numbers(reader *reader, int node, void *to, const void *rule)
 {

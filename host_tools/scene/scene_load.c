@@ -12,8 +12,8 @@
 /* ---- supports ---- */
 
 /*
- * Bit of the word `rotation`, which the reader replaces by the dof of the rotation about the given
- * axis.
+ * Bit for the word `rotation` in the key `fix` of a support, in the set of dof that the support
+ * holds; the reader replaces it by the bits of the dof of the rotation about the given axis.
  */
 enum { FIX_ROTATION = 1 << 20 };
 
@@ -58,8 +58,8 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
 
 /*
  * Return the dof, as bits, to which a support applies its prescribed displacement: the mean
- * displacement of both faces if the scene file names u1, u2 or u3, otherwise the single dof that
- * the scene file names.
+ * displacement of both faces if the scene file names a displacement component u1, u2 or u3,
+ * otherwise the single dof that the scene file names.
  */
 static unsigned moved_by(int fix)
 {
@@ -175,7 +175,7 @@ static int read_formulas(reader *reader, int node, scene_support *support)
 }
 
 /*
- * Read the direction of a support: axis e1 of the local triad at its nodes, or the direction of an
+ * Read the direction of a support: the first local axis at its nodes, or the direction of an
  * oblique support. Such a direction is an error with the element formulation `published`. Returns
  * 0, or -1 after an error message about the scene.
  */
@@ -233,9 +233,9 @@ static const form support_form = {
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
 
 /*
- * Check that an oblique support has a direction, that its list contains no other word that needs
- * one, such as `simple`, and that a direction given by formulas belongs to an oblique support.
- * Returns 0, or -1 after an error message about the scene.
+ * Check that an oblique support has a direction, that its key `fix` lists no other word that needs
+ * a direction, such as `simple`, and that a direction given by formulas belongs to an oblique
+ * support. Returns 0, or -1 after an error message about the scene.
  */
 static int check_oblique(reader *reader, int node, const scene_support *support)
 {
@@ -259,11 +259,12 @@ static int check_oblique(reader *reader, int node, const scene_support *support)
 }
 
 /*
- * Replace the word `rotation` of a support by the dof that it holds. With the axes e1 and e2 of the
- * nodes, the rotation about e1 is minus the difference of u2 of both faces over the thickness, and
- * that about e2 the difference of u1. Another axis becomes the axis e1 of the nodes. A prescribed
- * rotation also prescribes the difference of u3, so that it keeps the thickness. Returns 0, or
- * -1 after an error message about the scene.
+ * Replace the word `rotation` of a support by the dof that it holds. With the local axes e1 and e2
+ * of a node, the rotation about e1 is minus the difference of both faces' displacements along e2
+ * over the thickness, and that about e2 the difference along e1. For a rotation about any other
+ * axis, the axes of the nodes are turned so that e1 is this axis. A prescribed rotation also
+ * prescribes the difference of the normal displacements, so that it keeps the thickness. Returns 0,
+ * or -1 after an error message about the scene.
  */
 static int find_rotation(reader *reader, int node, scene_support *support)
 {

@@ -285,7 +285,8 @@ static int read_inside(reader *reader, int node, void *to, const void *rule)
 
 typedef struct bitmap_text {
     double from[2], to[2], threshold;
-    int file; /* YAML node with the name of the bitmap's file */
+    int file; /* YAML node with the name of a picture file (bitmap) whose pixels say to which
+                 electrode they belong */
 } bitmap_text;
 
 static const field bitmap_fields[] = {

@@ -98,8 +98,8 @@ extern const form measured_modes_form;
 field_read read_measured_target;
 
 /*
- * Check that the functions of a scene with a measured influence matrix use only coordinates that
- * its outputs have. Returns 0, or -1 with error filled.
+ * Check that the formulas and tables of a scene with a measured influence matrix, such as its
+ * target, use only coordinates that its outputs have. Returns 0, or -1 with error filled.
  */
 int scene_check_influence(const scene *scene, char *error);
 
@@ -149,8 +149,8 @@ field_read read_reversed, read_swapped;
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
 /*
- * Functions that read the limits of differences and of weighted sums of voltages (scene_rows.c),
- * and descriptions of the permitted values.
+ * Functions that read limits of differences of voltages, of weighted sums and of sums of absolute
+ * values (scene_rows.c); and the forms of these limits, from which schema and help are made.
  */
 field_read read_difference, read_sum, read_absolute_sum;
 extern const form difference_form, sum_form, absolute_sum_form;
@@ -169,8 +169,9 @@ int refuse_amplifier(reader *reader, scene_at at, const char *name);
 field_read read_simulate;
 
 /*
- * Functions that read sets of nodes, faces and directions (scene_place.c); for a set of nodes the
- * argument `to`, which receives the values, is a scene_where.
+ * Functions that read sets of nodes, faces of the shell and directions (scene_place.c). A set of
+ * nodes is stored in the scene_where (description of a place on the mesh) to which the argument
+ * `to` points.
  */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
@@ -181,10 +182,11 @@ extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
 /*
- * Rows for tables of keys of the scene file. DIRECTIONS: the six displacement components u1, u2,
- * u3, x, y and z, each read by the function `read` with the component as its rule. PLACE: the keys
- * that describe a set of nodes, read into the scene_where at an offset (bytes) in the C struct that
- * is filled. PLACE_ON_SURFACE: those of these keys that do not name a set of a mesh file.
+ * Rows for tables of keys of the scene file. DIRECTIONS: the displacement components u1, u2, u3
+ * (along the local axes) and x, y, z (in space) as keys, each read by the function `read`, whose
+ * argument `rule` is the component. PLACE: the keys that describe a set of nodes, read into the
+ * scene_where at an offset (bytes) in the C struct that is filled. PLACE_ON_SURFACE: those of these
+ * keys that do not name a set of a mesh file.
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \

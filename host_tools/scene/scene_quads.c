@@ -278,8 +278,8 @@ static int refuse_pattern(reader *reader, int node, const char *pattern)
 }
 
 /*
- * Read the name of a set of the mesh file, or a pattern of such names, as a place. Returns 0, or -1
- * after writing the error message of the YAML tree.
+ * Read the name of a set of the mesh file, or a pattern of such names, on which a support, load or
+ * output acts. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int read_set_name(reader *reader, int node, scene_where *where, const void *rule)
 {

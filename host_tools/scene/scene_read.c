@@ -298,10 +298,11 @@ static void set_defaults(scene *scene)
 }
 
 /*
- * Choose the number of dof of a node where the scene file does not state it. It is 6, without the
- * seventh dof (displacement of the middle surface relative to the faces), where the element option
- * lin33 leaves this dof no effect and the kinematics is not linear (a dof without effect could lose
- * its stiffness at large rotations); otherwise, or if a support names the seventh dof, it is 7.
+ * Choose the number of dof of a node where the scene file does not state it. The seventh dof is the
+ * displacement of the middle surface relative to the faces. It is left out where the element option
+ * lin33 (every ply thickens freely) leaves it no effect and the kinematics is not linear, because a
+ * dof without effect could lose its stiffness at large rotations. The number is 7 otherwise, and
+ * where a support names the seventh dof.
  */
 static void choose_dof_per_node(scene *scene, const tree *tree)
 {

@@ -19,7 +19,10 @@ typedef struct reader {
 /* Return the text of a YAML node that is a scalar, or NULL for a list or mapping. */
 const char *node_text(const reader *reader, int node);
 
-/* Return the position of a YAML node in the scene file, with its origin. */
+/*
+ * Return the position of a YAML node for error messages: line, column, and the scene file or the
+ * option --set that it comes from.
+ */
 scene_at node_at(const reader *reader, int node);
 
 /*

@@ -267,7 +267,10 @@ static const form absolutes_form = {.type = FORM_LIST, .item = &one_absolute_for
 static const form *const absolute_forms[] = {&one_absolute_form, &absolutes_form, NULL};
 const form absolute_sum_form = {.type = FORM_ANY, .any = absolute_forms};
 
-/* Add the limit of a sum of absolute values that a YAML node describes to the scene. */
+/*
+ * Add the limit of a weighted sum of absolute values of voltages, which a YAML node describes, to
+ * the scene.
+ */
 static int add_absolute(reader *reader, int node, const absolute_text *text)
 {
     const int count = text->list ? text->count : reader->s->amplifiers;

@@ -275,8 +275,8 @@ static int check_ascending(reader *reader, int node, const scene_line *line)
 }
 
 /*
- * Divide a range of theta1 or theta2 into elements whose lengths form a geometric progression;
- * `grading` is the length of the last element over that of the first.
+ * Divide a range of the surface coordinate theta1 or theta2 into elements whose lengths form a
+ * geometric progression; `grading` is the length of the last element over that of the first.
  */
 static int divide(reader *reader, int node, scene_line *line, double from, double to, int elements,
                   double grading)
@@ -298,9 +298,9 @@ static int divide(reader *reader, int node, scene_line *line, double from, doubl
 }
 
 /*
- * Divide a range of theta1 or theta2, with middle m and half length h, into elements that are
- * smaller or larger in the middle. The mesh lines lie at m + h (c s + (1 - c) s^3) with the
- * parameter `centre` as c, for equidistant s from -1 to 1.
+ * Divide a range of the surface coordinate theta1 or theta2, with middle m and half length h, into
+ * elements that are smaller or larger in the middle. The mesh lines lie at m + h (c s + (1 - c)
+ * s^3) with the parameter `centre` as c, for equidistant s from -1 to 1.
  */
 static int concentrate(reader *reader, int node, scene_line *line, double from, double to,
                        int elements, double centre)
@@ -346,8 +346,9 @@ static int check_ends(reader *reader, int node, int direction, double from, doub
 }
 
 /*
- * Find the first and last coordinate of the mesh along theta1 or theta2. A value that the scene
- * file does not give is the end of the range in which the surface exists, if that range is limited.
+ * Find the first and last coordinate of the mesh along the surface coordinate theta1 or theta2. A
+ * value that the scene file does not give is the end of the range in which the surface exists, if
+ * that range is limited.
  */
 static int find_ends(reader *reader, int node, int direction, line_text *text)
 {

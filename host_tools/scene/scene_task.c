@@ -258,8 +258,9 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * Table of the keys of a sensor. Sensors and actuators use the same function to read the key
- * `drives`, which recognises a sensor by a rule that is not NULL; here this rule is `circuits`.
+ * Table of the keys of a sensor. The key `drives` (patches that an actuator drives or a sensor
+ * reads) is read by one function for both, which takes the object for a sensor where its argument
+ * `rule` is not NULL; here the argument is the array `circuits`.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
@@ -908,8 +909,9 @@ static const choice target_weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
 static const form free_form = {.type = FORM_LIST, .item = &row_function_form, .most = SCENE_FREE};
 
 /*
- * Entries of the table of keys for the keys that all kinds of targets have: values, weights,
- * alternative shapes, and functions, such as rigid motions, that are removed from the misfit.
+ * Rows, for tables of scene keys, of the keys that all types of targets have: values, weights, a
+ * list of shapes for which the voltages are optimised one by one, and functions, such as rigid
+ * motions, that are removed from the misfit.
  */
 #define TARGET_VALUES                                                                              \
     {"value",                                                                                      \

@@ -280,8 +280,9 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
 }
 
 /*
- * Constrain a list of dof of a node. Dof along e1 and e2 need a direction, unless both axes are
- * constrained alike. Returns 0, or -1 with the error filled.
+ * Constrain a list of dof of a node. Dof along the tangential axes e1 and e2 need a support with a
+ * direction, which determines these axes, unless the dof of both axes are constrained alike.
+ * Returns 0, or -1 with the error filled.
  */
 static int hold_listed(triads *triads, const scene_support *support, size_t node, unsigned bits)
 {
@@ -298,8 +299,8 @@ static int hold_listed(triads *triads, const scene_support *support, size_t node
 
 /*
  * Constrain a node of a simply supported edge: its displacement along the edge, and its
- * displacement u3 normal to the surface. At a corner, displacements along both edges are
- * constrained. Returns 0, or -1 with the error filled.
+ * displacement normal to the surface. At a corner, displacements along both edges are constrained.
+ * Returns 0, or -1 with the error filled.
  */
 static int hold_simple(triads *triads, const scene_support *support, size_t node)
 {
@@ -348,8 +349,9 @@ static int find_nodes(triads *triads, const scene_support *support)
 }
 
 /*
- * Turn the directors of a symmetric support into its plane. All symmetric supports are treated
- * before the first triad (local axes) is determined, because triads depend on directors.
+ * Turn the directors (directions through the thickness) at the nodes of a support on a symmetry
+ * plane into that plane. All such supports are treated before the first triad (local axes) is
+ * determined, because triads depend on directors.
  */
 static int turn_directors(triads *triads, const scene_support *support)
 {

@@ -78,8 +78,8 @@ static const char *text_of(const tree *tree, int map, const char *key)
 
 /*
  * Return the dimension of the prescribed value of a support: a length for a displacement;
- * dimensionless for a difference of both faces and for the seventh dof (u3 of the middle surface
- * minus the mean of both faces), which are divided by the thickness.
+ * dimensionless for a difference of both faces and for the seventh dof (normal displacement of the
+ * middle surface minus the mean of both faces), which are divided by the thickness.
  */
 static dimension of_support(const tree *tree, int map)
 {
@@ -174,8 +174,8 @@ static dimension of_compare(const reader *reader, int node)
 }
 
 /*
- * Return the physical dimension (length or angle) of a number below the key theta1 or theta2 of a
- * scene file, whichever of them is the nearest key above its YAML node.
+ * Return the physical dimension (length or angle) of a number below the key theta1 or theta2
+ * (surface coordinate) of a scene file, whichever of them is the nearest key above its YAML node.
  */
 static dimension of_coordinate(const reader *reader, int node)
 {
@@ -215,9 +215,9 @@ static int outlines_owner(const tree *tree, int node)
 
 /*
  * Return the physical dimension of a number in the outline of an electrode. Coordinates of an
- * outline drawn in a plane of space are lengths. In an outline drawn over theta1 and theta2 the two
- * numbers of a point have the dimensions of these coordinates, and a radius or gap is a length if
- * both coordinates are lengths.
+ * outline drawn in a plane of space are lengths. In an outline drawn over the surface coordinates
+ * theta1 and theta2 the two numbers of a point have the dimensions of these coordinates, and a
+ * radius or gap is a length if both coordinates are lengths.
  */
 static dimension of_outline(const reader *reader, int node)
 {
@@ -368,8 +368,9 @@ static int refuse_base(reader *reader, int node, int base)
 }
 
 /*
- * Return the factor that converts an angle from degrees to radians or back, as text to be written
- * behind the number; empty if both units are equal.
+ * Return the factor that converts a number with an angle in its unit from degrees to radians or
+ * back, as text to be written behind the number; empty if the unit of the number and the required
+ * unit have the same unit of angle.
  */
 static const char *turn(const units_unit *unit, const units_unit *key)
 {
@@ -406,8 +407,9 @@ int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], cons
 }
 
 /*
- * Copy the text in the brackets at the end of the name of a column. Returns whether there is any.
- *   text [SCENE_UNITS_TEXT] out  text in the brackets
+ * Copy the unit in the brackets at the end of the name of a column of a table, such as "u3 [um]".
+ * Returns whether there are brackets.
+ *   text  [SCENE_UNITS_TEXT] out  text in the brackets
  */
 static bool text_in_brackets(const char *column, char text[SCENE_UNITS_TEXT])
 {

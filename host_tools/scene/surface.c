@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Points, areas and ranges of reference surfaces (surface.h), from the rows of surface_types.h. The
- * Lame parameter A1 of these surfaces never depends on theta2.
+ * Lame parameter A1 (arc length per unit of the surface coordinate theta1) of these surfaces never
+ * depends on theta2.
  */
 #include "surface.h"
 #include "gauss.h"
@@ -32,8 +33,9 @@ surface_point surface_at(const scene_surface *surface, double theta1, double the
 /* ---- area of a surface ------------------------------------------------ */
 
 /*
- * Integrate A1 A2, the area of a surface per unit of theta1 and theta2, over a short range of one
- * coordinate. The integrand does not depend on the other coordinate.
+ * Integrate the area of a surface per unit of its coordinates theta1 and theta2 (the product of the
+ * Lame parameters A1 and A2) over a short range of one coordinate. The integrand does not depend on
+ * the other coordinate.
  */
 static double integral_of_piece(const scene_surface *surface, int direction, double from, double to)
 {
@@ -49,9 +51,9 @@ static double integral_of_piece(const scene_surface *surface, int direction, dou
 }
 
 /*
- * Integrate A1 A2, the area of a surface per unit of theta1 and theta2, over a range of one
- * coordinate. The range is divided at the knots of a spline, where the integrand is not smooth, and
- * into short pieces.
+ * Integrate the area of a surface per unit of its coordinates theta1 and theta2 (the product of the
+ * Lame parameters A1 and A2) over a range of one coordinate. The range is divided at the knots of a
+ * spline, where the integrand is not smooth, and into short pieces.
  */
 static double integral(const scene_surface *surface, int direction, const double range[2])
 {

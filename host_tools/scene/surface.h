@@ -12,16 +12,19 @@ surface_point surface_at(const scene_surface *surface, double theta1, double the
 
 /*
  * Return the area of the reference surface over the rectangle theta1[0] to theta1[1], theta2[0] to
- * theta2[1], to rounding accuracy where the surface is piecewise smooth.
+ * theta2[1] of its surface coordinates, to rounding accuracy where the surface is piecewise smooth.
  */
 double surface_area(const scene_surface *surface, const double theta1[2], const double theta2[2]);
 
-/* Return whether theta1 (direction 1) or theta2 (direction 2) is periodic with the period 2 pi. */
+/*
+ * Return whether the surface coordinate theta1 (direction 1) or theta2 (direction 2) is periodic
+ * with the period 2 pi.
+ */
 int surface_closes(const scene_surface *surface, int direction);
 
 /*
- * Return whether theta1 (direction 1) or theta2 (direction 2) is an angle in radians; otherwise the
- * coordinate is a length.
+ * Return whether the surface coordinate theta1 (direction 1) or theta2 (direction 2) is an angle in
+ * radians; otherwise it is a length.
  */
 int surface_is_angle(const scene_surface *surface, int direction);
 
@@ -32,8 +35,9 @@ int surface_is_angle(const scene_surface *surface, int direction);
 int surface_revolves(const scene_surface *surface);
 
 /*
- * Find the range of theta1 (direction 1) or theta2 (direction 2) beyond which the surface does not
- * exist: the chord length of a meridian through points, or the angle of a spiral.
+ * Find the range of the surface coordinate theta1 (direction 1) or theta2 (direction 2) beyond
+ * which the surface does not exist: the chord length of a meridian through points, or the angle of
+ * a spiral.
  *   range  [2] out  lowest and highest value
  * Returns 1, or 0 if the surface does not limit the coordinate.
  */

@@ -15,9 +15,9 @@ static void set(double vector[3], double x, double y, double z)
 
 /*
  * Return the point of a cylinder over a plane curve at the polar angle phi, where the curve has the
- * given radius, which grows by `rise` per radian. The coordinate along the axis is theta1 (axis =
- * 0: along x, with phi = 0 at the top and +y at 90 degrees) or theta2 (axis = 1: along z, with phi
- * = 0 at +x and +y at 90 degrees).
+ * given radius, which grows by `rise` per radian. The surface coordinate along the axis is theta1
+ * (axis = 0: along x, with phi = 0 at the top and +y at 90 degrees) or theta2 (axis = 1: along z,
+ * with phi = 0 at +x and +y at 90 degrees).
  */
 static surface_point round_at(int axis, double along, double phi, double radius, double rise)
 {

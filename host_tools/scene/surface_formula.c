@@ -12,8 +12,9 @@
 #include "../quads/vector.h"
 
 /*
- * Position in space of a point of a surface with its derivatives: `first` with respect to theta1
- * and to theta2, `second` twice with respect to theta1 and twice with respect to theta2.
+ * Position in space of a point of a surface with its derivatives: `first` with respect to the
+ * surface coordinates theta1 and theta2, `second` twice with respect to theta1 and twice with
+ * respect to theta2.
  */
 typedef struct place {
     double x[3], first[2][3], second[2][3];
@@ -31,9 +32,9 @@ static expr_jet height_at(const bicubic *points, double x, double y)
 }
 
 /*
- * Return the position in space, with its derivatives, of the point of a surface at theta1 and
- * theta2. Without a formula, x is theta1, y is theta2, and z is the height of the surface fitted to
- * points, or 0.
+ * Return the position in space, with its derivatives, of the point of a surface at its coordinates
+ * theta1 and theta2. Without a formula, x is theta1, y is theta2, and z is the height of the
+ * surface fitted to points, or 0.
  */
 static place place_at(const scene_surface *surface, double theta1, double theta2)
 {
@@ -95,7 +96,7 @@ double surface_formula_cosine(const scene_surface *surface, double theta1, doubl
            sqrt(vector_dot(at.first[0], at.first[0]) * vector_dot(at.first[1], at.first[1]));
 }
 
-/* Return the area of a surface per unit of theta1 and theta2. */
+/* Return the area of a surface per unit of its coordinates theta1 and theta2. */
 static double density(const scene_surface *surface, double theta1, double theta2)
 {
     const place at = place_at(surface, theta1, theta2);

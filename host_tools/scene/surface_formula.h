@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference surface given by formulas of x, y and z in theta1 and theta2, or fitted to points, with
- * x = theta1 and y = theta2. Its coordinate lines need not be lines of curvature and need not meet
- * at right angles.
+ * Reference surface given by formulas of x, y and z in the surface coordinates theta1 and theta2,
+ * or fitted to points, with x = theta1 and y = theta2. Its coordinate lines need not be lines of
+ * curvature and need not meet at right angles.
  */
 #ifndef SURFACE_FORMULA_H
 #define SURFACE_FORMULA_H
@@ -11,16 +11,17 @@
 
 /*
  * Return whether a surface is given by formulas or fitted to points. The other functions of this
- * file are for such surfaces only. At a point of such a surface, e1 is tangent to the line of
- * variable theta1, e3 is the unit normal along the cross product of the tangents, and e2 = e3 x e1.
- * The members a and k of surface_point are the lengths of the tangents and the normal curvatures of
- * the coordinate lines, and its member b is 0.
+ * file are for such surfaces only. At a point of such a surface, e1 is tangent to the line along
+ * which the surface coordinate theta1 varies, e3 is the unit normal along the cross product of the
+ * tangents, and e2 = e3 x e1. In surface_point, `lame` contains the lengths of the tangents,
+ * `curvature` the normal curvatures of the coordinate lines, and `geodesic` is 0.
  */
 int surface_is_general(const scene_surface *surface);
 
 /*
- * Turn the triad (local axes) of a surface point about its normal so that e2 is tangent to the
- * theta2 line (theta [2] in: coordinates of the point).
+ * Turn the triad (local axes) of a surface point about its normal so that the axis e2 is tangent to
+ * the line along which the surface coordinate theta2 varies (theta [2] in: coordinates of the
+ * point).
  */
 void surface_formula_turn(const scene_surface *surface, const double theta[2],
                           surface_point *point);

@@ -17,8 +17,9 @@ static void set(double vector[3], double x, double y, double z)
 }
 
 /*
- * Return the point of a surface of revolution about the z axis; theta2 is the azimuth. The normal
- * e3 points to the left of the meridian when height is plotted over radius and theta1 increases.
+ * Return the point of a surface of revolution about the z axis; the surface coordinate theta2 is
+ * the azimuth. The normal points to the left of the meridian when height is plotted over radius and
+ * the surface coordinate theta1 increases.
  */
 surface_point revolution_at(const scene_surface *surface, double theta1, double theta2)
 {

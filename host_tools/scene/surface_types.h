@@ -16,23 +16,26 @@
 enum { ALONG_THETA1 = 1, ALONG_THETA2 = 2, AROUND_AXIS = 4 };
 
 /*
- * Point (radius, height) of the meridian of a surface of revolution at theta1, and its first and
- * second derivatives with respect to theta1.
+ * Point (radius, height) of the meridian of a surface of revolution at the surface coordinate
+ * theta1, and its first and second derivatives with respect to theta1.
  */
 typedef struct surface_meridian {
     double x[2], d1[2], d2[2];
 } surface_meridian;
 
-/* Function that returns the point of a surface at the coordinates theta1 and theta2. */
+/* Function that returns the point of a surface at its coordinates theta1 and theta2. */
 typedef surface_point surface_at_function(const scene_surface *surface, double theta1,
                                           double theta2);
 
-/* Function that returns the point of the meridian of a surface of revolution at theta1. */
+/*
+ * Function that returns the point of the meridian of a surface of revolution at the surface
+ * coordinate theta1.
+ */
 typedef surface_meridian surface_meridian_function(const scene_surface *surface, double theta1);
 
 /*
- * Function that returns the area of a surface over the rectangle t1[0] to t1[1] of theta1 and t2[0]
- * to t2[1] of theta2.
+ * Function that returns the area of a surface over the rectangle t1[0] to t1[1] of the surface
+ * coordinate theta1 and t2[0] to t2[1] of theta2.
  */
 typedef double surface_area_function(const scene_surface *surface, const double t1[2],
                                      const double t2[2]);
@@ -42,7 +45,8 @@ typedef double surface_area_function(const scene_surface *surface, const double 
  *   the type, the word for it in a scene file, and its keys in a scene file (?a is optional;
  *   SURFACE_NUMBERS
  *   defines the keys that are numbers);
- *   the function of its points, of its meridian (0 unless it is a surface of revolution, whose
+ *   the function that computes its points, that of its meridian (0 unless it is a surface of
+ *   revolution, whose
  *   points are revolution_at) and of its area (0: numerical integral);
  *   the set of coordinates with the period 2 pi, the set of coordinates that are angles, the advice
  *   for a mesh that reaches a pole, and a sentence of help.

@@ -26,8 +26,8 @@ typedef enum units_base {
 } units_base;
 
 /*
- * Size of the text of a number whose decimal exponent has been changed and that is followed by a
- * factor (bytes).
+ * Size of the text of a number that was converted to other units: its decimal exponent has been
+ * changed, and a factor such as *pi/180 may follow (bytes).
  */
 enum { UNITS_NUMBER = 128 };
 
