@@ -13,8 +13,8 @@
 #include "outfile.h"
 
 /*
- * Arrays to be written to files, with the memory of those arrays that were computed for this
- * purpose.
+ * Arrays of the results of a command that are written to files, with the memory of those that were
+ * computed for this purpose.
  */
 typedef struct arrays {
     named_array array[NAMED_ARRAY_MOST];
@@ -88,7 +88,10 @@ static int write_folder(const char *folder, const arrays *arrays)
     return status;
 }
 
-/* Write the arrays to the files that the command-line options name, and release their memory. */
+/*
+ * Write the result arrays of a command (struct arrays) to the files that the command-line options
+ * name, and release their memory.
+ */
 static int write_arrays(const options *options, arrays *arrays)
 {
     int status = arrays->is_full;

@@ -19,7 +19,10 @@ bool keys_has(const char *section);
 /* Print the keys of all sections, separated by blanks. */
 void keys_names(FILE *file);
 
-/* Compare the keys of all sections with a misspelt word, to suggest the most similar one. */
+/*
+ * Compare the keys of all sections of a scene file with a misspelt word, to suggest the most
+ * similar key.
+ */
 void keys_suggest(suggestion *near);
 
 #endif

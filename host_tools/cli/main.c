@@ -194,9 +194,9 @@ static int write_reports(const options *options, write_report *write, const void
 /* ---- solve ------------------------------------------------------------ */
 
 /*
- * Solution for the displacement of a scene: displacement vector [free_dof], the values of all
- * outputs of the scene computed from it, and the stresses recovered from it, or NULL where the user
- * has not asked for them.
+ * Solution of a scene under its loads: displacement vector [free_dof], the values of all outputs of
+ * the scene computed from it, and the stresses recovered from it, or NULL where the user has not
+ * asked for them.
  */
 typedef struct solution {
     const analysis *analysis;
@@ -414,8 +414,9 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Compute the numbers to which the plausibility warnings on the target refer, from the shape
- * without voltages and from the optimal voltages within the first pair of voltage limits.
+ * Compute the numbers to which the plausibility warnings on the target refer: size of the target,
+ * and error, largest voltage and linearly dependent amplifiers of the optimal voltages within the
+ * first pair of voltage limits.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {
@@ -840,8 +841,8 @@ static int judge_storms(const analysis *analysis, char *error)
 }
 
 /*
- * Certify the control loop of the constants that `pzs tables` writes, and refuse it where it is not
- * stable. Returns 0, or an exit code with error filled.
+ * Test the stability of the control loop in the tables that `pzs tables` writes, and refuse a loop
+ * that is not stable. Returns 0, or an exit code with error filled.
  */
 static int certify_tables(analysis *analysis, char *error)
 {
@@ -854,8 +855,8 @@ static int certify_tables(analysis *analysis, char *error)
 }
 
 /*
- * Refuse free functions of the target in the constants for a device that computes the influence
- * matrix itself. Returns 0, or -1 with error filled.
+ * Refuse free functions of the target (shapes that may be added to it at no cost) in the tables of
+ * a device that computes the influence matrix itself. Returns 0, or -1 with error filled.
  */
 static int refuse_free(const design *design, tables_image image, char *error)
 {
@@ -869,8 +870,8 @@ static int refuse_free(const design *design, tables_image image, char *error)
 }
 
 /*
- * Compute the equilibrium of a scene, and the influence matrix and the certificate of its control
- * loop there, for the constants of a device with the nonlinear solver. Returns 0, or an exit code
+ * Prepare the tables of a firmware with the nonlinear solver: compute the equilibrium of the scene,
+ * and there the influence matrix and the stability of the control loop. Returns 0, or an exit code
  * with error filled.
  */
 static int prepare_nonlinear(analysis *analysis, char *error)
@@ -1157,7 +1158,10 @@ static int asks_for(option_id option, int argc, char **argv, int from)
     return 0;
 }
 
-/* Check that all output files that the options name can be begun. Returns 0 or 1. */
+/*
+ * Check that all output files that the options name can be begun. Returns 0, or 1 if one of them
+ * cannot.
+ */
 static int check_outputs(const options *options)
 {
     const char *const paths[] = {options->report, options->svg, options->vtu,       options->csv,

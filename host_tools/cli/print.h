@@ -12,15 +12,18 @@
 /* Results of the command `pzs shape`. */
 typedef struct shape_run {
     analysis *analysis;
-    voltages *results; /* [count] voltages of all results: optimum without limits; for each pair of
-                          limits the optimum, on a nonlinear structure also the optimum of the
-                          linear model, clipped and regularised clipped least squares; then the sets
-                          that the scene file gives */
-    voltages before;   /* displacements and shape error with all voltages zero */
-    int count, compared; /* number of results; index of the first result whose voltages the scene
-                            gives for comparison */
-    modes modes; /* results for each alternative shape of the target; empty where the target is no
-                    list of alternative shapes */
+    voltages *results;   /* [count] results, each of which consists of voltages and the shape that
+                            they reach: first the voltages with the smallest shape error without
+                            limits; then, for each pair of voltage limits that the user asks for,
+                            those with the smallest shape error (on a nonlinear structure also those
+                            of the linear model), clipped least squares, and regularised clipped
+                            least squares; then the voltages that the scene file gives for
+                            comparison */
+    voltages before;     /* displacements and shape error with all voltages zero */
+    int count, compared; /* number of sets of voltages in `results`; index of the first set that the
+                            scene file gives for comparison */
+    modes modes; /* shape errors for each shape of the target, where the scene file lists several
+                    shapes for which the voltages are optimised one by one; otherwise empty */
 } shape_run;
 
 /*
@@ -51,8 +54,7 @@ void print_check_json(const analysis *analysis, const work_report *work);
  * Print the outputs of the scene under a displacement, then the forces of springs and the voltages
  * and charges of electrodes.
  *   displacement [free_dof]     in  displacement vector of the structure
- *   value        [output rows]  in  values of all outputs, one for each row of the matrix that maps
- *                                   the displacement vector to the outputs
+ *   value in values of all outputs of the scene, output after output
  */
 void print_solve(analysis *analysis, const double *displacement, const double *value,
                  const stress_field *stress);
@@ -78,8 +80,8 @@ void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 
 /*
- * Print the shape error of each alternative shape of a target that is a list of alternative shapes;
- * otherwise print nothing.
+ * Print the shape error of each shape of the target, where the scene file lists several shapes for
+ * which the voltages are optimised one by one; otherwise print nothing.
  */
 void print_modes(const design *design, const modes *modes);
 void print_modes_json(json *json, const design *design, const modes *modes);

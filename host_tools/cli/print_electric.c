@@ -23,8 +23,8 @@ static const char *name_of(const design *design, int k)
 }
 
 /*
- * Number of electrodes of amplifiers and sensors; the potentials of bare faces (without electrodes)
- * follow them.
+ * Number of electrodes of amplifiers and sensors, which come first in the library's list of
+ * electrodes; the potentials of bare faces (without electrodes) follow them.
  */
 static int electrodes_of_patches(const design *design)
 {

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Errors of each alternative shape of a target on standard output (print.h). */
+/*
+ * Shape errors on standard output for a target that is a list of shapes, for which the voltages are
+ * optimised one by one (print.h).
+ */
 #include <stdio.h>
 #include "print.h"
 
 /*
- * Print, for each pair of a lower and an upper voltage limit, a table with the shape error that
- * remains for each alternative shape of the target.
+ * For a target that is a list of shapes, print for each pair of a lower and an upper voltage limit
+ * a table with the error that the optimal voltages leave of each shape.
  */
 void print_modes(const design *design, const modes *modes)
 {

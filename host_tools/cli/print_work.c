@@ -7,7 +7,7 @@
 
 /*
  * Compute upper bounds of the processor instructions of a control tick that runs a list of blocks
- * (stages of the control computation): for any tick, and for the longest simulated tick.
+ * (stages of the tick): for any tick, and for the longest simulated tick.
  */
 static void find_bounds(work_report *report, const analysis *analysis, const loop_blocks *blocks)
 {

@@ -297,7 +297,7 @@ static void write_words(json *json, const choice *words)
     json_close(json, ']');
 }
 
-/* Write the members of the schema of a value into an open JSON object. */
+/* Write the members of the JSON schema of a value in a scene file into an open JSON object. */
 static void write_form(json *json, const form *form)
 {
     switch (form->type) {

@@ -22,7 +22,10 @@ struct scatter {
                        built */
 };
 
-/* Nearest points found so far in a search, with ascending distance. */
+/*
+ * Scattered points nearest to the place of interpolation that a search has found so far, with
+ * ascending distance.
+ */
 typedef struct neighbours {
     size_t count, most;
     size_t index[NEAREST];
@@ -145,7 +148,7 @@ static double square_distance(const double *first, const double *second)
 typedef struct search_range {
     tree_range range;
     double beyond; /* square of a lower bound of the distance from the place of interpolation to any
-                      point of the range */
+                      point of this range of the k-d tree */
 } search_range;
 
 static void search(const scatter *scatter, const double place[SCATTER_AXES], neighbours *found)
@@ -174,13 +177,16 @@ static void search(const scatter *scatter, const double place[SCATTER_AXES], nei
 
 /* ---- local fit -------------------------------------------------------- */
 
-/* Weighted means and second moments of the nearest points and their values. */
+/*
+ * Weighted means and second moments of the coordinates and values of those scattered points that
+ * are nearest to the place of interpolation.
+ */
 typedef struct moments {
-    double centre[SCATTER_AXES], value; /* weighted means of the nearest points' coordinates and
-                                           values */
+    double centre[SCATTER_AXES], value; /* weighted means of the coordinates and of the values of
+                                           the points nearest to the place of interpolation */
     double spread[SCATTER_AXES][SCATTER_AXES];
-    double cross[SCATTER_AXES]; /* weighted mixed moments of the nearest points' values with each of
-                                   their coordinates */
+    double cross[SCATTER_AXES]; /* weighted mixed moments of the value and each coordinate of the
+                                   points nearest to the place of interpolation */
 } moments;
 
 static moments moments_of(const scatter *scatter, const neighbours *found)

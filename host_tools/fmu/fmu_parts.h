@@ -39,8 +39,8 @@ typedef struct fmu_file {
 
 typedef struct fmu {
     const analysis *nominal;
-    const design *design; /* design (structure, inputs and outputs) from which the controller is
-                             made, without the deviations that the scene gives the plant */
+    const design *design; /* numerical model of the scene from which the controller is made, without
+                             the deviations that the scene gives the plant */
     fmu_kind kind;
     char identifier[FMU_IDENTIFIER]; /* name of the FMU, which is a C identifier */
     char guid[FMU_GUID]; /* identifier that modelDescription.xml and the shared library must share

@@ -10,9 +10,10 @@
 static const double pi = 3.141592653589793;
 
 /*
- * Shape of the middle block, relative to the radius of the first circle: distance of the middle of
- * a side from the centre, and both coordinates of a corner. For corners between 0.42 and 0.5 the
- * angles around the block are nearly equal.
+ * Shape of the middle block of the disc's mesh (a square with bent sides around the centre),
+ * relative to the radius of the innermost circle of nodes around it: distance of the middle of a
+ * side from the centre, and both coordinates of a corner. For corners between 0.42 and 0.5 the
+ * angles of the elements at the border of the block are nearly equal.
  */
 static const double middle_of_side = 0.5, corner_of_block = 0.42;
 
@@ -27,7 +28,8 @@ typedef struct disc_plan {
                    circles inside the rim plus 1 */
     double circle[QUAD_RINGS + 1];
     int across[QUAD_RINGS + 1]; /* number of elements across each band of the disc; the first band
-                                   lies between the middle block and the first circle */
+                                   lies between the middle block of elements and the innermost
+                                   circle */
     int layers; /* number of elements across all bands of the disc together: the number of layers
                    around the middle block */
 } disc_plan;
@@ -178,9 +180,10 @@ static void add_sector(const disc_plan *plan, int first, int last, int sector, i
 {
     const int elements = plan->disc->elements, each = plan->around / sectors, turn = elements / 2;
     for (int i = first; i < last; i++)
-        for (int j = 0; j < plan->around; j++) /* Nodes along a circle of the disc are counted from
-                                                  a diagonal of the middle block; the x axis is half
-                                                  a side of the block further on. */
+        for (int j = 0; j < plan->around;
+             j++) /* Nodes along a circle are counted from its point behind a corner of the disc's
+                     middle block (a diagonal of the mesh); the x axis is an eighth of the circle,
+                     half a side of the block, further on. */
             if ((j - turn + plan->around) % plan->around / each == sector)
                 set->index[set->count++] = (uint32_t)(elements * elements + i * plan->around + j);
 }

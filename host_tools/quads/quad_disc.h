@@ -19,8 +19,9 @@ typedef struct quad_disc {
     int rings;    /* number of circles on the disc, besides the rim, that no element crosses */
     int elements; /* number of elements along a side of the middle block of the disc, even; every
                      circle on the disc has four times as many */
-    int sectors;  /* number of equal angular sectors into which each ring of elements outside the
-                     first circle is divided; a divisor of the number of elements along a circle */
+    int sectors;  /* number of equal angular sectors into which the elements between neighbouring
+                     circles are divided, except those inside the innermost circle; a divisor of the
+                     number of elements along a circle */
 } quad_disc;
 
 /*

@@ -37,14 +37,15 @@ typedef struct quad_region {
 typedef struct quad_mesh {
     size_t nodes, elements, regions;
     double (*position)[3]; /* [nodes] position of each node, a point of the reference surface (m) */
-    double (*director)[3]; /* [nodes] unit normals towards the outer face, axis e3 of each node's
+    double (*director)[3]; /* [nodes] unit normals towards the outer face, third axis of each node's
                               triad (local axes) */
-    double (*axis)[3];     /* [nodes] unit vectors e1 of the triads (local axes), normal to the
-                              directors; e2 = e3 x e1 */
+    double (*axis)[3]; /* [nodes] first axes of the triads (local axes), unit vectors normal to the
+                          directors; the second axis is director x first axis */
     uint8_t *constrained; /* [nodes] bit i is set if dof i of the node is constrained to 0; NULL: no
                              dof is constrained */
-    int (*holder)[QUAD_DOF]; /* [nodes] index of the support that constrains each dof; only entries
-                                of constrained dof count; NULL: unknown */
+    int (*holder)[QUAD_DOF]; /* [nodes][QUAD_DOF] index of the support that constrains each dof;
+                                entries of dof that are not constrained have no meaning; NULL:
+                                unknown */
     uint32_t *order;     /* [nodes] nodes in the order in which their dof are numbered; NULL: in the
                             order of their indices */
     int64_t *node_label; /* [nodes] numbers of the nodes in the mesh file; NULL: they have none */
@@ -89,16 +90,16 @@ const quad_set *quad_set_find(const quad_set *set, size_t count, const char *nam
 bool quad_set_has(const quad_set *set, uint32_t index);
 
 /*
- * Return the global axis (0, 1 or 2) whose projections on the surface are suitable as axes e1 of
- * all nodes: the axis whose smallest angle to any director (unit normal) is largest. Returns -1 if
- * some director is nearly parallel to each axis, as on half a sphere.
+ * Return the global axis (0, 1 or 2) whose projections on the surface are suitable as first local
+ * axes of all nodes: the axis whose smallest angle to any director (unit normal) is largest.
+ * Returns -1 if some director is nearly parallel to each axis, as on half a sphere.
  */
 int quad_common_axis(const quad_mesh *mesh);
 
 /*
- * Compute the axis e1 of the local triad of a node at which no support prescribes this axis: the
- * projection of the global axis `common` on the surface, or for common = -1 of the global axis that
- * is least aligned with the director (unit normal).
+ * Compute the first local axis of a node at which no support prescribes this axis: the projection
+ * of the global axis `common` on the surface, or for common = -1 of the global axis that is least
+ * aligned with the director (unit normal).
  */
 void quad_default_axis(const double director[3], int common, double axis[3]);
 

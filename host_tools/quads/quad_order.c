@@ -185,8 +185,8 @@ static void compare(search *search)
 }
 
 /*
- * Compare a new node order and its reverse with the best node order of the search, and keep the one
- * for which the stiffness matrix has the fewest stored entries.
+ * Compare a new node order and its reverse with the best one found so far, and keep the one for
+ * which the stiffness matrix has the fewest stored entries.
  */
 static void compare_both(search *search)
 {
@@ -211,11 +211,11 @@ static void try_levels(search *search, const quad_mesh *mesh)
 }
 
 /*
- * Compare node orders of Sloan's algorithm with the best order of the search, by the number of
- * stored entries of the stiffness matrix. The orders run from a given node to the end of the mesh,
- * with several weights of the growth of the front (nodes without a number beside numbered ones).
- *   level [nodes] in  distance of each node from the end of the mesh
- * Returns 0, or -1 when memory runs out.
+ * Compare node orders of Sloan's algorithm with the best node order found so far, by the number of
+ * stored entries of the stiffness matrix. The orders run from the node `first` to the opposite end
+ * of the mesh, from which search->level counts the distance of each node, with several weights of
+ * the growth of the front (nodes without a number beside numbered ones). Returns 0, or -1 when
+ * memory runs out.
  */
 static int try_sloan(search *search, uint32_t first)
 {

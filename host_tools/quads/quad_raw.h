@@ -64,9 +64,9 @@ quad_raw_set *quad_raw_find_set(quad_raw *raw, const quad_file *file, const char
 int quad_raw_add_item(quad_raw_set *set, const quad_file *file, int64_t item);
 
 /*
- * Write an error message that an element has a shape that is not supported, and how to avoid it.
- *   shape  in  description of the shape, such as "a triangle"
- * Both functions return -1.
+ * Write the error message that an element of a mesh file is a triangle, or has another shape that
+ * is not supported, and how to avoid it. Both functions return -1.
+ *   shape  in  description of the shape, such as "a pentagon"
  */
 int quad_raw_refuse_triangle(const quad_file *file, size_t at, int64_t label);
 int quad_raw_refuse_shape(const quad_file *file, size_t at, int64_t label, const char *shape);

@@ -12,8 +12,8 @@
  * (unit normals) and axes of the nodes, the sets and the order of the nodes. A director inside the
  * mesh is the mean of the normals of the elements at the node, weighted with their angles there and
  * corrected by the fit of a quadric. On a free edge the director is extrapolated from the directors
- * inside, so that spheres and cylinders keep their exact normals. Axis e1 of a node is the
- * projection of a global axis. All elements belong to one region.
+ * inside, so that spheres and cylinders keep their exact normals. The first local axis of a node is
+ * the projection of a global axis. All elements belong to one region.
  *   error [QUAD_ERROR] out  message
  * Returns 0, or -1 with error filled and the mesh empty.
  */

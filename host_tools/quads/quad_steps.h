@@ -43,25 +43,25 @@ typedef struct quad_topology {
 void quad_topology_free(quad_topology *topology);
 
 /*
- * Find the neighbours of all elements, give the elements one orientation, and fill the edge sets.
- * Returns 0, or -1 after writing the error message of the mesh file: the surface is branched,
- * one-sided or in several parts.
+ * Find the neighbours of all elements, give the elements one orientation, and fill the mesh's named
+ * sets of edges. Returns 0, or -1 after writing the error message of the mesh file: the surface is
+ * branched, one-sided or in several parts.
  */
 int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw,
                  const quad_options *options, quad_topology *topology);
 
 /*
- * Determine the directors (unit normals) and the axes e1 of all nodes of a mesh, and report sharp
- * edges and pairs of nodes that are not joined as warnings. Returns 0, or -1 after writing the
- * error message of the mesh file.
+ * Determine the directors (unit normals) and the first local axes of all nodes of a mesh, and
+ * report sharp edges and pairs of nodes that are not joined as warnings. Returns 0, or -1 after
+ * writing the error message of the mesh file.
  */
 int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                    quad_warnings *warnings);
 
 /*
- * Choose the first side of each element so that it runs as nearly as possible along the axes e1 of
- * its nodes: elements of equal shape then list their corners alike and share an element type. The
- * numbers in the edge sets are adapted. Returns 0, or -1 when memory runs out.
+ * Choose the first side of each element so that it runs as nearly as possible along the first local
+ * axes of its nodes: elements of equal shape then list their corners alike and share an element
+ * type. The numbers in the edge sets are adapted. Returns 0, or -1 when memory runs out.
  */
 int quad_turn(quad_mesh *mesh);
 

@@ -10,8 +10,8 @@
 #include <string.h>
 
 /*
- * Return how well side k of an element runs along the axes e1 of the local triads at its nodes: the
- * component of the side's direction along these axes.
+ * Return how well side k of an element runs along the first local axes of its nodes: the component
+ * of the side's direction along these axes.
  */
 static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
 {
@@ -28,7 +28,7 @@ static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
 
 /*
  * Return the corner with which the list of an element's corners should begin, so that its first
- * side runs along the axes e1 of its nodes; the first of nearly equal choices is taken.
+ * side runs along the first local axes of its nodes; the first of nearly equal choices is taken.
  */
 static uint32_t first_corner(const quad_mesh *mesh, const uint32_t node[4])
 {

@@ -38,8 +38,8 @@ typedef struct inp {
     inp_mode mode;
     int corners;    /* number of corners of the elements that are being read (in the reader's state
                        ELEMENTS) */
-    bool generates; /* whether the lines contain first, last and step instead of single numbers (in
-                       the reader's state SET_MEMBERS) */
+    bool generates; /* whether each line of the set that is being read gives first, last and step of
+                       a run of numbers instead of single numbers (keyword option GENERATE) */
     int set;        /* index of the set to which the lines that are being read belong, or -1 */
     bool has_part;  /* whether the keyword *PART has been read */
     size_t sets, room;
@@ -435,7 +435,10 @@ static int keyword_line(inp *in)
 
 /* ---- sets by number ---------------------------------------------------- */
 
-/* Number of a node or element in the INP file, with the index of its cell. */
+/*
+ * Number of a node or element in the INP file, with its index in the contents that were read: index
+ * of the node, or of the cell (point, edge or quadrilateral) for an element.
+ */
 typedef struct numbered {
     int64_t label, index;
 } numbered;

@@ -25,7 +25,7 @@ typedef struct report_job {
  * Write the report of `pzs solve`: the deformed shape, the outputs and maps of the displacement
  * components.
  *   u      [dof]          in  displacement vector
- *   output [output rows]  in  values of the outputs
+ *   output in values of all outputs of the scene, output after output
  *   stress                in  recovered stresses, of which the page shows maps; NULL: without
  */
 int report_solve(const report_job *job, const analysis *analysis, const double *u,

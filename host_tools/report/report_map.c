@@ -83,7 +83,7 @@ void shell_find_plans(shell *map)
 
 /* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
 typedef struct electrode {
-    shell part; /* copy of the map with only the elements of the electrode, if the electrode
+    shell part; /* copy of the drawn mesh with only the elements of this electrode, if the electrode
                    consists of whole elements */
     const scene_patches *patches;
     int index;                    /* index of the electrode in its grid of patches */
@@ -200,11 +200,13 @@ bool shell_is_beyond(const design *design, const voltages *result, int amplifier
 typedef struct drawn {
     FILE *file;
     const draw_scale *scale;
-    double value;        /* voltage of the amplifier, or temperature of its heater */
-    const char *colour;  /* style class of the colour of the voltage or temperature; "none" if the
-                            colour scale has another unit */
-    const char *outline; /* style class of the outline: "patch" for a voltage within its limits,
-                            "limit" at an active limit, "beyond" beyond the limits */
+    double value;       /* input that the amplifier gives its patches: voltage, or temperature if it
+                           supplies heaters */
+    const char *colour; /* style class of the colour of the voltage or temperature; "none" if the
+                           colour scale has another unit */
+    const char *outline; /* style class of the outline of an electrode or stack: "patch" for a
+                            voltage within its limits, "limit" at an active limit, "beyond" beyond
+                            the limits */
     bool is_marked;      /* whether the voltage of the amplifier is at an active limit or beyond the
                             limits */
 } drawn;

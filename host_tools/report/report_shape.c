@@ -17,7 +17,10 @@ static bool is_limited(const voltages *result)
     return isfinite(result->limit[0]) || isfinite(result->limit[1]);
 }
 
-/* Return the largest absolute voltage, or temperature of a heater, of a result. */
+/*
+ * Return the largest absolute input in one set of voltages (V), or of temperatures where the
+ * amplifiers supply heaters (K).
+ */
 static double largest_voltage(const shape_page *shape, const voltages *result)
 {
     draw_scale scale = {.unit = shape->voltage.unit};
@@ -25,7 +28,10 @@ static double largest_voltage(const shape_page *shape, const voltages *result)
     return scale.most;
 }
 
-/* Draw the shape of a result from now on. Returns the colour scale of its misfit. */
+/*
+ * Make the shape that one set of voltages reaches the shape that the page draws. Returns the colour
+ * scale of its misfit (reached minus target displacement).
+ */
 static draw_scale take_result(shape_page *shape, const voltages *result)
 {
     return page_shape(&shape->page, result->displacement, result->shape,
@@ -58,7 +64,10 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/* Return the result that the page shows first: the first one that has voltage limits, if any. */
+/*
+ * Return the set of voltages whose shape the page shows first: the first one that was computed
+ * within voltage limits, if any.
+ */
 static const voltages *main_result(const shape_page *shape)
 {
     for (int k = 0; k < shape->results; k++)

@@ -30,7 +30,10 @@ static void fill_from_elements(shell *shell)
         shell->cell[k / 4][k % 4] = shell->mesh->element[k / 4][k % 4];
 }
 
-/* Fill in points and cells (quadrilaterals) of a map over the parameters theta1 and theta2. */
+/*
+ * Fill in points and cells (quadrilaterals) of a flat picture (map) over the surface coordinates
+ * theta1 and theta2.
+ */
 static void fill_from_parameters(shell *shell)
 {
     const scene_line *line = shell->mesh->line;

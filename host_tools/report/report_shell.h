@@ -12,7 +12,7 @@ enum { SHELL_MAP_WIDTH = 320 };
 
 /*
  * A parallel projection, scaled so that all included points fit into the picture. Points have three
- * coordinates: x, y, z in space, or theta1, theta2 and 0 on a map of the surface parameters.
+ * coordinates: x, y, z in space, or the surface coordinates theta1, theta2 and 0 on a map.
  */
 typedef struct view {
     double axis[3][3]; /* unit vectors to the right, up and towards the viewer of the picture */
@@ -24,10 +24,10 @@ typedef struct view {
 
 /*
  * Begin a view that includes no points yet: a view in space of the outer side of a shell, or a map.
- * The map of a mesh along lines of curvature shows the plane of the surface parameters, with theta1
- * downwards and theta2 to the right, as the rows and columns of a printed table of voltages are. A
- * polar plate and a mesh of points are seen with x to the right and y upwards. A mesh from a file
- * is seen along its mean normal; a closed surface, which has no mean normal, from above.
+ * The map of a mesh along lines of curvature shows the plane of the surface coordinates, with
+ * theta1 downwards and theta2 to the right, as the rows and columns of a printed table of voltages
+ * are. A polar plate and a mesh of points are seen with x to the right and y upwards. A mesh from a
+ * file is seen along its mean normal; a closed surface, which has no mean normal, from above.
  */
 void view_begin(view *view, const mesh *mesh, bool is_map);
 bool view_has_parameters(const mesh *mesh);
@@ -41,7 +41,10 @@ void view_include(view *view, const double point[3]);
 void view_fit(view *view, double width, double height, double least);
 void view_project(const view *view, const double point[3], double at[2]);
 
-/* Return a round magnification that draws a displacement `most` as the part `share` of the mesh. */
+/*
+ * Return a round factor of magnification with which a displacement of the size `most` is drawn
+ * about `share` times as long as the largest extent of the mesh.
+ */
 double view_magnification(const mesh *mesh, double most, double share);
 
 /*
@@ -58,7 +61,7 @@ typedef struct shell {
     int points, cells;
     int *node;          /* [points] number of the mesh node at each point of the picture */
     double (*place)[3]; /* [points] coordinates of the undeformed mesh: x, y, z in a picture in
-                           space, theta1, theta2 and 0 on a map of the parameters */
+                           space, the surface coordinates theta1, theta2 and 0 on a map */
     int (*cell)[4];     /* [2 cells] point indices of the corners of each cell, and memory for a
                            copy of the mesh with fewer cells */
     bool *is_held; /* [nodes] whether a support includes the node; only in a picture in space */
@@ -126,7 +129,10 @@ typedef struct shell_body {
     double place[SHELL_NET][SHELL_NET][3];
 } shell_body;
 
-/* Find the part of the rigid body near the shell in the last equilibrium, for the view to show. */
+/*
+ * Find the part of the surface of a rigid body, which the shell may touch, that lies near the shell
+ * in the last equilibrium, so that it can be drawn.
+ */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 
 /* Draw the rigid body of a contact if it lies in front of the shell (is_in_front), or behind it. */
@@ -150,7 +156,10 @@ void shell_extend(draw_scale *scale, const design *design, const double *value);
 /* Return whether the voltage of an amplifier is beyond the voltage limits of the scene. */
 bool shell_is_beyond(const design *design, const voltages *result, int amplifier);
 
-/* Choose the map on which the patches of each actuator are drawn: members plan and plans. */
+/*
+ * Choose the map (flat picture of the surface) on which the patches of each actuator are drawn, so
+ * that no patches overlap on a map: fill the members plan and plans.
+ */
 void shell_find_plans(shell *map);
 
 /*

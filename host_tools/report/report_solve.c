@@ -6,7 +6,7 @@
 
 typedef struct solve_page {
     page page;
-    const double *output;       /* [output rows] values of the outputs of the scene */
+    const double *output;       /* values of all outputs of the scene, output after output */
     const stress_field *stress; /* recovered stresses, which the page shows; NULL: the page shows no
                                    stresses */
     shell_body body;
@@ -56,8 +56,8 @@ static void write_outputs(const solve_page *solve)
 }
 
 /*
- * List the values of displacement output k along one mesh line in the direction of theta1 (along =
- * 0) or theta2 (along = 1).
+ * List the values of displacement output k along one mesh line in the direction of the surface
+ * coordinate theta1 (along = 0) or theta2 (along = 1).
  *   theta, value [nodes] out  surface coordinate of each node along the line, and displacement
  *       there
  * Returns the number of values, 0 for other outputs.
@@ -81,7 +81,10 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
     return count;
 }
 
-/* Draw all outputs along mesh lines of theta1 (along = 0) or theta2 (along = 1) in a diagram. */
+/*
+ * Draw all outputs along mesh lines in the direction of the surface coordinate theta1 (along = 0)
+ * or theta2 (along = 1) in a diagram.
+ */
 static void draw_lines(const solve_page *solve, int along)
 {
     const page *page = &solve->page;
@@ -229,8 +232,8 @@ static void write_total(const page *page, const char *name, const total_force *t
 }
 
 /*
- * Write the table of the reactions of the supports on the report page, with the sums that are in
- * equilibrium.
+ * Write the table of the reactions of the supports on the report page, with the sums of reactions,
+ * loads, spring forces and contact forces, which are in equilibrium with each other.
  */
 static void write_reactions(const page *page)
 {

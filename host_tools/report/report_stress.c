@@ -6,7 +6,10 @@
 #include "../text/words.h"
 #include "report_page.h"
 
-/* Average the values load [elements] at the nodes, weighted with the areas of the elements. */
+/*
+ * Average the loads on the elements (load [elements]: von Mises stress, or 1 over the reserve
+ * factor) at the nodes, weighted with the areas of the elements.
+ */
 static void average_load(const stress_field *field, const double *load, double *value)
 {
     const mesh *mesh = &field->state.design->mesh;

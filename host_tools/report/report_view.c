@@ -47,8 +47,8 @@ static void look_at(view *view, const double normal[3])
 }
 
 /*
- * Set the axes of a map of the parameters: theta1 downwards, theta2 to the right. The aspect ratio
- * is that of the mean lengths of the shell along theta1 and theta2, within 0.3 and 3.
+ * Set the axes of a map over the surface coordinates: theta1 downwards, theta2 to the right. The
+ * aspect ratio is that of the mean lengths of the shell along both coordinates, within 0.3 and 3.
  */
 static void look_at_parameters(view *view, const mesh *mesh)
 {
@@ -66,7 +66,8 @@ static void look_at_parameters(view *view, const mesh *mesh)
 }
 
 /*
- * Compute the mean of all unit normals. Returns its length: 1 for a plate, 0 for a closed surface.
+ * Compute the mean of the unit normals of the surface at all nodes, along which a picture is
+ * viewed. Returns the length of the mean: 1 for a plate, 0 for a closed surface.
  */
 static double mean_normal(const mesh *mesh, double normal[3])
 {

@@ -176,7 +176,7 @@ typedef struct scene_material {
                               (length unit of the scene file); 0: no film */
     double film_voltage;   /* voltage of the data sheet of a film actuator (V); 0: no film */
     int poling; /* poling direction of a material: along the axis 1, 2 or 3 of its layer, negative
-                   against that axis; the axis 3 is e3 of the surface */
+                   against that axis; the axis 3 is the normal of the surface */
     scene_at at;
 } scene_material;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Certificate of a control loop with a vibration model: choice of settings, growth of small
+ * Stability tests of a control loop with a vibration model: choice of settings, growth of small
  * vibrations, simulations with fast jumps of the target, margins (certify.h).
  */
 #include "certify.h"
@@ -22,8 +22,8 @@ enum {
     CORNERS = 9,  /* number of structures for which the growth of small vibrations is measured */
     PERIODS = 24, /* periods of the first vibration mode during which the growth of vibrations is
                      measured */
-    TICKS_LEAST = 600, /* fewest and most ticks of a simulation that measures the growth of small
-                          vibrations */
+    TICKS_LEAST = 600, /* fewest (TICKS_LEAST) and most (TICKS_MOST) ticks of a simulation that
+                          measures the growth of small vibrations */
     TICKS_MOST = 3000,
     HALVINGS = 5,   /* number of bisections with which a stability margin is determined */
     OLDER_MOST = 4, /* largest error of the readings' age that is tried (ticks) */
@@ -59,11 +59,13 @@ static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
 /*
- * Settings of the block that damps vibration, from which one is chosen, the fastest first: damping
- * per radian; weight (0 to 1) of that estimate of a vibration mode's deviation from its equilibrium
- * which uses the change of the velocity, the rest being the weight of the estimate from the
- * position; assumed change of the loads in a tick, relative to the sensors' noise; number of ticks
- * by which the readings are assumed to be older than the scene file states.
+ * Settings of the vibration damper (stage of the control tick that damps vibration), from which one
+ * is chosen, the fastest first. damping: part of a vibration mode's deviation from its equilibrium
+ * that the voltages remove in a tick, over the phase angle of the mode in a tick (1/rad). mix:
+ * weight, 0 to 1, of the deviation computed from the change of the mode's velocity; that computed
+ * from its position has the weight 1 - mix. drift: assumed change of the loads in a tick, relative
+ * to the noise of the sensors. later: number of ticks by which the readings are assumed to be older
+ * than the scene file states.
  */
 static const struct {
     double damping, mix, drift;
@@ -97,9 +99,10 @@ typedef struct trial {
                              node is measured */
     damper damper;
     loop_blocks blocks;
-    storm_rig rig; /* simulated structure that vibrates about its reference state (undeformed) */
-    storm_rig at_target; /* simulated structure that vibrates about the equilibrium at its target
-                            shape */
+    storm_rig rig;       /* storms (simulations with fast jumps of the target) on the structure that
+                            vibrates about its undeformed state */
+    storm_rig at_target; /* storms (simulations with fast jumps of the target) on the structure that
+                            vibrates about the equilibrium at its target shape */
     deformed deformed;
     bool has_target; /* true where the structure was linearised about the equilibrium at its target,
                         so that `at_target` and `deformed` may be used */
@@ -112,7 +115,7 @@ typedef struct trial {
 
 /*
  * Replace the tables of the control loop by those for another tick rate and other settings of the
- * block that damps vibration. Returns 0, or -1 with error filled.
+ * vibration damper (stage of the tick that damps vibration). Returns 0, or -1 with error filled.
  */
 static int retable(trial *trial, const damper_options *options, char *error)
 {
@@ -278,10 +281,10 @@ static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, c
 }
 
 /*
- * Certify the loop on the structure linearised about the equilibrium at its target, where there is
- * one: measure the growth of vibrations on structures that differ from this one, and run the storms
- * (simulations with fast jumps of the target) with the first sequence of targets. Returns 0, or -1
- * with error filled.
+ * Test the stability of the loop on the structure linearised about the equilibrium at its target,
+ * where there is one: measure the growth of vibrations on structures that differ from this one, and
+ * run the storms (simulations with fast jumps of the target) with the first sequence of targets.
+ * Returns 0, or -1 with error filled.
  */
 static int certify_target(const trial *trial, certificate_target *target, char *error)
 {
@@ -332,10 +335,10 @@ static int try_age(const storm_rig *rig, int storms, int older, bool *settles, c
 
 /*
  * Count the ticks by which readings may be older (sign = 1) or newer (sign = -1) than the scene
- * file states.
- *   storms in      number of storms (simulations with fast jumps of the target) for each age
- *   most   in      largest number of ticks to try
- *   stood  in/out  number of ticks known to be tolerated
+ * file states, so that small vibrations decay and the shape settles after fast jumps of the target.
+ *   storms  in  number of storms (simulations with fast jumps of the target) for each age
+ *   most    in  largest number of ticks to try
+ *   stood   in/out  number of ticks with which the loop has passed these tests
  */
 static int count_ages(const storm_rig *rig, int storms, int sign, int most, int *stood, char *error)
 {
@@ -371,8 +374,8 @@ static int try_neighbouring_ages(const trial *trial, certificate_loop *loop, cha
 /* ---- choice of the settings of the vibration damper ------------------- */
 
 /*
- * Certify the control loop with one choice of settings of the vibration damper, by simulations of
- * its stability. Returns 0, or -1 with error filled.
+ * Test the stability of the control loop with one choice of settings of the vibration damper by
+ * simulations. Returns 0, or -1 with error filled.
  */
 static int try_choice(trial *trial, int choice, damper_options *options, certificate_loop *loop,
                       char *error)
@@ -415,9 +418,9 @@ static int tolerance_of(const certificate_loop *loop)
 }
 
 /*
- * Whether a loop has the best possible score for its tolerance of errors of the readings' age, so
- * that no further settings need to be tried; if the scene file states readings without delay, they
- * cannot be newer.
+ * Whether a loop stays stable with readings that are one tick older and one tick newer than the
+ * scene file states, so that no further settings need to be tried. If the scene file states
+ * readings without delay, newer readings are not required, because there are none.
  */
 static bool tolerates_all(const certificate_loop *loop)
 {
@@ -509,8 +512,8 @@ static int find_cure(trial *trial, certificate_loop *loop, char *error)
 }
 
 /*
- * Determine whether the block list of the scene's control loop contains a block that damps
- * vibration. Returns 0, or -1 with error filled.
+ * Determine whether a tick of the scene's control loop has a block (stage) that damps vibration.
+ * Returns 0, or -1 with error filled.
  */
 static int has_damper(const analysis *analysis, bool *has, char *error)
 {

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Certificate of a control loop with a vibration model (certificate_loop in certificate.h). The
- * loop that `pzs tables` would write is simulated with structures that differ from its model, in
- * two ways.
- *   growth  growth per tick of small vibrations without any limits, which is the spectral
- *           radius of the loop, for static responses to voltages (gains) of 0.8, 1 and 1.33 and
- *           natural frequencies of 0.9, 1 and 1.1 times those of the model
+ * Stability tests of a control loop with a vibration model, whose results are its certificate
+ * (certificate_loop in certificate.h). The loop that `pzs tables` would write is simulated with
+ * structures that differ from its model, in two ways.
+ *   growth  growth per tick of small vibrations without any limits, which is the spectral radius of
+ *           the loop, for static responses to voltages (gains) of 0.8, 1 and 1.33 and natural
+ *           frequencies of 0.9, 1 and 1.1 times those of the model
  *   storms  30 simulations with fast random jumps of the target (storm.h): the model and four
  *           structures around it, full and quarter step limits, three sequences of targets, of
  *           which the last one misses 5 % of the ticks without informing the loop
  * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a
- * storm is too short to show slow growth. The chosen settings of the vibration damper are the
- * fastest of a few that pass both, or settings that are at most a quarter slower and also pass with
- * readings one tick older or newer than the scene file states.
+ * storm is too short to show slow growth.
+ *
+ * The chosen settings of the vibration damper are the fastest of a few that pass both, or settings
+ * that are at most a quarter slower and also pass with readings one tick older or newer than the
+ * scene file states.
  */
 #ifndef CERTIFY_H
 #define CERTIFY_H
@@ -20,29 +22,29 @@
 #include "../model/analysis.h"
 
 /*
- * Choose the settings of the control tick that damps vibration and certify the loop, if the control
- * loop of the scene needs a vibration model. Otherwise, and for a loop that is certified already,
- * do nothing. A loop that does not settle after fast jumps of the target is not an error of this
- * function.
- *   analysis in/out  in: analysis with the tables of its controller and with the vibration modes in
- *                    its certificate; out: the loop in the certificate and the chosen settings are
- *                    filled
+ * Choose the settings of the control tick that damps vibration and test the stability of the
+ * control loop by simulations, if the loop needs a vibration model. Otherwise, and for a loop that
+ * is tested already, do nothing. A loop that does not settle after fast jumps of the target is not
+ * an error of this function.
+ *   analysis  in/out  in: analysis with the tables of its controller and with computed vibration
+ *             modes; out: results of the tests (analysis->certificate) and chosen settings
  * Returns 0, or -1 with error filled.
  */
 int certify_loop(analysis *analysis, char *error);
 
 /*
- * Find by bisection how far a structure may differ from the model of a certified loop: the largest
- * factor of its response to voltages, and the range of the factor of its natural frequencies. Also
- * find by how many ticks readings may be older or newer than the scene file states.
+ * Find by bisection how far a structure may differ from the model of a loop that has passed the
+ * stability tests: the largest factor of its response to voltages, and the range of the factor of
+ * its natural frequencies. Also find by how many ticks readings may be older or newer than the
+ * scene file states.
  *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
  * Returns 0, or -1 with error filled.
  */
 int certify_margins(analysis *analysis, bool with_rates, char *error);
 
 /*
- * Describe the structure, relative to the model, on which a certified loop is unstable or does not
- * settle after fast jumps of the target.
+ * Describe the structure, relative to the model, on which a loop is unstable or does not settle
+ * after fast jumps of the target.
  *   text out  description
  */
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR]);

@@ -39,10 +39,10 @@ const device_board *device_find(const char *name);
 enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };
 
 /*
- * Make a temporary folder for the firmware, build the firmware, and remove the folder. Between the
- * first two calls the caller writes the tables into the file loop.h of the folder, with the prefix
- * `demo`. device_folder and device_build return 0, or -1 with error filled; compiler messages go to
- * standard error.
+ * device_folder makes a temporary folder for the firmware. The caller then writes the tables of the
+ * control loop into the file loop.h of this folder, with the prefix `demo`. device_build builds the
+ * firmware, and device_remove removes the folder. The first two return 0, or -1 with error filled;
+ * compiler messages go to standard error.
  */
 int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR]);
 int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR]);

@@ -84,7 +84,8 @@ enum { IMPERFECTION_PARTS = 8 };
  */
 typedef struct imperfections {
     imperfection_tables tables;
-    electrode *electrode; /* [amplifiers] state of the electrode of each amplifier */
+    electrode *electrode; /* [amplifiers] state of the electrode of each amplifier: faults, outputs
+                             of amplifier lag, hysteresis and creep */
     sensor *sensor;       /* [sensors] state of each sensor: its faults and its drift */
     int sensors;
     uint64_t *random; /* state of the random number generator of the simulation */

@@ -33,8 +33,8 @@ typedef struct plant {
     double *input; /* [inputs] values of the inputs for which the next shape of the plant is
                       computed: voltages, loads and temperature change; on a nonlinear structure
                       also prescribed displacements and the motion of the rigid body of a contact */
-    double *computed_input; /* [inputs] inputs with which the latest shape of the plant was computed
-                             */
+    double *computed_input; /* [inputs] voltages (V), load factors (1) and temperature change (K)
+                               with which the latest shape of the plant was computed */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
                             such as loads and support displacements */
     double *value;       /* [output rows] values of all outputs in the latest shape of the plant */
@@ -108,12 +108,12 @@ double plant_vibration(const plant *plant);
 double plant_period(const plant *plant);
 
 /*
- * Compute the shape of the plant under voltages at this instant: on a nonlinear structure the
- * equilibrium, computed from the latest shape; on a linear structure from the influence matrix;
- * with a modal motion plus the present vibration. A nonlinear motion has its shape from the time
- * that has passed, and not from the voltages at this instant.
- *   voltage [amplifiers] in   voltages of the amplifiers (V)
- *   shape   [targets]    out  displacements
+ * Compute the present shape of the plant. A plant without inertia has the static equilibrium under
+ * the given voltages. A plant that moves in its vibration modes has this equilibrium plus its
+ * present vibration. A plant whose nonlinear motion is computed has the shape to which plant_elapse
+ * has moved it.
+ *   voltage  [amplifiers] in  present voltages of the amplifiers (V)
+ *   shape    [targets] out  displacements
  * Returns 0, or -1 with error filled.
  */
 int plant_shape(plant *plant, const double *voltage, double *shape, char *error);

@@ -94,8 +94,9 @@ static size_t count_followed(const vibration *vibration, double step)
 }
 
 /*
- * Choose the viscosity (s) if the scene file states damping ratios: the largest viscosity with
- * which no vibration mode that the time steps resolve has more than its stated damping ratio.
+ * Choose the viscosity b (s), which damps a vibration mode of angular frequency w by the ratio b
+ * w/2, if the scene file states damping ratios: the largest viscosity with which no vibration mode
+ * that the time steps resolve has more than its stated damping ratio.
  */
 static double viscosity_of(const shell_motion *motion, const scene_dynamics *dynamics)
 {
@@ -182,8 +183,8 @@ double shell_motion_step(const vibration *vibration, double interval)
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
  *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated;
  *                                      NULL: none
- *   resultant    [22]             out  stress resultants of all strain modes, times the area of
- *                                      the element (N m)
+ *   resultant [22] out stress resultants times the area of the element (N m): those of its strains
+ *                                      that are constant, linear and bilinear over the element
  */
 static void elastic_resultants(const shell_motion *motion, uint32_t element,
                                const double *displacement, const double *increment,
@@ -213,9 +214,9 @@ static double tangent_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Return half of the time step plus half of the viscosity (s). In a time step, the change of the
- * displacement minus step length times initial velocity is this time multiplied by the change of
- * the velocity.
+ * Return half of the time step plus half of the viscosity b (s), which damps a vibration mode of
+ * angular frequency w by the ratio b w/2. In a time step, the change of the displacement minus step
+ * length times initial velocity is this time multiplied by the change of the velocity.
  */
 static double response_time(const shell_motion *motion, double step)
 {
@@ -236,7 +237,8 @@ static double mass_factor(const shell_motion *motion, double step)
  * Stress resultants of an element that act at half a time step: mean of the resultants at the start
  * and at the end of the step, viscosity times their rate, and the prescribed resultants of voltages
  * and temperature.
- *   resultant [22] out  these stress resultants of all strain modes, times the area (N m)
+ *   resultant  [22] out  these stress resultants times the area of the element (N m): those of its
+ *              strains that are constant, linear and bilinear over the element
  */
 static void acting_resultants(const shell_motion *motion, uint32_t element, double step,
                               double resultant[22])

@@ -41,9 +41,10 @@ typedef struct shell_motion {
     const vibration *vibration; /* vibration modes of the shell that are damped; NULL: the motion is
                                    not damped */
     mass mass;
-    pzs_solver solver; /* solver of the nonlinear equilibrium of the same structure, with the arrays
-                          of the motion in place of its own: `displacement` is the displacement at
-                          half the step, `resultant` its extrapolated stress resultants */
+    pzs_solver solver; /* solver of the nonlinear equilibrium of the structure, which works on
+                          arrays of this motion: its `displacement` is that at half the time step,
+                          its `resultant` the stress resultants at half the step, extrapolated along
+                          the last increment */
     double step_most;  /* longest time step of the motion of the shell (s) */
     double mass_damping, viscosity; /* damping a of mass (1/s); viscosity b of which one half acts
                                        on the stress resultants and one on the velocity (s) */
@@ -67,8 +68,8 @@ typedef struct shell_motion {
                                correction of the energy (m and 1) */
     double *end; /* [free_dof] displacement of the shell at the end of the time step (m and 1) */
     double *scratch;               /* [free_dof] work array of the computation of the motion */
-    double (*start_resultant)[22]; /* [elements] stress resultants of each element at the start of
-                                      the time step (N m) */
+    double (*start_resultant)[22]; /* [elements] stress resultants of each element, times its area,
+                                      at the start of the time step (N m) */
     double work; /* work that the remaining force imbalance of a time step does on the change of the
                     displacement in half the step, before the last increment of Newton's method (N
                     m) */

@@ -117,9 +117,9 @@ static int check_readings(const design *design, char *error)
 }
 
 /*
- * Where the scene asks for it, replace the influence matrix of the controller's model by the
- * influence matrix at the optimal shape of the nonlinear structure. Returns 0, or -1 with error
- * filled.
+ * If the scene file says so, replace the influence matrix of the controller's model, which is that
+ * of the undeformed structure, by that of the structure deformed by the optimal voltages. Returns
+ * 0, or -1 with error filled.
  */
 int simulate_tables(analysis *nominal, char *error)
 {

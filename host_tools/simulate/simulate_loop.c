@@ -162,7 +162,7 @@ static void random_fault(loop *loop, int tick)
         event.announced_after =
             random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : ANNOUNCED_NEVER;
     if (event.type == EVENT_NAN && random_int(&loop->random, 4) == 0)
-        event.size = 1; /* the random event makes the readings of every sensor NaN */
+        event.size = 1; /* a random fault of the sensors makes the readings of all of them NaN */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.size = 2 * event.size - 1;
     event.load = random_int(&loop->random, loop->design->loads + 1);
@@ -476,7 +476,10 @@ static pzs_status counted_status(const loop *loop, pzs_status status)
     return status == PZS_W_ELECTRODE ? PZS_OK : status;
 }
 
-/* Inform the controller, and the board with its twin, of the ticks missed since the last one. */
+/*
+ * Inform the controller of the ticks missed since the last one; in a simulation with a board, also
+ * the firmware on the board and its twin (the firmware's C code on this computer).
+ */
 static void report_missed_ticks(loop *loop)
 {
     if (loop->missed_ticks == 0)

@@ -31,9 +31,10 @@ typedef struct disturbance {
 } disturbance;
 
 /*
- * Tables of the block with which the simulation replaces the library's step block (the block that
- * computes the voltages): the voltage optimisation problem, which the library requires first, and
- * the loop in which the block runs.
+ * Tables of the block (stage of the control tick) with which the simulation replaces the library's
+ * step block, which computes the voltages. The first member is the least-squares problem for the
+ * voltages, because the library takes a pointer to the tables for a pointer to this problem; the
+ * second is the simulated loop in which the block runs.
  */
 typedef struct law_tables {
     pzs_problem problem;
@@ -41,17 +42,18 @@ typedef struct law_tables {
 } law_tables;
 
 typedef struct loop {
-    const design *design; /* design of the nominal structure (without the plant's differences), from
-                             which the controller is made */
+    const design *design; /* numerical model of the scene's structure, from which the controller is
+                             made; the simulated plant may differ from it */
     simulation *simulation;
     simulate_law law;
-    bool is_damped;   /* true: the controller has a block that damps vibration */
+    bool is_damped;   /* true: the controller has a stage that damps vibration */
     int missed_ticks; /* number of ticks missed since the last tick in which the controller ran */
-    pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law, run in this order in each tick
-                                       */
-    law_tables tables; /* tables of the block with which the simulation computes voltages in place
-                          of the library's step block; unused where the library computes them */
-    law compared; /* tables of the block of the control loop that computes the voltages by a control
+    pzs_block block[PZS_BLOCK_LIMIT]; /* blocks (stages) of the control law, run in this order in
+                                         each tick */
+    law_tables tables; /* tables of the stage of the control tick with which the simulation computes
+                          voltages in place of the library's optimiser; unused where the library
+                          computes them */
+    law compared; /* tables of the stage of the control tick that computes the voltages by a control
                      law for comparison with the library's controller */
     pzs_loop controller; /* the library's control loop, in double precision */
     device board, twin;  /* firmware on a board, and its twin, the firmware's C code as a program on
@@ -83,7 +85,8 @@ typedef struct loop {
     double *previous_output; /* [amplifiers] output voltages of the amplifiers before the last
                                 change (V) */
     double time;             /* time since the start of the simulation (s) */
-    wave *wave; /* [loads] sinusoidal part of the factor by which each load is multiplied */
+    wave *wave; /* [loads] amplitude, frequency and time of the sinusoidal part of the factor by
+                   which each load is multiplied */
     disturbance late, jitter, delay; /* temporary disturbances: late: voltages are set later than
                                         the tick (fraction of the tick interval); jitter: the
                                         interval between ticks varies (fraction of the tick
@@ -155,8 +158,9 @@ void loop_close(loop *loop);
 int loop_selftest(loop *loop, char *error);
 
 /*
- * Run one tick of the loop. Returns 0, or -1 with error filled where the plant has no equilibrium,
- * the controller returns an error, or the board does not answer.
+ * Run one tick of the simulated control loop. Returns 0, or -1 with error filled where the
+ * simulated structure has no equilibrium, the controller returns an error, or a board with the
+ * controller's firmware does not answer.
  */
 int loop_tick(loop *loop, int tick, char *error);
 

@@ -46,8 +46,8 @@ typedef struct simulate_sample {
                          quasi-static plant */
     const double *command;  /* [amplifiers] voltages that the controller has commanded (V) */
     const double *voltage;  /* [amplifiers] output voltages of the amplifiers (V) */
-    int active, iterations; /* number of commanded voltages at a limit; number of iterations of the
-                               optimiser */
+    int active, iterations; /* for one tick of a simulation: number of commanded voltages at a
+                               limit; number of iterations of the optimiser */
     pzs_status status;
     bool is_missed; /* true: the tick was missed, and the controller did not run */
 } simulate_sample;
@@ -63,7 +63,8 @@ typedef struct simulate_course {
                       diverged */
     double worst;  /* largest relative shape error in the phase (interval between events) of the
                       simulation */
-    double measurement_error; /* relative measurement error, root mean square over the last ticks of
+    double measurement_error; /* error of the shape that the controller measures, relative to the
+                                 norm of the scene's target: root mean square over the last ticks of
                                  the phase (interval between events) */
     double vibration; /* deviation of the shape from the static equilibrium, relative to the norm of
                          the scene's target: root mean square over the last ticks of the phase
@@ -87,8 +88,8 @@ typedef struct simulate_course {
 /* Phase of a simulation: the ticks from one tick at which events happen to the next such tick. */
 typedef struct simulate_phase {
     int from, until;
-    int first, events; /* index of the first event of the scene with which the phase begins, and
-                          number of such events */
+    int first, events; /* index of the first simulation event with which this phase (interval
+                          between events) begins, and number of such events */
     double optimum;    /* relative shape error of the best shape that the plant can reach with the
                           voltages that can act on its ceramic; NAN until it is computed */
     simulate_course course[LAWS];
@@ -131,13 +132,15 @@ typedef struct simulate_count {
 typedef struct simulation {
     const analysis *nominal;
     plant plant;
-    const pzs_problem *problem; /* voltage optimisation problem of the controller, for the structure
-                                   without the plant's differences */
-    struct loop_blocks *blocks; /* list of the control blocks of the controller; the firmware of the
-                                   scene has the same list */
+    const pzs_problem *problem; /* least-squares problem for the voltages that the controller
+                                   solves, from the model of the scene's structure and not of the
+                                   simulated plant, which differs from it */
+    struct loop_blocks *blocks; /* list of the blocks (stages) of a control tick; the firmware of
+                                   the scene has the same list */
     estimator estimator; /* gains of the shape estimator, and feed-forward tables of the known
                             loads; empty unless `estimates` or `feeds` is set */
-    damper damper; /* tables of the block that damps vibration; unused for a quasi-static plant */
+    damper damper; /* tables of the stage of the control tick that damps vibration; unused for a
+                      quasi-static plant */
     wiring_test pulses; /* test pulses (short steps of an amplifier's voltage) of the fault detector
                            in a loop that damps vibration; unused where the scene asks for no
                            detected faults */
@@ -149,9 +152,9 @@ typedef struct simulation {
                                    sensors has found; empty: it has passed or has not ended */
     damper unused_damper; /* empty tables of a vibration damper, for control laws that do not damp
                              vibration */
-    struct loop_blocks *undamped_blocks; /* list of the blocks of a control tick without the block
-                                            that damps vibration, for the control laws with which
-                                            the controller is compared */
+    struct loop_blocks *undamped_blocks; /* list of the blocks (stages) of a control tick without
+                                            the one that damps vibration, for the control laws with
+                                            which the controller is compared */
     bool estimates;   /* whether the controller estimates the shape from few sensors */
     bool feeds;       /* whether the controller compensates known loads by feed-forward voltages */
     bool quantises;   /* whether the amplifiers have a resolution or a dead band */
@@ -166,7 +169,8 @@ typedef struct simulation {
                                   the Hessian of the voltage optimisation problem */
     const device_board *board; /* board that runs the controller; NULL: the controller runs on the
                                   host */
-    char folder[DEVICE_PATH];  /* path of the temporary folder of the firmware */
+    char folder[DEVICE_PATH];  /* path of the temporary folder in which the firmware of the
+                                  controller is built, where a board runs the controller */
     int phases;
     simulate_phase *phase;
     simulate_count count[LAWS];

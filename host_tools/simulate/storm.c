@@ -102,8 +102,9 @@ static void fill_limits(storm_rig *rig)
 }
 
 /*
- * Smallest unit of the shape errors, relative to the norm of the shape under half the voltage range
- * of all amplifiers with random signs.
+ * Shape errors are measured relative to the norm of the target, but at least relative to this
+ * fraction of the norm of the shape that half the voltage range of all amplifiers, with random
+ * signs, causes.
  */
 static const double least_scale = 0.02;
 
@@ -221,8 +222,8 @@ typedef struct storm {
     double *output;  /* [amplifiers] output voltages of the amplifiers, which follow the voltages of
                         the control loop with a first-order lag where the scene file states their
                         bandwidth (V) */
-    double *driven;  /* [amplifiers] mean output voltages of the amplifiers in the coming interval
-                        (V) */
+    double *driven;  /* [amplifiers] mean output voltages of the amplifiers from this tick to the
+                        next (V) */
     double *acting;  /* [amplifiers] voltages that act on the ceramic of the electrodes, after
                         hysteresis and creep (V) */
     double *stroke; /* [2][amplifiers] stroke of the electrodes: voltages that act on the ceramic at
@@ -242,9 +243,9 @@ typedef struct storm {
     double *best_shape;  /* [targets] best shape for the last target that the limits allow on the
                             simulated structure */
     double *shape;       /* [targets] shape of the simulated structure in the present tick */
-    double *part;        /* [targets] work array for a part of the shape of the structure */
-    double *sensed;      /* [sensors] readings that the control loop receives in the present tick */
-    double *reading;     /* [history_ticks][sensors] noise-free readings of the last ticks */
+    double *part; /* [targets] work array for the displacements of the target nodes by vibration */
+    double *sensed;  /* [sensors] readings that the control loop receives in the present tick */
+    double *reading; /* [history_ticks][sensors] noise-free readings of the last ticks */
 } storm;
 
 static bool take_run_memory(storm *storm)
@@ -320,8 +321,8 @@ static void set_limits(storm *storm)
 /* ---- hysteresis and creep of the ceramic ------------------------------ */
 
 /*
- * State of the ceramic of electrode k: the outputs of its play operators (hysteresis) and of its
- * lags (creep). It is used for a ceramic that behaves as the scene file describes.
+ * State of the ceramic of electrode k in the hysteresis model of the scene file: the outputs of its
+ * play operators (hysteresis) and of its lags (creep).
  */
 static hysteresis_memory memory_of(const storm *storm, size_t k)
 {
@@ -357,7 +358,10 @@ static void start_ceramic(storm *storm)
     }
 }
 
-/* Advance the output voltages of the amplifiers by one interval. */
+/*
+ * Advance the output voltages of the amplifiers, which follow their commands with a lag, by one
+ * tick interval.
+ */
 static void drive_amplifiers(storm *storm)
 {
     const double bandwidth = storm->rig->bandwidth;
@@ -368,9 +372,9 @@ static void drive_amplifiers(storm *storm)
 }
 
 /*
- * Effect (V) that the mean output voltage of the amplifier of electrode k would have on a ceramic
- * without hysteresis: linear in the voltage, and equal to the stroke of the electrode (voltages
- * that can act on the ceramic) at both voltage limits.
+ * Voltage (V) that would act on the ceramic of electrode k without the loop of its hysteresis:
+ * linear in the mean output voltage of its amplifier, between the voltages that act at the lower
+ * and at the upper voltage limit.
  */
 static double straight_effect(const storm *storm, size_t k)
 {
@@ -383,8 +387,8 @@ static double straight_effect(const storm *storm, size_t k)
 }
 
 /*
- * Advance the amplifiers, and the hysteresis and creep of the ceramic, by one interval under the
- * present voltages.
+ * Advance the amplifiers, and the hysteresis and creep of the ceramic, by one tick interval under
+ * the present voltages.
  */
 static void advance_ceramic(storm *storm)
 {
@@ -408,10 +412,10 @@ static void advance_ceramic(storm *storm)
 /* ---- control loop of a storm ------------------------------------------ */
 
 /*
- * Append a block of the control tick to the blocks of the simulation. The step block (the block
- * that computes the voltages) gets tables with the limits of the simulation. The tables of a
- * control law for comparison contain its memory besides the voltage optimisation problem, so that
- * the problem is replaced inside these tables.
+ * Append a block (stage of the control tick) to those that the simulation runs. The step block,
+ * which computes the voltages, gets tables with the limits of the simulation. The tables of a
+ * control law for comparison contain its memory besides the least-squares problem for the voltages,
+ * so that the problem is replaced inside these tables.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -428,9 +432,9 @@ static void append_block(storm *storm, const pzs_block *given)
 }
 
 /*
- * Copy the blocks of the control tick that the simulation runs. A simulation without limits omits
- * two kinds of blocks: those that follow the block that computes the voltages, because converter
- * steps and held electrodes would hide the growth of vibrations, and the compensation of
+ * Copy the blocks (stages of the control tick) that the simulation runs. A simulation without
+ * limits omits two kinds of blocks: those that follow the block that computes the voltages, because
+ * converter steps and held electrodes would hide the growth of vibrations, and the compensation of
  * hysteresis, which has no inverse without limits.
  */
 static void set_tables(storm *storm)
@@ -484,7 +488,8 @@ static void compute_rest(storm *storm, const double *voltage)
  * differs from the controller's, by static control steps of half size. They differ from the best
  * voltages for the structure, because the controller projects the error of the shape with its own
  * influence matrix.
- *   control in/out  with the controller's influence matrix, and the stroke as voltage limits
+ *   control  in/out  with the controller's influence matrix, and with the voltages that can act on
+ *            the ceramic as voltage limits
  */
 static pzs_status find_rest(storm *storm, pzs_control *control)
 {
@@ -671,8 +676,8 @@ static pzs_status choose_voltages(storm *storm)
 }
 
 /*
- * Run one tick of a simulated control loop: take readings, compute voltages, let the interval pass.
- * Returns the status of the loop.
+ * Run one tick of a simulated control loop: take readings, compute voltages, and advance the
+ * structure to the next tick. Returns the status of the loop.
  */
 static pzs_status run_tick(storm *storm)
 {

@@ -24,9 +24,9 @@
  */
 typedef struct storm_ceramic {
     /*
-     * Compute the voltages that act on the ceramic in the coming interval.
-     *   voltage [amplifiers] in   voltages of the amplifiers (V)
-     *   acting  [amplifiers] out  voltages that act (V)
+     * Compute the voltages that act on the ceramic from this tick to the next.
+     *   voltage  [amplifiers] in  voltages of the amplifiers (V)
+     *   acting   [amplifiers] out  voltages that act (V)
      */
     void (*act)(void *state, const double *voltage, double *acting);
     void *state;
@@ -58,7 +58,7 @@ typedef struct storm_plant {
 
 /*
  * Data that all storms (simulations with fast target jumps) of one control loop share: structure,
- * sensors, and the blocks of the control tick.
+ * sensors, and the blocks (stages) of the control tick.
  */
 typedef struct storm_rig {
     const analysis *analysis;
@@ -92,10 +92,11 @@ typedef struct storm_rig {
 
 typedef struct storm_result {
     double end;  /* largest distance of the shape from the best shape that the voltage limits allow,
-                    over the last part of the storm, as long as one period of the first vibration
-                    mode; relative to the norm of the target */
-    double peak; /* largest distance of the shape from the best shape that the limits allow, at any
-                    time, relative to the norm of the target */
+                    in the last period of the first vibration mode of a storm (simulation with fast
+                    target jumps); relative to the norm of the target */
+    double peak; /* largest distance of the shape from the best shape that the voltage limits allow,
+                    at any time of a storm (simulation with fast target jumps); relative to the norm
+                    of the target */
     double growth; /* growth factor per tick of the amplitude of the vibration, mean over the second
                       half of the simulation; only for simulations without limits */
     int ticks;
@@ -123,9 +124,9 @@ bool storm_deform(storm_rig *rig, const deformed *deformed);
 /*
  * Set the control loop of the next storms (simulations with fast target jumps).
  *   rig            in/out  data that all storms share
- *   block [blocks] in      blocks of the control tick, copied; their tables must outlive the rig.
- *       The supervisor is left out: it would take control away where targets jump beyond all limits
- *       or a small vibration begins without a cause
+ *   block [blocks] in blocks (stages) of the control tick, copied; their tables must outlive the
+ *       rig. The supervisor is left out: it would take control away where targets jump beyond all
+ *       limits or a small vibration begins without a cause
  *   delay          in      age of the readings that the scene file states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);

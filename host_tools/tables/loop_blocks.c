@@ -161,8 +161,8 @@ static const void *governor_tables(loop_blocks *blocks)
 static uint64_t work_limit(const loop_blocks *blocks);
 
 /*
- * Return the voltage optimisation problem of the design, in which the optimiser's work limit is
- * what the processor clock of the scene file allows.
+ * Return the voltage optimisation problem (least squares for the voltages within their limits) with
+ * a limit of the optimiser's work that the processor clock of the scene file allows.
  */
 static const void *problem_tables(loop_blocks *blocks)
 {
@@ -550,9 +550,10 @@ static const struct {
     const pzs_block_type *type;
     bool (*is_present)(const loop_blocks *l);
     const void *(*tables)(loop_blocks *l);
-    void (*write)(emitter *w, const loop_blocks *l); /* function that writes the tables of a block;
-                                                        NULL: the tables are written together with
-                                                        their arrays */
+    void (*write)(emitter *w, const loop_blocks *l); /* function that writes the tables of a block
+                                                        (stage of the control tick) as C source;
+                                                        NULL: other code has written them with the
+                                                        arrays that they refer to */
     const char *type_name, *tables_name;
     size_t (*bytes)(const block_counts *of, bool is_single);
     const char *bytes_macro;
@@ -689,8 +690,8 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
 /* ---- instructions of the blocks ---------------------------------------- */
 
 /*
- * Return an upper bound of the instructions of one tick in which the loop controls the voltages,
- * and not of a tick of the self-test before.
+ * Return an upper bound of the processor instructions of one tick in which the loop controls the
+ * voltages, and not of a tick of the self-test before.
  */
 static double tick_bound(const loop_blocks *blocks, const block_counts *of,
                          const loop_processor *on)
@@ -788,11 +789,12 @@ static void write_list(const emitter *emitter, const loop_blocks *blocks)
     loop_blocks_bound(blocks, &loop_processor_table[0], &bounds);
     fprintf(emitter->file,
             "    /* %s: at most %.0f instructions in a tick, of which %.0f outside the blocks "
-            "*/\n",
+            "(stages of the tick) */\n",
             loop_processor_table[0].name, bounds.all, bounds.rest);
     for (int k = 0, i = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].is_present(blocks))
-            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s}, /* at most %.0f instructions */\n",
+            fprintf(emitter->file,
+                    "    {&pzs_%s_block, &%s_%s}, /* at most %.0f instructions in a tick */\n",
                     block_types[k].type_name, emitter->prefix, block_types[k].tables_name,
                     bounds.block[i++].most);
 }
@@ -934,13 +936,15 @@ static void write_nodes(const emitter *emitter, const design *design)
     static const char *const component[] = {"u1", "u2", "u3", "x", "y", "z"};
     static const char *const face[] = {[FACE_OUTER] = "outer face",
                                        [FACE_INNER] = "inner face",
-                                       [FACE_MIDDLE] = "middle",
-                                       [FACE_MEAN] = "mean of the faces"};
+                                       [FACE_MIDDLE] = "middle surface",
+                                       [FACE_MEAN] = "mean of both faces"};
     const scene_output *what = &design->goal.what;
     emit_comment_begin(emitter);
-    fprintf(emitter->file, " * Outputs: displacement %s (%s), %s.\n * output  node  %s\n",
+    fprintf(emitter->file,
+            " * Outputs of the controller: displacement %s (%s) of the %s at these mesh nodes.\n"
+            " * output  node  %s\n",
             component[what->component], design->units.length, face[what->face],
-            design->quads ? "x  y  z" : "theta1  theta2");
+            design->quads ? "x  y  z" : "surface coordinates theta1  theta2");
     for (int i = 0; i < design->targets; i++) {
         const int node = design->target_node[i];
         const double *theta = design->mesh.theta[node], *place = design->mesh.point[node].position;

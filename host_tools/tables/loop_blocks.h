@@ -23,8 +23,8 @@ typedef struct loop_blocks {
                                   of the fault detector in a loop that damps vibration; NULL: the
                                   loop has no such detector */
     /*
-     * Tables of those blocks of the control loop whose data are stored neither in the design nor in
-     * the shape estimator nor in the vibration damper.
+     * Tables of those blocks (stages of a control tick) whose data are neither in the numerical
+     * model of the scene (struct design) nor in the shape estimator nor in the vibration damper.
      */
     pzs_reading_delay delay;
     pzs_known_loads known_loads;
@@ -33,8 +33,9 @@ typedef struct loop_blocks {
     pzs_fault_detection detection;
     pzs_supervision supervision;
     compensation compensation;
-    pzs_problem problem; /* voltage optimisation problem of the design, with the limit of the
-                            optimiser's work that the clock of the scene's processor allows */
+    pzs_problem problem; /* voltage optimisation problem (least squares for the voltages within
+                            their limits), with the limit of the optimiser's work that the clock of
+                            the scene's processor allows */
     pzs_block block[PZS_BLOCK_LIMIT];
     int count;
 } loop_blocks;
@@ -43,11 +44,12 @@ typedef struct loop_blocks {
 typedef struct loop_bounds {
     struct {
         const pzs_block_type *type;
-        double most; /* upper bound of the instructions of a block of the loop in one tick */
+        double most; /* upper bound of the instructions of a block (stage) of the control loop in
+                        one tick */
     } block[PZS_BLOCK_LIMIT];
     int count;
-    double rest; /* upper bound of the instructions of one tick outside of the blocks: restoring
-                    memory, checksums, last check of the voltages */
+    double rest; /* upper bound of the instructions of one tick outside of its blocks (stages):
+                    restoring memory, checksums, last check of the voltages */
     double all;  /* upper bound of the instructions of one tick in which the loop is in control; the
                     self-test, which runs before, does not count */
 } loop_bounds;
@@ -81,12 +83,12 @@ int loop_quantises(const design *design);
 bool loop_supervises(const design *design, bool is_damped);
 
 /*
- * Fill the list of the blocks of a scene's control loop, in the order in which a tick runs them.
- * The list refers to *blocks, the design, the estimator and the damper, which must outlive it.
- *   design    in  design whose voltage optimisation problem is computed
- *   estimator in  shape estimator with its gains; all zero where the scene has neither an estimator
- *                 nor feed-forward
- *   damper    in  tables of the vibration damper
+ * Fill the list of the blocks (stages) of a scene's control loop, in the order in which a tick runs
+ * them. The list refers to the arguments, which must outlive it.
+ *   design     in  numerical model of the scene, with its least-squares problem for the voltages
+ *   estimator  in  shape estimator with its gains; all zero where the scene has neither an
+ *              estimator nor feed-forward
+ *   damper     in  tables of the vibration damper
  */
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
                       const damper *damper);
@@ -127,9 +129,11 @@ uint64_t loop_blocks_work_limit(const loop_blocks *blocks);
 void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop_bounds *bounds);
 
 /*
- * Make the list of the blocks of a scene's control loop with everything that it refers to.
- *   analysis in  analysis whose voltage optimisation problem and stability certificate are
- * computed; must outlive the parts Returns 0, or -1 with error filled and nothing to close.
+ * Make the list of the blocks (stages) of a scene's control loop with everything that it refers to.
+ *   parts     out  list and tables, released by loop_parts_close
+ *   analysis  in  analysis with the least-squares problem for the voltages and with the result of
+ *             the stability tests; must outlive *parts
+ * Returns 0, or -1 with error filled and nothing to close.
  */
 int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error);
 void loop_parts_close(loop_parts *parts);

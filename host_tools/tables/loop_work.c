@@ -39,8 +39,8 @@ static double prediction(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Return the number of instructions of a second prediction of the shape in a control tick; 0 if the
- * blocks of the loop never need one.
+ * Return the number of instructions by which a control tick predicts the shape again, after a block
+ * (stage) behind the optimiser has changed the voltages; 0 if no block of the loop changes them.
  */
 static double second_prediction(const block_counts *of, const loop_processor *on)
 {
@@ -66,8 +66,8 @@ double loop_work_selftest(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the correction of late readings, including the removal of
- * voltage changes of faulty electrodes from the readings.
+ * Upper bound of the instructions that one tick needs to correct late readings by the voltage
+ * changes since they were taken, and to remove the voltage changes of faulty electrodes from them.
  */
 double loop_work_delay(const block_counts *of, const loop_processor *on)
 {
@@ -91,8 +91,8 @@ double loop_work_estimator(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Return the number of instructions of the optimiser of the voltages, and of those program loops of
- * an optimisation step whose length is the number of inputs.
+ * Return the number of instructions in one control tick of the optimiser of the voltages, and of
+ * those program loops around it whose length is the number of inputs.
  */
 static double optimisation(const block_counts *of, const loop_processor *on)
 {
@@ -100,8 +100,8 @@ static double optimisation(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the reference governor, which solves a second voltage
- * optimisation problem and predicts a shape.
+ * Upper bound of the instructions of the reference governor, which limits how fast the target
+ * moves: it solves a second least-squares problem for voltages and predicts a shape.
  */
 double loop_work_governor(const block_counts *of, const loop_processor *on)
 {

@@ -24,33 +24,35 @@
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps, loads;
-    size_t blocks;              /* number of blocks of the control loop */
-    size_t delay, damper_delay; /* age of the sensor readings that the scene file states, and that
-                                   the block that damps vibration assumes (ticks) */
-    size_t near_plays; /* largest number of plays (elements with backlash) that begin to move, or
-                          change their direction, within one step limit */
-    bool is_damped; /* whether the list of blocks of the control loop contains the block that damps
-                       vibration */
-    bool detects_faults; /* whether the list of blocks of the control loop contains the fault
-                            detector for electrodes */
-    bool moves_outside;  /* whether a block other than the control step may change the voltages, so
-                            that the shape is predicted twice in a tick */
+    size_t blocks;              /* number of blocks (stages) of a control tick */
+    size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
+                                   (ticks); damper_delay: age that the stage of the tick that damps
+                                   vibration assumes (ticks) */
+    size_t near_plays;   /* largest number of plays (elements with backlash) that begin to move, or
+                            change their direction, within one step limit */
+    bool is_damped;      /* whether a control tick has a block (stage) that damps vibration */
+    bool detects_faults; /* whether a control tick has a block (stage) that detects faults of
+                            electrodes */
+    bool moves_outside;  /* whether a block (stage of the tick) other than the control step may
+                            change the voltages, so that the shape is predicted twice in a tick */
     uint64_t work_limit; /* limit of the optimiser's work in one tick (multiply-adds) */
 } block_counts;
 
 /* A processor for which the instructions of a control tick are bounded. */
 typedef struct loop_processor {
-    const char *name, *key; /* name of the processor with precision and compiler optimisation, for
-                               printed results; name of the member of its results in JSON output */
+    const char *name, *key; /* name: processor with precision and compiler optimisation, for printed
+                               results; key: member under which the instructions on this processor
+                               are written to JSON output */
     double entry; /* number of instructions for each matrix entry in a product of matrix and vector
                    */
-    double row; /* number of further instructions for each row and group of columns in a product of
-                   matrix and vector */
+    double row;   /* number of instructions for each row and group of columns in a product of matrix
+                     and vector, in addition to those for each entry */
     double columns;   /* number of matrix columns that a product of matrix and vector processes
                          together */
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
-    double other;     /* number of instructions of program loops that are neither products of matrix
-                         and vector nor the optimiser, relative to a Cortex-M4F */
+    double other; /* instructions of program loops that are neither products of matrix and vector
+                     nor the optimiser: ratio of their number on this processor to that on a
+                     Cortex-M4F */
 } loop_processor;
 
 /*

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Writes generated C tables: the arrays of a design as constant data for a firmware. */
+/*
+ * Writes generated C tables: the arrays that the library needs for a scene, such as influence
+ * matrix, limits and element matrices, as constant data for a firmware.
+ */
 #ifndef TABLES_H
 #define TABLES_H
 

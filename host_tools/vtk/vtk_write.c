@@ -9,8 +9,8 @@
 #include "vtk_file.h"
 
 /*
- * Numbers of the arrays that the VTK file contains for one layer, with values in each cell: stress
- * and strain at each height of the layer, whether the layer is present, electric field, electric
+ * Indices of the arrays of a VTK file that hold the values of one layer in each cell: stress (from
+ * 0) and strain at each height of the layer, whether the layer is present, electric field, electric
  * displacement, and, if the scene states strengths, the reserve factor.
  */
 enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESERVE, LAYER_ARRAYS };

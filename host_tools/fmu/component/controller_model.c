@@ -12,7 +12,7 @@
 
 enum {
     LOADS = CONTROLLER_KNOWN_LOADS
-}; /* number of loads whose factors the simulator announces to the controller */
+}; /* number of known loads: loads whose factors the simulator tells the controller */
 
 /*
  * FMI value reference (number) of the first variable of each group of variables of the FMU, counted
@@ -22,10 +22,11 @@ enum {
     TARGET = 0, /* variables for the wanted displacements of the target nodes */
     READING = TARGET + CONTROLLER_OUTPUTS, /* variables for the readings of the sensors; NaN where a
                                               sensor gives no reading */
-    NOW = READING + CONTROLLER_READINGS, /* variables for the announced load factors at the time of
-                                            the readings */
-    NEXT = NOW + LOADS,     /* variables for the announced load factors at the time when the next
-                               voltages act */
+    NOW = READING + CONTROLLER_READINGS, /* variables for the factors of the known loads, which the
+                                            simulator tells the controller, at the time of the
+                                            readings */
+    NEXT = NOW + LOADS, /* variables for the factors of the known loads, which the simulator tells
+                           the controller, at the time when the next voltages act */
     VOLTAGE = NEXT + LOADS, /* variables for the voltages that the amplifiers are to output (V) */
     REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables of the FMU */
     COMMAND = 0, /* variable for the command to the supervisor, which switches the control loop
@@ -50,8 +51,9 @@ typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS &
 
 typedef struct controller {
     pzs_loop loop;
-    pzs_real known[2][LOADS + 1]; /* announced load factors: known[0] at the time of the readings,
-                                     known[1] at the time when the next voltages act */
+    pzs_real known[2][LOADS + 1]; /* factors of the loads that the simulator tells the controller:
+                                     known[0] at the time of the readings, known[1] at the time when
+                                     the next voltages act */
     pzs_real work[CONTROLLER_LOOP_BYTES / sizeof(pzs_real) + 1];
 } controller;
 
