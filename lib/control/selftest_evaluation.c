@@ -6,20 +6,22 @@
  *
  * The evaluation compares the matrix of the measured responses with that of the model. A column of
  * these matrices is the response of all sensors to one amplifier, a row is the response of one
- * sensor to all amplifiers. First, the column or row that differs most from the model is
- * reported if it is reversed. Then pairs of similar columns and of similar rows are compared,
- * because two amplifiers or sensors with exchanged cables may respond so similarly that neither
- * looks faulty alone. Then the amplifier or sensor whose column or row differs most from the model
- * is reported and excluded from later comparisons, again and again until nothing differs: a faulty
- * amplifier also changes the rows of sensors near it, but by less than its own column, and a faulty
- * sensor changes the columns of amplifiers likewise.
+ * sensor to all amplifiers.
  *
- * The evaluation is a sequence of stages. Each step of a stage compares one measured with one
- * modelled column or row; the last step decides what these comparisons mean, and which stage is
- * next. A tick makes steps until it has compared settings.work_limit entries of the matrices, so
- * that the time of a tick hardly depends on the size of the structure. Results that later steps
- * need are kept in the memory of the self-test, so that the findings are the same for any number of
- * ticks.
+ * First, the column or row that differs most from the model is reported if it is reversed. Then
+ * pairs of similar columns and of similar rows are compared, because two amplifiers or sensors with
+ * exchanged cables may respond so similarly that neither looks faulty alone. Then the amplifier or
+ * sensor whose column or row differs most from the model is reported and excluded from later
+ * comparisons, again and again until nothing differs: a faulty amplifier also changes the rows of
+ * sensors near it, but by less than its own column, and a faulty sensor changes the columns of
+ * amplifiers likewise.
+ *
+ * The evaluation is a sequence of stages (such as the comparison of all columns with the model).
+ * Each step of a stage compares one measured with one modelled column or row; the last step decides
+ * what these comparisons mean, and which stage is next. A tick makes steps until it has compared
+ * settings.work_limit entries of the matrices, so that the time of a tick hardly depends on the
+ * size of the structure. Results that later steps need are kept in the memory of the self-test, so
+ * that the findings are the same for any number of ticks.
  */
 #include "selftest.h"
 #include "../core/numbers.h"
@@ -71,13 +73,13 @@
 #define SAME_DIRECTION PZS_R(1e-4)
 
 /*
- * Stages of the evaluation, in their order: the responses are made ready; noise and vibration are
- * compared with the modelled columns (amplifiers) and rows (sensors); gains of the amplifiers, the
- * column and the row that differ most from the model, and the modelled column or row nearest to the
- * worse of both, which is reported if it is reversed; gains anew; for each column and row in turn,
- * those that are too similar to it, the modelled one nearest to it, and the other one of the pair;
- * gains anew, the column and the row that differ most and the nearest one, once for each fault; the
- * verdict.
+ * Stages of the self-test's evaluation, in their order. HIDDEN: mark modelled columns (amplifiers)
+ * and rows (sensors) of responses that are too small beside noise and vibration. GAINS: compute the
+ * gains of the amplifiers. COLUMNS and ROWS: find the amplifier and the sensor whose responses
+ * differ most from the model. NEAREST: find the modelled response nearest to the measured one.
+ * SIMILAR and EXCHANGED: look for exchanged cables. FIRST stages report only a reversed amplifier
+ * or sensor. PAIR stages are repeated for each amplifier and sensor, the last GAINS to NEAREST for
+ * each fault.
  */
 enum {
     STAGE_START = 0,
@@ -113,17 +115,17 @@ static pzs_real square(pzs_real number)
 typedef struct selftest_axis {
     bool is_row;
     uint32_t lines, entries;
-    size_t measured_line, measured_entry; /* distance in state.response, the measured responses,
-                                             between the first entries of two columns (or two rows),
-                                             and between two entries of a column (or row), in real
-                                             numbers */
-    size_t model_line, model_entry; /* distance in state.direct, the modelled responses, between the
-                                       first entries of two columns (or two rows), and between two
-                                       entries of a column (or row), in real numbers */
-    pzs_wiring *line, *entry; /* [lines] results of the self-test (healthy or kind of fault) for the
-                                 amplifiers if `is_row` is false, or for the sensors if it is true;
-                                 [entries] results for the sensors if `is_row` is false, or for the
-                                 amplifiers if it is true */
+    size_t measured_line, measured_entry; /* distance in the array state.response of measured
+                                             responses, in numbers, between the first entries of two
+                                             columns or rows (measured_line), and between two
+                                             entries of a column or row (measured_entry) */
+    size_t model_line, model_entry; /* distance in the array state.direct of modelled responses, in
+                                       numbers, between the first entries of two columns or rows
+                                       (model_line), and between two entries of a column or row
+                                       (model_entry) */
+    pzs_wiring *line, *entry; /* [lines], [entries] results of the self-test (healthy or kind of
+                                 fault): `line` for the amplifiers and `entry` for the sensors if
+                                 `is_row` is false, otherwise the other way round */
     bool has_gains; /* true: before the comparison of measured and modelled responses, each entry of
                        a modelled row (one sensor, all amplifiers) is multiplied by the measured
                        gain of its amplifier */
@@ -249,7 +251,7 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Raise state.null, the squared response to noise and vibration, of each sensor, if it is smaller,
+ * Raise state.null, the squared response of each sensor to noise and vibration, if it is smaller,
  * to the squared response that the noise of the sensor causes. The noise is the measured one, or a
  * small part of the largest plausible noise, because rounding errors of readings without noise are
  * no response.
@@ -339,8 +341,8 @@ static bool is_gain_plausible(const pzs_selftest *selftest)
 }
 
 /*
- * Make the first tick in which the self-test evaluates the responses: find the sensors that are
- * noisy or give no readings, and the amplifiers that were tested.
+ * Prepare the evaluation of the self-test in its first tick: find the sensors that are noisy or
+ * give no readings, and the amplifiers that were tested.
  */
 static void begin_evaluation(pzs_selftest *selftest)
 {
@@ -417,9 +419,10 @@ static void find_difference(pzs_selftest *selftest, const selftest_axis *axis, u
 
 /*
  * Return how much the measured response of an amplifier or sensor differs from a modelled response.
- * Gains of amplifiers differ, so that only directions are compared, by the squared sine of their
- * angle (0 to 1). Where the modelled row of a sensor contains the measured gains of the amplifiers,
- * its size counts, too: the result is the squared difference of the two rows (1/V2).
+ * Gains of amplifiers differ, so that only the directions of these vectors are compared, by the
+ * squared sine of their angle (0 to 1). The responses of a sensor are compared also in size where
+ * the modelled ones contain the measured gains of the amplifiers: the result is then the squared
+ * difference of the vectors (1/V2).
  */
 static pzs_real response_error(const selftest_axis *axis, const pzs_selftest_sums *sums)
 {
@@ -429,9 +432,9 @@ static pzs_real response_error(const selftest_axis *axis, const pzs_selftest_sum
 }
 
 /*
- * Return the index of the modelled column (or row) with which the measured response of the
- * amplifier (or sensor) `subject` is compared in a step of a stage: in step 0 its own one, then all
- * others in their order.
+ * Return the index of the amplifier (or sensor) whose modelled response is compared in step number
+ * `step` with the measured response of the amplifier (or sensor) `subject`: in step 0 that of
+ * `subject` itself, then all others in their order.
  */
 static uint32_t compared_line(uint32_t subject, uint32_t step)
 {
@@ -558,9 +561,10 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 
 /*
  * Return how much the measured responses of two amplifiers, or of two sensors, differ from the
- * modelled responses of two amplifiers or sensors. Rows of two sensors whose modelled entries
- * contain the gains of the amplifiers are compared as one vector, the second row behind the first:
- * where two sensors see nearly the same shape, an exchange shows in the sizes of the rows alone.
+ * modelled responses of two amplifiers or sensors. The responses of two sensors to all amplifiers,
+ * where the modelled ones contain the gains of the amplifiers, are compared as one long vector:
+ * where two sensors see nearly the same shape, an exchange of cables shows in the sizes of their
+ * responses alone.
  */
 static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *one,
                            const pzs_selftest_sums *other)
@@ -665,12 +669,15 @@ static void give_verdict(pzs_selftest *selftest)
 
 /* ---- stages --------------------------------------------------------------- */
 
-/* Comparisons of measured with modelled responses in a stage of the self-test's evaluation. */
+/*
+ * Comparisons of measured with modelled responses that a stage of the self-test's evaluation makes.
+ */
 typedef struct stage_plan {
     selftest_axis axis;
     uint32_t subject; /* index of the amplifier (or sensor) whose measured response is compared with
                          the modelled ones, in a stage about one amplifier or sensor */
-    uint32_t steps;   /* number of comparisons of responses in a stage of the self-test */
+    uint32_t steps;   /* number of comparisons of responses in a stage of the self-test's evaluation
+                       */
 } stage_plan;
 
 /* Return the number of amplifiers and sensors of the self-test together. */
@@ -681,8 +688,9 @@ static uint32_t count_lines(const pzs_selftest *selftest)
 }
 
 /*
- * Return the plan of a stage that compares the amplifier or sensor whose measured response differs
- * most from the model with all modelled responses. There are no steps where no response differs.
+ * Return which comparisons a stage of the self-test's evaluation makes if it compares the measured
+ * response of the amplifier or sensor that differs most from the model with all modelled responses:
+ * none where no response differs.
  */
 static stage_plan plan_of_worst(const pzs_selftest *selftest)
 {
@@ -696,10 +704,10 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
 }
 
 /*
- * Return the plan of a stage that compares one amplifier (or sensor), if no fault was found at it,
- * with all others whose cables could have been exchanged with its own, or with the nearest of them
- * alone. The amplifiers or the sensors, whichever are fewer, come first, because a fault of one
- * among few changes the responses of the others more.
+ * Return which comparisons a stage of the self-test's evaluation makes if it looks for exchanged
+ * cables of one amplifier (or sensor) without a fault: with all others, or with the one of the
+ * nearest modelled response alone. The amplifiers or the sensors, whichever are fewer, come first,
+ * because a fault of one among few changes the responses of the others more.
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {
@@ -722,9 +730,10 @@ static stage_plan plan_of_pair(const pzs_selftest *selftest)
 }
 
 /*
- * Return the plan of the present stage. Differences of sensors count only while the mean gain
- * (measured divided by modelled response) of the amplifiers is plausible: otherwise all amplifiers
- * differ from the model.
+ * Return which comparisons of measured with modelled responses the present stage of the self-test's
+ * evaluation makes. Sensors are compared with the model only while the mean gain (measured divided
+ * by modelled response) of the amplifiers is plausible: otherwise all responses differ from the
+ * model.
  */
 static stage_plan plan_of(const pzs_selftest *selftest)
 {
@@ -742,7 +751,10 @@ static stage_plan plan_of(const pzs_selftest *selftest)
     }
 }
 
-/* Make comparison number `step` of a measured with a modelled response in the present stage. */
+/*
+ * Make comparison number `step` of a measured with a modelled response of sensors to amplifiers, in
+ * the present stage of the self-test's evaluation.
+ */
 static void compare(pzs_selftest *selftest, const stage_plan *plan, uint32_t step)
 {
     switch (selftest->state.core[0].stage) {
@@ -761,9 +773,9 @@ static void compare(pzs_selftest *selftest, const stage_plan *plan, uint32_t ste
 }
 
 /*
- * End the search for the amplifier or sensor whose measured response differs most from the model:
- * report its fault. Returns the next stage: another search without the responses of this amplifier
- * or sensor, or the verdict if no response differs.
+ * End the search of the self-test's evaluation for the amplifier or sensor whose measured response
+ * differs most from the model: report its fault. Returns the next stage: another search without the
+ * responses of this amplifier or sensor, or the verdict if no response differs.
  */
 static uint32_t end_search(pzs_selftest *selftest, const stage_plan *plan)
 {
@@ -775,8 +787,8 @@ static uint32_t end_search(pzs_selftest *selftest, const stage_plan *plan)
 }
 
 /*
- * Decide what the comparisons of responses in the present stage of the evaluation mean. Returns the
- * next stage.
+ * Decide what the comparisons of measured with modelled responses in the present stage of the self-
+ * test's evaluation mean. Returns the next stage.
  */
 static uint32_t end_stage(pzs_selftest *selftest, const stage_plan *plan)
 {
@@ -801,8 +813,8 @@ static uint32_t end_stage(pzs_selftest *selftest, const stage_plan *plan)
 }
 
 /*
- * Begin a stage of the evaluation. A stage that searches for the amplifier or sensor with the
- * largest difference from the model forgets the one that was found last.
+ * Begin a stage of the self-test's evaluation. A stage that searches for the amplifier or sensor
+ * with the largest difference from the model forgets the one that was found last.
  */
 static void begin_stage(pzs_selftest *selftest, uint32_t stage)
 {
@@ -817,9 +829,9 @@ static void begin_stage(pzs_selftest *selftest, uint32_t stage)
 }
 
 /*
- * Make one step of the present stage of the evaluation: a comparison of a measured with a modelled
- * response, or the end of the stage. Returns the work of the step, in compared entries of the
- * responses.
+ * Make one step of the self-test's evaluation: a comparison of a measured with a modelled response
+ * of sensors to amplifiers, or the end of the present stage. Returns the number of compared
+ * entries, plus a constant for the step.
  */
 static uint32_t make_step(pzs_selftest *selftest)
 {
@@ -833,9 +845,10 @@ static uint32_t make_step(pzs_selftest *selftest)
 }
 
 /*
- * The first tick of the self-test's evaluation makes the responses ready, and the last one, in
- * which a loop without a fault already controls the voltages, gives the verdict; neither makes a
- * step. A stage that does not exist shows damaged memory, with which no amplifier may pass.
+ * The first tick of the self-test's evaluation prepares the measured responses, and the last one
+ * sets the verdict (passed or not), because a loop without a fault already controls the voltages in
+ * it; no responses are compared in these ticks. A wrong number of the stage shows damaged memory;
+ * then no amplifier may pass.
  */
 void pzs_selftest_evaluate(pzs_selftest *selftest)
 {

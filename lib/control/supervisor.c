@@ -148,15 +148,15 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
     if (!(ticks < (pzs_real)MOST_TICKS))
         return UINT32_MAX;
     /*
-     * one tick more than the way over the step limit, and a margin for rounding errors of the
-     * voltages of the ramp
+     * one tick more than a ramp of the voltage needs at its step limit (largest change in a tick),
+     * because rounding errors may shorten the changes
      */
     return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
 }
 
 /*
  * Return the number of ticks that the voltage of input i needs from the start to the end of a ramp
- * of the voltages, or `most` if that is larger.
+ * of the supervisor, or `most` if that is larger.
  */
 static uint32_t longer_duration(uint32_t most, const pzs_problem *problem, uint32_t i,
                                 pzs_real from, pzs_real to)
@@ -195,9 +195,9 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
 }
 
 /*
- * Return the voltage of input i at the end of the present ramp (V): its reference voltage in the
- * voltage optimisation problem, or its park voltage, the safe voltage at which the amplifier rests,
- * as the last command demands.
+ * Return the voltage of input i at the end of the present ramp of the supervisor (V): its reference
+ * voltage in the optimisation (pzs_problem), or its park voltage, the safe voltage at which the
+ * amplifier rests, as the last command demands.
  */
 static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 {
@@ -208,8 +208,9 @@ static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 }
 
 /*
- * Start a ramp from the voltages of the last tick to the reference voltages of the voltage
- * optimisation problem, or to the park voltages, the safe voltages at which the amplifiers rest.
+ * Start a ramp of the voltages from those of the last tick to the reference voltages of the
+ * optimisation (pzs_problem), or to the park voltages, the safe voltages at which the amplifiers
+ * rest.
  *   given [inputs] in  voltages of the last tick (V)
  */
 static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
@@ -222,7 +223,8 @@ static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
 }
 
 /*
- * Whether the voltage of every input is already at the end of the present ramp of the voltages.
+ * Whether the voltage of every input is already at the end of the ramp on which the supervisor
+ * moves the voltages to safe ones or to reference voltages.
  *   given [inputs] in  voltages of the last tick (V)
  */
 static bool has_arrived(const pzs_supervisor *supervisor, const pzs_real *given)
@@ -235,8 +237,8 @@ static bool has_arrived(const pzs_supervisor *supervisor, const pzs_real *given)
 }
 
 /*
- * Set the voltages of the next tick of a ramp of the voltages. After the end of the ramp the
- * voltages stay constant.
+ * Set the voltages of the next tick of the ramp on which the supervisor moves the voltages. After
+ * the end of the ramp the voltages stay constant.
  */
 static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
@@ -252,15 +254,16 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     core->remaining -= core->remaining > 0 ? 1u : 0u;
     pzs_control_moved(signals->control);
     pzs_control_predict(signals->control); /* the shape is predicted already during a ramp of the
-                                              voltages, so that the first tick in which the loop is
-                                              in control does not take longer than others */
+                                              voltages, so that the first tick in which the loop
+                                              controls the voltages does not take longer than others
+                                            */
 }
 
 /* ---- events ------------------------------------------------------------- */
 
 /*
- * Change the operating mode of the supervisor after an event, and start a ramp if the new mode
- * needs one.
+ * Change the operating mode of the supervisor after an event, and start a ramp of the voltages to
+ * safe ones or to reference voltages if the new mode needs one.
  */
 static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event,
                           const pzs_loop_signals *signals)
@@ -283,10 +286,15 @@ static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event
     }
 }
 
-/* A command word is this number times a command counter, plus the command. */
+/*
+ * A command to the supervisor is stored as this number times a command counter, plus the command.
+ */
 #define COMMAND_STEP 256u
 
-/* Return the command word on which two of its three copies agree. */
+/*
+ * Return the last command to the supervisor with its command counter, after a majority vote over
+ * the three copies.
+ */
 static uint32_t command_word(const pzs_supervisor *supervisor)
 {
     const uint32_t first = supervisor->state.command[0], second = supervisor->state.command[1],
@@ -338,7 +346,7 @@ static void judge_readings(pzs_supervisor *supervisor, const pzs_loop_signals *s
 
 /*
  * Change the operating mode of the supervisor after a time-out of the readings, an alarm of the
- * divergence monitor or an error of another block (stage of computation) of the control loop.
+ * divergence monitor or an error of another stage of the control tick.
  */
 static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
@@ -424,8 +432,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 }
 
 /*
- * Return the status of a tick in which the supervisor, not the control step, determines the
- * voltages.
+ * Return the status of a tick in which the supervisor, not the controller, determines the voltages.
  */
 static pzs_status status_of(uint32_t mode)
 {

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Slow test pulse of a voltage, and the weights with which the response of a sensor to the pulse is
- * measured.
- *
- * With s from -1 to 1 over the duration of a pulse and b = 1 - s^2, the pulse is b^4 times its
- * height. The measured response is the sum of the readings times the even weight b^3 (1 - 9 s^2),
- * divided by the sum of the pulse times this weight. The sum of the even weights is zero. The odd
- * weight 1.5 s b^2 (3 s^2 - 1) is proportional to the derivative of the even one; without a pulse,
- * both sums together give the amplitude of a vibration. Polynomials need no trigonometric
- * functions, which are not the same on all processors.
+ * measured. With the time s from -1 to 1 over the duration of a pulse and b = 1 - s^2, the voltage
+ * is b^4 times the height of the pulse. The measured response is the sum of the readings times the
+ * even weight b^3 (1 - 9 s^2), divided by the sum of the pulse times this weight. The sum of the
+ * even weights is zero. The odd weight 1.5 s b^2 (3 s^2 - 1) is proportional to the derivative of
+ * the even one; without a pulse, both sums together give the amplitude of a vibration. Polynomials
+ * need no trigonometric functions, which are not the same on all processors.
  */
 #ifndef PZS_LIB_TEST_PULSE_H
 #define PZS_LIB_TEST_PULSE_H
@@ -16,15 +14,17 @@
 #include "pzs_loop.h"
 
 /*
- * Return the place of a tick within a test pulse of `ticks` ticks, as a number from -1 (start) to 1
- * (end).
+ * Return the time of a tick within a test pulse of `ticks` ticks, as a number from -1 (start of the
+ * pulse) to 1 (end).
  */
 static inline pzs_real test_pulse_place(uint32_t tick, uint32_t ticks)
 {
     return (pzs_real)(2u * tick + 1u) / (pzs_real)ticks - 1;
 }
 
-/* Return the voltage of a test pulse at a place from -1 to 1, relative to the height of the pulse.
+/*
+ * Return the voltage of a test pulse, divided by the height of the pulse, at the time `place` from
+ * -1 (start of the pulse) to 1 (end).
  */
 static inline pzs_real test_pulse_at(pzs_real place)
 {
@@ -33,8 +33,8 @@ static inline pzs_real test_pulse_at(pzs_real place)
 }
 
 /*
- * Return the even weight of a reading at a place from -1 (start) to 1 (end) within a test pulse.
- * The sum of the readings times the even weights measures the response to the pulse.
+ * Return the even weight of a reading at the time `place` from -1 (start of a test pulse) to 1
+ * (end). The sum of the readings times the even weights measures the response to the pulse.
  */
 static inline pzs_real test_pulse_even(pzs_real place)
 {
@@ -43,9 +43,9 @@ static inline pzs_real test_pulse_even(pzs_real place)
 }
 
 /*
- * Return the weight, an odd function, of a reading at a place from -1 (start) to 1 (end) within a
- * test pulse. It is proportional to the derivative of the even weight function that measures the
- * response to the pulse, and serves to measure the amplitude of a vibration.
+ * Return the odd weight of a reading at the time `place` from -1 (start of a test pulse) to 1
+ * (end). It is proportional to the derivative of the even weight, with which the response to the
+ * pulse is measured, and serves to measure the amplitude of a vibration.
  */
 static inline pzs_real test_pulse_odd(pzs_real place)
 {
@@ -54,9 +54,9 @@ static inline pzs_real test_pulse_odd(pzs_real place)
 }
 
 /*
- * Return the late weight of a reading at a place from -1 (start) to 1 (end) within a test pulse,
- * which measures a sudden step of the readings: the weights are antisymmetric in time, and a step
- * in the middle contributes a twelfth of the number of ticks.
+ * Return the late weight of a reading at the time `place` from -1 (start of a test pulse) to 1
+ * (end), which measures a sudden step of the readings: the weights are antisymmetric in time, and a
+ * step in the middle contributes a twelfth of the number of ticks.
  */
 static inline pzs_real test_pulse_late(pzs_real place)
 {
@@ -65,8 +65,9 @@ static inline pzs_real test_pulse_late(pzs_real place)
 }
 
 /*
- * Return the weight of a value at a place from -1 to 1 in a mean value that vibration hardly
- * changes. The mean of these weights is 1.
+ * Return the weight of a reading or voltage in its mean over an interval, at the time `place` from
+ * -1 (start of the interval) to 1 (end). The weight is 0 at both ends, so that vibration hardly
+ * changes the mean; the mean of the weights is 1.
  */
 static inline pzs_real test_pulse_mean(pzs_real place)
 {
@@ -75,9 +76,9 @@ static inline pzs_real test_pulse_mean(pzs_real place)
 }
 
 /*
- * Sum over all ticks of the voltage of a test pulse times the even weight of the tick, divided by
- * the number of ticks and by the height of the pulse: with the place s in the pulse and b = 1 -
- * s^2, the integral of b^7 (1 - 9 s^2) over s from -1 to 1, divided by 2.
+ * Sum over all ticks of a test pulse of its voltage times the even weight of the tick, divided by
+ * the number of ticks and by the height of the pulse: half the integral over s from -1 to 1 of b^4
+ * (the pulse) times b^3 (1 - 9 s^2) (the weight), with the time s in the pulse and b = 1 - s^2.
  */
 #define TEST_PULSE_RESPONSE PZS_R(0.149767)
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Vibration damper: estimates the vibration modes of the structure from the sensor readings, and
- * lets the control step damp them.
+ * changes the objective of the control tick so that the voltages damp them.
  *
  * A vibration mode has the modal coordinate q. In static equilibrium, the voltages v contribute g v
  * to it, and loads contribute w. With the deviation d = q - g v - w from its equilibrium and the
@@ -10,24 +10,27 @@
  * from readings that are `delay` ticks old: it corrects the state that it has predicted for the
  * time at which the readings were taken, and predicts the present state from the corrected one.
  *
- * The control step then minimises, within all limits and up to terms that do not depend on v,
+ * The control tick then minimises, within all limits and up to terms that do not depend on v,
  *
  *   share * |W (B v + C w + r - z)|^2 / 2  -  v . sum_i damping_i d_i  +  |W B (v - v_last)|^2 / 2
  *
- * with the output weights W, the influence matrix B, the mode shapes C, the target shape z, and the
- * low-passed part r of the shape that the modes do not explain. The damping term takes energy out
- * of the modes: it moves the voltages in phase with the deviation, also where a step limit cuts the
- * move. Unchanged voltages are always allowed, so the sum of the energy of the modes and of the
- * static objective never rises, whatever the voltage limits, the step limits and the held inputs
- * are (for exact modes that are observed without error, with pzs_vibration.mix = 0). In static
- * equilibrium d = p = 0, and the voltages are those of a control step without damping.
+ * with the output weights W, the influence matrix B, the mode shapes C, the target shape z, the
+ * low-passed part r of the shape that the modes do not explain, the voltages v_last of the last
+ * tick, the damping gradient damping_i of mode i, and `share`, a number from 0 to 1 that slows the
+ * approach to the static optimum. The damping term takes energy out of the modes: it moves the
+ * voltages in phase with the deviation, also where a step limit cuts the move. Unchanged voltages
+ * are always allowed, so the sum of the energy of the modes and of the static objective never
+ * rises, whatever the voltage limits, the step limits and the fixed inputs are (for exact modes
+ * that are observed without error, and d computed from q alone). In static equilibrium d = p = 0,
+ * and the voltages are those of a tick without damping.
  *
  * The deviation d_i in the damping term is a weighted mean of two estimates of the deviation of
  * mode i: q - g v - w, and the change of p in one tick divided by the angle by which the mode turns
- * in a tick. The second estimate does not depend on errors of g.
+ * in a tick. The second estimate does not depend on errors of g. pzs_vibration.mix is its weight.
  *
- * The work of a tick, in addition to the control step, is at most 3 modes (sensors + outputs) +
- * inputs (sensors + 2 modes) + outputs sensors multiply-adds. It does not depend on the data.
+ * The damper takes at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
+ * sensors multiply-adds in a tick, in addition to the optimisation of the voltages. This number
+ * does not depend on the data.
  */
 #include <string.h>
 #include "vibration.h"
@@ -349,7 +352,10 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
                          tables->modes);
 }
 
-/* Move low-passed values by the fraction `slow` of the way to their present values. */
+/*
+ * Low-pass filter: move each number of the array `filtered` by the fraction `slow` of the way to
+ * that of the array `present`.
+ */
 static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict present, pzs_real slow,
                      size_t count)
 {
@@ -358,9 +364,10 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 }
 
 /*
- * Whether the target has free functions (shapes that may be added at no cost), while every target
- * node is measured and some vibration modes are observed. The readings then contain motion along
- * the free functions, which the predicted readings leave out; the mode shapes are orthogonal to it.
+ * Whether the target has free functions (shapes, such as rigid motions, that may be added at no
+ * cost), while every target node is measured and some vibration modes are observed. The readings
+ * then contain motion along the free functions, which the predicted readings leave out; the mode
+ * shapes are orthogonal to it.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {
@@ -394,7 +401,7 @@ static void correct(pzs_damper *damper)
 
 /*
  * Compute how far each vibration mode deviates from its static equilibrium, and the damping
- * gradient, by which the control step damps the modes.
+ * gradient: the term in the gradient of the tick's objective by which the voltages damp the modes.
  */
 static void damp(pzs_damper *damper)
 {
@@ -603,8 +610,9 @@ static void *work_of(pzs_damper *damper)
 }
 
 /*
- * Initialise the vibration damper as a block (stage of computation) of the control loop. Its memory
- * holds the damper, then the workspace of the damper, then the static shape.
+ * Initialise the vibration damper as a block (stage of the control tick). Its memory holds the
+ * struct pzs_damper, then the workspace of the damper, then the estimated shape without vibration
+ * [outputs].
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {

@@ -313,8 +313,8 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
 }
 
 /*
- * Factor the diagonal tile (T x T entries, T is PZS_TILE) of a panel, from which all columns on its
- * left have been eliminated.
+ * Factor the diagonal tile of a panel (T = PZS_TILE matrix rows; in the last panel only `rows` of
+ * them belong to the matrix), after all columns on the left of the tile have been eliminated.
  *   tile    [T][T] in/out  in: entries to factor; out: factor L, with the pivots on the diagonal
  *   least   [rows] in      bound of each pivot; a pivot that is not above its bound counts as zero
  *   inverse [rows] out     reciprocals of the pivots

@@ -32,10 +32,12 @@ void pzs_linalg_layout(pzs_envelope *matrix);
 void pzs_linalg_clear(pzs_envelope *matrix);
 
 /*
- * Initialise a dense matrix with all entries zero.
+ * Initialise a symmetric matrix of `rows` rows, all entries zero, in envelope storage without zero
+ * entries left out (dense).
  *   work  [PZS_DENSE(rows)] in  memory of the entries and of the reciprocals of the pivots
- *   index                   in  memory of rows / PZS_TILE + 2 panel starts (uint32_t) followed by
- *                               `rows` first columns (uint16_t)
+ *   index                   in  memory of pzs_envelope.start, rows / PZS_TILE + 2 numbers of type
+ *                               uint32_t, followed by pzs_envelope.first, `rows` numbers of type
+ *                               uint16_t
  */
 void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t rows, pzs_real *work, void *index);
 

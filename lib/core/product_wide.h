@@ -10,8 +10,8 @@
 #include "linalg_wide.h"
 
 /*
- * Smallest number of columns for which the loops with AVX2 instructions are faster than the
- * portable ones.
+ * Smallest number of columns of a table for which the products with AVX2 instructions are faster
+ * than the portable functions of product.c.
  */
 #define WIDE_COLUMNS 48u
 
@@ -21,7 +21,7 @@
  */
 #define WIDE_BLOCK 8u
 
-/* Return whether products of rows of `cols` entries use the loops with AVX2 instructions. */
+/* Return whether products of tables with rows of `cols` entries use AVX2 instructions. */
 static inline bool product_is_wide(size_t cols)
 {
     return PZS_WIDE && cols >= WIDE_COLUMNS && pzs_linalg_has_wide();
@@ -84,8 +84,8 @@ void pzs_wide_mirror(pzs_real *matrix, size_t stride, size_t size);
 #else
 
 /*
- * In a build without AVX2 loops, product_is_wide returns false, so that no code calls the
- * functions with AVX2 instructions.
+ * In a build without AVX2 instructions, product_is_wide returns false, so that the functions with
+ * these instructions are never called.
  */
 #define pzs_wide_sum_rows(...) ((void)0)
 #define pzs_wide_subtract_rows(...) ((void)0)

@@ -28,8 +28,11 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node, pzs
 {
     for (unsigned corner = 0; corner < 4; corner++)
         for (unsigned direction = 0; direction < 2; direction++) {
-            /* The second and third strain modes vary as the element coordinates xi2 and xi1, whose
-             * signs at the corner tell in which direction its neighbour lies. */
+            /*
+             * The second and third strain modes (linear parts of the strains) vary as the element
+             * coordinates xi2 and xi1; the sign of the coordinate at a corner tells on which side
+             * its neighbour lies.
+             */
             const pzs_real sign = -mode_sign[2 - direction][corner];
             const unsigned other = neighbour[corner][direction];
             pzs_corner_tables(&node[compact->corner[corner]], &node[compact->corner[other]],

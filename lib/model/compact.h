@@ -26,7 +26,8 @@ void pzs_corner_tables(const pzs_node *corner, const pzs_node *neighbour, pzs_re
                        pzs_real g_diff[3]);
 
 /*
- * Compute a full element type from a compact one.
+ * Compute a full element type (pzs_element_type) from a compact one, which leaves out what follows
+ * from the nodes.
  *   node [nodes] in   nodes of the structure
  */
 void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node,

@@ -2,9 +2,9 @@
 /*
  * Charges and open electrodes in the undeformed state (pzs_model.h). The voltage of an open
  * electrode is one more unknown, coupled to all degrees of freedom under the electrode. A Schur
- * complement on the factors of the stiffness matrix eliminates it: one solve for each electrode
- * gives its charge per unit of every input. From the small dense matrix of these charges all
- * voltages and charges follow without further solves.
+ * complement on the factors of the stiffness matrix eliminates this unknown: one solve for each
+ * electrode gives its charge per unit of every input. From the small dense matrix of these charges
+ * all voltages and charges follow without further solves.
  */
 #include "electrode.h"
 #include "../core/guard.h"

@@ -92,8 +92,8 @@ static bool element_in_envelope(const pzs_structure *structure, const uint16_t n
 }
 
 /*
- * Whether each node's index of its rotated axes, which a node at an oblique support has, is below
- * the number of such axes in the tables.
+ * Whether the index of the rotated axes of each node (nodes at oblique supports have such axes) is
+ * below the number of rotated axes in the tables.
  */
 static bool turns_in_range(const pzs_structure *structure)
 {
@@ -143,7 +143,10 @@ static bool indices_in_range(const pzs_structure *structure)
            corners_in_range(structure);
 }
 
-/* Bytes of workspace that a model of the structure needs, whose stiffness has `entries` entries. */
+/*
+ * Return the size of the workspace of a model of the structure (bytes), if the envelope of its
+ * stiffness matrix stores `entries` entries.
+ */
 static size_t workspace_bytes(const pzs_structure *structure, uint32_t free_dof, size_t entries)
 {
     const size_t rebuilt = structure->compact != NULL ? PZS_COMPACT_BYTES : 0;
@@ -222,15 +225,15 @@ const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[
 }
 
 /*
- * Direction in which a rotation converts the mean displacements of a node at an oblique support:
- * into components in the triad (local axes), or from them.
+ * Direction in which a rotation converts the displacements of a node at an oblique support (mean of
+ * both faces of the shell): into components in the triad (local axes), or from them.
  */
 typedef enum turn_way { OUT_OF_TRIAD, INTO_TRIAD } turn_way;
 
 /*
- * Convert the mean displacements of some nodes, or the forces on them, between the components in
- * the triads (local axes) of the nodes and those along the axes of their degrees of freedom. Only
- * nodes at oblique supports change.
+ * Convert the displacements of some nodes (mean of both faces of the shell), or the forces on them,
+ * between components in the triads (local axes) of the nodes and components along the axes of their
+ * degrees of freedom. Only nodes at oblique supports change.
  *   gathered [count dof_per_node] in/out  degrees of freedom of the nodes
  */
 static void turn_nodes(const pzs_structure *structure, const uint16_t *node, unsigned count,
@@ -553,10 +556,10 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force)
 
 /*
  * Solve K u = r by conjugate gradients that start at u = 0 and are preconditioned by the factors of
- * K. The products with the stiffness matrix K are computed from the strains of the elements. The
+ * the stiffness matrix K. The products with K are computed from the strains of the elements. The
  * first iteration is the plain solve by the factors, the others refine it. The iteration ends when
- * the squared error in the energy norm is below the rounding error of the energy of u, or after
- * the largest number of iterations (REFINEMENT_LIMIT).
+ * the squared error in the energy norm is below the rounding error of the energy of u, or after the
+ * largest number of iterations (REFINEMENT_LIMIT).
  *   r [free_dof] in/out  in: force; out: residual force
  *   u [free_dof] out     displacement
  */
@@ -652,8 +655,9 @@ static pzs_real scale_force(const pzs_model *model, pzs_real *force)
 }
 
 /*
- * Solve for the displacement under the force in the first row of the work array of the model. The
- * solution is refined where the structure has element types, from which the strains are computed.
+ * Solve for the displacement under the force in the first row of the work array of the model. If
+ * the structure contains element types, the solution is refined by iterations with residuals that
+ * are computed from the strains of the elements.
  *   displacement [free_dof] out  solution
  */
 static void solve_scaled(pzs_model *model, pzs_real *displacement)

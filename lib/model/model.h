@@ -37,8 +37,8 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
 /*
  * Return the rotation matrix of a node at an oblique support, or NULL for a node whose degrees of
- * freedom act along its triad (local axes). Each row of the matrix is the axis of one mean
- * displacement, in components along the triad.
+ * freedom act along its triad (local axes). Each row of the matrix is the axis of one displacement
+ * of the node, in components along the triad.
  */
 const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[3];
 

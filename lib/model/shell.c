@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The four-node shell element GEX7P4: strains and forces in the undeformed state, and stress
- * resultants at a displacement (shell.h).
+ * The four-node shell element with six or seven degrees of freedom at a node: strains and forces in
+ * the undeformed state, and stress resultants at a displacement (shell.h).
  */
 #include "shell.h"
 #include "../core/vector3.h"
@@ -10,10 +10,11 @@
 #include <string.h>
 
 /*
- * Base vectors at a corner of a shell element, from which strains are measured: mean and difference
- * over the thickness of the two faces in both directions, director beta, and seventh degree of
- * freedom q, the excess of u3 at the middle surface over the faces. In the undeformed state they
- * come directly from the tables, with beta = e3 and q = 0.
+ * Base vectors at a corner of a shell element, from which strains are measured, as pointers: along
+ * the surface coordinates theta1 and theta2, mean of the two faces and difference divided by the
+ * thickness; director beta; and the degree of freedom q, the excess of u3 at the middle surface
+ * over the faces, divided by the thickness. For the undeformed state the pointers lead into
+ * pzs_element_type, with beta = e3 (the normal) and q = 0.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -54,10 +55,10 @@ static shape undeformed_shape(const pzs_element_type *type, int corner)
 }
 
 /*
- * Compute the derivatives by theta1 and theta2 of the displacement at one corner of an element, for
- * the mean and for the difference of the displacements of the two faces of the shell. Along each
- * side, matrices that the element type holds multiply the displacement of the corner and that of
- * its neighbour.
+ * Compute the derivatives of the displacement along the surface coordinates theta1 and theta2 at
+ * one corner of an element: the mean of both faces of the shell, and their difference divided by
+ * the thickness. In each direction they are the matrix s of the element type times the displacement
+ * of the corner plus its matrix t times that of the neighbouring corner.
  */
 static shell_corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
                                        const pzs_real *displacement, int corner)
@@ -78,9 +79,10 @@ static shell_corner corner_derivatives(const pzs_element_type *type, unsigned do
 }
 
 /*
- * Turn forces that are conjugate to the displacement derivatives at one corner of an element into
- * nodal forces, and add them to nodal_force [4 dof_per_node]. This is the transpose of the linear
- * map from nodal displacements to these derivatives.
+ * Turn forces that are conjugate to the displacement derivatives at one corner of an element (along
+ * the surface coordinates theta1 and theta2) into nodal forces, and add them to nodal_force [4
+ * dof_per_node]. This is the transpose of the linear map from nodal displacements to these
+ * derivatives.
  */
 static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
                            const shell_corner *force, int corner, pzs_real *nodal_force)
@@ -99,11 +101,12 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Compute the first variation of the ten strains at a corner of an element with the base vectors
- * `base`, when the derivatives of the displacement change by `change`. On each face, the strain
- * e_aa = g.lambda + lambda.lambda/2 in direction a, with the base vector g and the derivative
- * lambda of the displacement, has the variation (g + lambda).d lambda. Written in means and
- * differences of the two faces, this variation has no terms that cancel each other.
+ * Compute the change of the strains [10] at a corner of an element, to first order, when the
+ * derivatives of the displacement along the surface change by `change`. The strains are 11, 22, 33
+ * and 12, each as mean and difference of the two faces, 13 and 23. On each face the strain e_aa =
+ * g.lambda + lambda.lambda/2 in direction a, with the base vector g and the derivative lambda of
+ * the displacement, changes by (g + lambda).d lambda. Written in means and differences of the two
+ * faces, this change has no terms that cancel each other.
  */
 static void corner_strains(const shape *base, const shell_corner *change, pzs_real thickness,
                            pzs_real strain[10])
@@ -134,8 +137,9 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
 }
 
 /*
- * Turn the ten stresses at a corner of an element into forces that are conjugate to the
- * displacement derivatives there (transpose of the first variation of the strains).
+ * Turn the stresses [10] at a corner of an element, conjugate to the strains 11, 22, 33 and 12
+ * (each as mean and difference of the two faces), 13 and 23, into forces that are conjugate to the
+ * displacement derivatives along the surface there.
  */
 static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_real thickness,
                             shell_corner *force)
@@ -177,7 +181,8 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
 }
 
 /*
- * Compute the ten stresses at one corner of an element from the stress resultants of its four
+ * Compute the stresses [10] at one corner of an element (11, 22, 33 and 12, each conjugate to the
+ * mean and to the difference of the two faces, 13 and 23) from the stress resultants of its four
  * strain modes (constant, linear and bilinear over the element): the transpose of the map from the
  * strains at the corners to those of the strain modes.
  */
@@ -193,7 +198,8 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 /*
  * Replace the strains of one strain mode (constant, linear or bilinear over the element) of an
  * element by the stress resultants of this mode. `stiffness` is the packed lower triangle of a
- * symmetric matrix with a row for each strain that the mode keeps.
+ * symmetric matrix with a row for each of the ten strains that the mode takes into account
+ * (kept_strain).
  */
 static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[10])
 {
@@ -211,8 +217,9 @@ static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[1
 }
 
 /*
- * Correct the mean in-plane shear strain 12 in strain mode 00 for the warp of the element: add a
- * linear combination of other strains, with the factors pzs_element_type.warp.
+ * Correct the mean in-plane shear strain 12 in the strain mode that is constant over the element
+ * for the warp of the element (its distance from a plane): add a linear combination of other
+ * strains, with the factors pzs_element_type.warp.
  */
 static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 {
@@ -223,8 +230,9 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Distribute the mean stress resultant 12 of strain mode 00 (constant over the element) to other
- * resultants of a warped element (transpose of the correction of the strains for warp).
+ * Distribute the in-plane shear stress resultant 12 (mean of both faces) that is constant over the
+ * element to other stress resultants of a warped element: the transpose of the correction of the
+ * strains for warp.
  */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
@@ -273,8 +281,8 @@ static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Compute the strains of all four strain modes of an element in the undeformed state, where they
- * are linear in the displacement.
+ * Compute the strains of all four strain modes (constant, linear and bilinear over the element) of
+ * an element in the undeformed state, where they are linear in the displacement.
  */
 static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
                           const pzs_real *displacement, pzs_real modes[4][10])

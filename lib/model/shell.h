@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The four-node shell element GEX7P4: one code for all formulations of the element, which differ
- * only in their tables.
+ * The four-node shell element (called GEX7P4 by its author Plotnikova, 2013): one code for all
+ * formulations of the element, which differ only in their tables.
  *
  * Each node has dof_per_node (6 or 7) degrees of freedom: the mean displacement u1 u2 u3 of the two
  * faces; the difference of u1 u2 u3 between outer and inner face, divided by the thickness; and, as
@@ -9,7 +9,7 @@
  * divided by the thickness. Strains are computed at the four corners, in the frame of the corner,
  * as means and differences of the two faces. They are combined into four strain modes 00, 01, 10
  * and 11; mode r1 r2 varies over the element as xi1^r1 xi2^r2 with the element coordinates xi1 and
- * xi2. Each mode has ten strains; of these 40 strains, 22 are kept.
+ * xi2. Each mode has ten strains; of these 40 strains, 22 are taken into account.
  */
 #ifndef PZS_LIB_SHELL_H
 #define PZS_LIB_SHELL_H
@@ -51,9 +51,11 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
                                 const pzs_real *h0, pzs_real *force);
 
 /*
- * Derivatives of a displacement at one corner of an element, or deformed base vectors there, which
- * have the same form: mean of the two faces and difference over the thickness in both directions,
- * director beta, and seventh degree of freedom q.
+ * Base vectors at one corner of a deformed element, along the surface coordinates theta1 and
+ * theta2: mean of the two faces and difference divided by the thickness; director beta; and the
+ * degree of freedom q, the excess of u3 at the middle surface over the faces, divided by the
+ * thickness. The derivatives of a displacement at the corner have the same form, with the change of
+ * the director as beta.
  */
 typedef struct shell_corner {
     pzs_real mean[2][3];
@@ -64,10 +66,11 @@ typedef struct shell_corner {
 
 #if PZS_NONLINEAR
 /*
- * Number of stress resultants of an element at a displacement. They belong to the kept strains of
- * the four strain modes 00, 01, 10 and 11, in this order. Those of the strain mode that varies as
- * xi1^r1 xi2^r2 are multiplied by area/3^(r1+r2) (N m). The strains are exact to second order in
- * the displacement, so their second variation is constant.
+ * Number of stress resultants of an element at a displacement. They are conjugate to those 22
+ * strains of the four strain modes 00, 01, 10 and 11, in this order, that the element takes into
+ * account (ten, five, five and two). Those of the mode that varies as xi1^r1 xi2^r2 over the
+ * element are multiplied by area/3^(r1+r2) (N m). The strains are exact to second order in the
+ * displacement, so their second variation is constant.
  */
 enum { SHELL_RESULTANTS = 22 };
 
@@ -81,17 +84,17 @@ void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
                           const pzs_real *displacement, pzs_real strain[4][10]);
 
 /*
- * Tangent stiffness and internal force of an element, for Newton's method with independent
- * resultants:
- *   f = sum over the strain modes (constant, linear and bilinear over the element) m of L_m^T H_m,
- *     H = D e(u) + H0
- *   K = sum over m of L_m^T D_m L_m + (resultants)_m A_m
- * with the strains e at the displacement u, their first variation L and second variation A, the
- * stiffness D, the resultants H and the prescribed resultants H0.
+ * Tangent stiffness K and internal force f of an element, for Newton's method with stress
+ * resultants H that are independent of the displacement:
+ *   f = sum over m of L_m^T H_m,   H = D e(u) + H0
+ *   K = sum over m of (L_m^T D_m L_m + G_m A_m)
+ * over the four strain modes m (constant, linear and bilinear over the element), with the strains e
+ * at the displacement u, their first variation L and second variation A, the stiffness D, the
+ * prescribed resultants H0, and the resultants G for the geometric part of K.
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
- *   given        [10]             in   H0 of strain mode 00, times the area of the element (N m);
- *                                      NULL: zero
- *   resultant    [22]             in   resultants of the geometric part of K, H0 included; NULL: H
+ *   given        [10]             in   H0, constant over the element, times its area (N m), in the
+ *                                      strain order of pzs_element_type.d; NULL: zero
+ *   resultant    [22]             in   G (N m), with H0, in the order of SHELL_RESULTANTS; NULL: H
  *   force        [4 dof_per_node] out  internal force f (N and N m)
  *   stiffness    [SHELL_PACKED(4 dof_per_node)] out  tangent K, packed lower triangle
  */
@@ -103,8 +106,8 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
  * Stress resultants of an element, extrapolated along an increment of the displacement: the
  * stiffness of the strains times (strains + their first variation), plus the prescribed resultants.
  *   du        [4 dof_per_node] in   increment (m and 1); NULL: no extrapolation
- *   given     [10]             in   prescribed resultants of strain mode 00 (constant over the
- *                                   element), times the area of the element (N m); NULL: zero
+ *   given     [10]             in   prescribed resultants, constant over the element, times its
+ *                                   area (N m); NULL: zero
  *   resultant [22]             out  stress resultants of all strain modes, times the area (N m)
  */
 void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
@@ -129,15 +132,17 @@ void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
  * Stresses at the four corners of an element from the stress resultants of its strain modes
  * (constant, linear and bilinear over the element), with the corrections for warp and skew.
  *   resultant [22]    in   stress resultants of all strain modes, times the area (N m)
- *   stress    [4][10] out  ten stresses at each corner, in the strain order of pzs_element_type.d
+ *   stress    [4][10] out  stresses at each corner times a quarter of the area, conjugate to the
+ *                          strains in the order of pzs_element_type.d (N m)
  */
 void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
                         pzs_real stress[4][10]);
 
 /*
  * Replace the strains of the four strain modes (constant, linear and bilinear over the element) of
- * a skewed element by their stress resultants, in place. The strains include the correction for
- * warp; of the ten strains of each mode, those that the mode does not keep are not read.
+ * a skewed element by their stress resultants, in place. Of the ten strains of each mode, only
+ * those that the mode takes into account (kept_strain) are read; they are already corrected for the
+ * warp of the element.
  *   strain [4][10] in/out  in: strains; out: resultants times the area of the element (N m)
  */
 void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4][10]);
@@ -145,7 +150,7 @@ void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4
 /*
  * Internal nodal force of the stresses at the four corners of a deformed element.
  *   shape  [4]              in   deformed base vectors at the corners
- *   stress [4][10]          in   ten stresses at each corner
+ *   stress [4][10]          in   stresses at each corner, as pzs_shell_stresses returns them (N m)
  *   force  [4 dof_per_node] out  internal force (N and N m)
  */
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,

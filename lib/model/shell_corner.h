@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Constants of the shell element GEX7P4 that its two files share: shell.c (undeformed state, stress
- * resultants) and shell_at.c (tangent stiffness at a deformed shape).
+ * Constants of the four-node shell element that its two files share: shell.c (undeformed state,
+ * stress resultants) and shell_at.c (tangent stiffness at a deformed shape).
  */
 #ifndef PZS_LIB_SHELL_CORNER_H
 #define PZS_LIB_SHELL_CORNER_H
@@ -29,9 +29,10 @@ static const pzs_real mode_sign[4][4] = {
     {1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
 
 /*
- * Number and list of the strain components that each strain mode (constant, linear or bilinear over
- * the element) of an element keeps; the other components are left out. Mode 00 keeps all ten; mode
- * 01 those of 11, 33 and 13; mode 10 those of 22, 33 and 23; mode 11 those of 33.
+ * Number (kept_strains) and list (kept_strain) of the strain components that the element takes into
+ * account in each of its strain modes, which are constant (00), linear (01, 10) or bilinear (11)
+ * over the element. Mode 00 contains all ten components; mode 01 those of 11, 33 and 13; mode 10
+ * those of 22, 33 and 23; mode 11 those of 33.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
@@ -42,8 +43,9 @@ static const uint8_t kept_strain[4][10] = {
 };
 
 /*
- * Index of the first stiffness entry of each strain mode in pzs_element_type.d, in which a mode has
- * a packed lower triangle with a row for each strain that it keeps.
+ * Index in pzs_element_type.d, the stiffness of an element type, of the first entry of each strain
+ * mode (constant, linear or bilinear over the element). The stiffness of a mode is a packed lower
+ * triangle with a row for each strain that the mode takes into account (kept_strain).
  */
 static const uint8_t first_entry[4] = {0, 55, 70, 85};
 

@@ -7,14 +7,16 @@
 #include "shell_corner.h"
 
 /*
- * Correct the in-plane strains of an element's strain modes (constant, linear and bilinear over the
- * element) for the skew of the element; the strains are means (face = 0) or differences (face = 1)
- * of the two faces. With the skew alpha_1, alpha_2 and the length ratio r, the average over the
- * corners exceeds the value at the centre by c in strain 11 and by c/r^2 in strain 22:
+ * Correct the in-plane strains of an element's strain modes for its skew alpha_1, alpha_2
+ * (deviation from a parallelogram, pzs_element_type.skew); the strains are means (face = 0) or
+ * differences (face = 1) of the two faces. Strain mode ab varies over the element as xi1^a xi2^b
+ * with the element coordinates. The mean of a strain over the corners exceeds its value at the
+ * centre of the element by c for strain 11 and by c/r^2 for strain 22:
  *   c = [alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r (r (e10_22 - alpha_2 e00_22) - alpha_1
  *     e00_12)]
  *       / (1 - alpha_1^2 - alpha_2^2)
- * where e01_11 is strain 11 of strain mode 01, and so on.
+ * where e01_11 is strain 11 of strain mode 01, and so on, and r is the length of the element along
+ * theta2 divided by that along theta1.
  */
 static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 {
@@ -31,8 +33,8 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 }
 
 /*
- * Turn resultants of the strains that were corrected for skew into resultants of the uncorrected
- * strain modes (the transpose of the correction of the strains).
+ * Turn stress resultants of strains that were corrected for the skew of an element (its deviation
+ * from a parallelogram) into resultants of the uncorrected strains: the transpose of skew_plane.
  */
 static void skew_plane_back(const pzs_real skew[3], pzs_real resultant[4][10], int face)
 {

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Correction of the strain modes of a quadrilateral that is not a parallelogram.
+ * Correction of the strains of a quadrilateral element that is not a parallelogram. Strain mode ab
+ * is the part of the strains that varies over the element as xi1^a xi2^b with the element
+ * coordinates xi1 and xi2.
  *
- * With the base vectors g_1, g_2 and the hourglass vector g_h of an element, its skew is alpha_a =
- * g_h . g^a (dual base vectors g^a), its length ratio is r, and its area varies as 1 + alpha_1 xi2
- * + alpha_2 xi1. A constant strain then appears in the linear strain modes 01 and 10 too, and the
- * average over the corners differs from the value at the centre. Multiples of other strains remove
- * both effects: mode 00 holds the strain at the centre, and the other modes vanish under a constant
- * strain. On a parallelogram (alpha = 0) nothing changes.
+ * With the base vectors g_1, g_2 and the hourglass vector g_h of the element, its skew is alpha_a =
+ * g_h . g^a (dual base vectors g^a), and its area varies as 1 + alpha_1 xi2 + alpha_2 xi1. A
+ * constant strain then appears in the linear strain modes 01 and 10 too, and the mean over the
+ * corners differs from the value at the centre. Multiples of other strains remove both effects:
+ * mode 00 holds the strain at the centre, and the other modes vanish under a constant strain. On a
+ * parallelogram (alpha = 0) nothing changes.
  */
 #ifndef PZS_LIB_SHELL_SKEW_H
 #define PZS_LIB_SHELL_SKEW_H
@@ -26,16 +28,18 @@ static inline bool shell_is_skewed(const pzs_element_type *type)
 
 /*
  * Correct the strains of an element's four strain modes (constant, linear and bilinear over the
- * element), in which warp is included, for the skew of the element.
- *   skew   [3]     in      alpha_1, alpha_2 and length ratio of pzs_element_type
- *   strain [4][10] in/out  ten strains of each mode; those that a mode does not keep are neither
- *                          read nor written
+ * element), in which warp is included, for the skew of the element (its deviation from a
+ * parallelogram).
+ *   skew   [3]     in      pzs_element_type.skew
+ *   strain [4][10] in/out  ten strains of each mode; those that the element does not take into
+ *                          account in a mode (kept_strain) are neither read nor written
  */
 void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real strain[4][10]);
 
 /*
- * Turn resultants of the strains that were corrected for skew into resultants of the uncorrected
- * strain modes (transpose of pzs_shell_skew_strains).
+ * Turn stress resultants of strains that were corrected for the skew of an element (its deviation
+ * from a parallelogram) into resultants of the uncorrected strains: the transpose of
+ * pzs_shell_skew_strains.
  */
 void pzs_shell_skew_resultants(const pzs_real skew[3], pzs_real resultant[4][10]);
 

@@ -19,8 +19,8 @@
 enum { SIDE_BISECTIONS = 8 };
 /*
  * MOTION_BISECTIONS: number of bisections that find the smallest gap between a point of the shell
- * and the body while the point moves. MOTION_STEPS: largest number of steps that find how far the
- * body can move before it is near a node.
+ * and the contact body during a load step. MOTION_STEPS: largest number of steps that find how far
+ * the body may move in a load step before its gap to a point of the shell falls below a bound.
  */
 enum { MOTION_BISECTIONS = 24, MOTION_STEPS = 32 };
 /*
@@ -165,8 +165,8 @@ static pzs_real curvature_along(const body_point *at, const pzs_real direction[3
 /* ---- one element -------------------------------------------------------- */
 
 /*
- * Place and kind of a penetration of an element by the contact body, as described in
- * pzs_contact_info.
+ * Place and kind of a penetration of an element by the contact body, which pzs_contact_info
+ * reports.
  */
 typedef struct penetration {
     pzs_penetration how;
@@ -213,9 +213,9 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 }
 
 /*
- * Compute the derivatives of the scalar product normal . x with respect to the two coordinates of a
- * flat facet (element of the shell), where x is the position of a point of the facet at a time (0
- * to 1) within the load step.
+ * Compute the derivatives of the distance of a point along `normal`, the normal of the contact
+ * body, with respect to the two coordinates of the point on a flat facet (element of the shell), at
+ * a time (0 to 1) within the load step.
  */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
                         const pzs_real normal[3])

@@ -115,9 +115,9 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
 }
 
 /*
- * Return the charge that electrode k must gain: prescribed minus present charge (for a step of
- * Newton's method, input = NEWTON), or the charge to gain per unit of an input. An input that is
- * the voltage of an open electrode then stands for the prescribed charge of this electrode.
+ * Return the charge that electrode k must gain: its prescribed minus its present charge for a step
+ * of Newton's method (input = NEWTON), or otherwise the charge per unit of an input. If this input
+ * is the voltage of an open electrode, it stands for the prescribed charge of that electrode.
  */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)

@@ -3,8 +3,8 @@
  * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h).
  *
  * At a corner of an element let G_a be the base vectors of the deformed face, t its director, and
- * U_a = G_a - (g_a . e3) t, with the undeformed base vectors g_a and the normal e3. The pressure
- * acts on the loaded face along
+ * U_a = G_a - (g_a . e3) t, with the undeformed base vectors g_a and the normal e3 of the shell,
+ * for the two surface directions a. The pressure acts on the loaded face along
  *   n = U_1 x U_2.
  * Where flat elements approximate a curved shell, g_a has a component lean_a along e3, and the
  * pressure also acts on the middle surface along
@@ -23,9 +23,9 @@
 #if PZS_NONLINEAR
 
 /*
- * A vector at a corner of an element with its 15 derivatives: with respect to the displacement of
- * the face at the four corners (12 columns), then with respect to the director of the corner (3
- * columns).
+ * A vector at a corner of an element (a base vector, or a direction of the follower pressure) with
+ * its 15 derivatives: with respect to the displacement of the loaded face at the four corners (12
+ * columns), then with respect to the director of the corner (3 columns).
  */
 enum { BY_DIRECTOR = 12, VARIABLES = 15 };
 typedef struct vector_slope {
@@ -39,8 +39,8 @@ typedef struct vector_slope {
 enum { CORNER_DOF = 6, FACE_DOF = 24 };
 
 /*
- * Add the vector product of two vectors, times a factor, to `sum`; the derivatives of the product
- * are added as well.
+ * Add the vector product of two vectors at a corner of an element, times a factor, to `sum`, and
+ * its derivatives with respect to displacement and director likewise.
  */
 static void add_cross(pzs_real factor, const vector_slope *left, const vector_slope *right,
                       vector_slope *sum)
@@ -60,8 +60,9 @@ static void add_cross(pzs_real factor, const vector_slope *left, const vector_sl
 }
 
 /*
- * Divide a vector of the follower pressure by the length `size` of the vector `normal`, and update
- * the derivatives of the vector with respect to the displacement.
+ * Divide the direction of a follower pressure by the length `size` of the normal of the deformed
+ * face, so that the pressure counts per undeformed area, and update the derivatives of the
+ * direction with respect to the displacement.
  */
 static void normalise(const vector_slope *normal, pzs_real size, vector_slope *vector)
 {
@@ -102,18 +103,21 @@ static void set_base(const pzs_element_type *type, pzs_real height, unsigned cor
 /* Element on which a follower pressure acts, at its present displacement. */
 typedef struct pressed_element {
     const pzs_element_type *type;
-    const pzs_real (*lean)[2]; /* [4] components of its base vectors along the director at each
-                                  corner, from pzs_follower.lean; NULL: not taken into account */
+    const pzs_real (*lean)[2]; /* [4] components of the base vectors of the element along the
+                                  director at each corner, from pzs_follower.lean; NULL: not taken
+                                  into account */
     pzs_real height;           /* height of the loaded face above the middle of the shell (m) */
     pzs_real displacement[SHELL_NODES][3]; /* displacement of the loaded face at the corners (m) */
 } pressed_element;
 
 /*
- * Compute, with their derivatives, the two directions in which a follower pressure acts at one
- * corner of an element, per undeformed area: `normal` to the loaded face, and `side` on the middle
- * surface.
- *   director_at  [3] in   director of the corner
- *   normal, side     out  directions, multiplied by the ratio of deformed to undeformed area
+ * Compute, with their derivatives, the two directions of the forces of a follower pressure at one
+ * corner of an element, multiplied by the ratio of deformed to undeformed area. A flat element of a
+ * curved shell needs the second one, because its edges are not at right angles to the director.
+ *   displacement [4][3] in   displacement of the face at the corners (m)
+ *   director_at  [3]    in   director of the corner
+ *   normal              out  direction of the force on the loaded face: its normal
+ *   side                out  direction of the force on the middle surface
  */
 static void pressure_force(const pzs_follower *load, const pressed_element *element,
                            const pzs_real director_at[3], unsigned corner, vector_slope *normal,
@@ -169,9 +173,9 @@ static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real
 }
 
 /*
- * Index in pzs_follower.share, the parts of a pressure that act on the nodes, of the part of the
- * pressure at `corner` that acts on the node at `loaded_corner`: 0 if the two corners are the same,
- * 1 if they are neighbours, 2 if they are opposite.
+ * Return the index in pzs_follower.share of the part of the pressure at `corner` of an element that
+ * acts on the node at `loaded_corner`: 0 if the two corners are the same, 1 if they are neighbours,
+ * 2 if they are opposite.
  */
 static unsigned share_index(unsigned loaded_corner, unsigned corner)
 {

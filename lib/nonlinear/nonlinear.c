@@ -514,16 +514,18 @@ static void set_input_values(pzs_solver *solver, const pzs_real *value, pzs_real
 }
 
 /*
- * Iterate by Newton's method towards the equilibrium at `part` of the remaining way to the wanted
- * input values. The first settings.ramp_solves linear solves raise the input values in equal parts:
- * displacements of a linear solution far beyond the validity of linear kinematics would cost more
- * solves later. The iteration has converged when the last
- * increment and the predicted next one are below the tolerance, relative to the displacement of the
- * load step, and the force imbalance is not larger than the applied force or is a rounding error.
- * Where a load step moves less than a thousandth of the whole displacement (a tenth in float,
- * because of rounding), the increments are compared with that part of the whole displacement.
- * Returns whether the iteration has converged. state.pending_error holds the status of an option of
- * the solver that has not converged.
+ * Iterate by Newton's method towards the equilibrium at `part` (above 0, at most 1) of the
+ * remaining way to the wanted input values.
+ *
+ * The first settings.ramp_solves linear solves raise the input values in equal parts: displacements
+ * of a linear solution far beyond the validity of linear kinematics would cost more solves later.
+ * The iteration has converged when the last increment and the predicted next one are below the
+ * tolerance, relative to the displacement of the load step, and the force imbalance is not larger
+ * than the applied force or is a rounding error. Where a load step moves less than a thousandth of
+ * the whole displacement (a tenth in float, because of rounding), the increments are compared with
+ * that part of the whole displacement. Returns whether the iteration has converged.
+ * state.pending_error holds the status of an option of the solver (such as a contact) that has not
+ * converged.
  */
 static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {

@@ -21,14 +21,15 @@ struct pzs_solver_option_calls {
     bool (*settings_in_range)(const pzs_solver_option *option);
     /*
      * Function of a solver option (such as a contact), called before each linear solve of a load
-     * step: prepare the option, for example choose the nodes that a contact holds on its body
+     * step: prepare the option, for example choose the nodes that a contact keeps on its body
      * (active set). state.iteration counts the linear solves of the load step from 0. Returns false
      * if no linear solve is possible.
      */
     bool (*prepare_solve)(pzs_solver_option *option, pzs_solver *solver);
     /*
      * Add the forces of a solver option (such as a contact) at the present displacement to load
-     * [free_dof], and subtract their derivative from the stiffness matrix of the model.
+     * [free_dof], and subtract their derivative with respect to the displacement from the stiffness
+     * matrix of the model.
      */
     void (*add_forces)(pzs_solver_option *option, pzs_solver *solver, pzs_real *load);
     /*
@@ -130,8 +131,10 @@ void pzs_nonlinear_attach(pzs_solver *solver, pzs_solver_option *option,
 /* ---- forces of the inputs ----------------------------------------------- */
 
 /*
- * Compute the prescribed stress resultants (of actuation and temperature) of every element at the
- * present input values, divided by the stiffness factor of the element, into state.prescribed.
+ * Compute the stress resultants that the present input values prescribe in every element
+ * (piezoelectric actuation, temperature) into state.prescribed. They are divided by the factor of
+ * the element's stiffness that was passed to pzs_assemble, because the element computations
+ * multiply by it.
  */
 void pzs_nonlinear_set_prescribed(pzs_solver *solver);
 
@@ -148,7 +151,8 @@ void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *forc
  * Assemble the tangent matrix, and compute the force imbalance at the present displacement and the
  * applied load state.load.
  *   uses_true_resultants in   true: the geometric part of the matrix comes from the stress
- *                             resultants of the displacement; false: from the extrapolated ones
+ *                             resultants of the present displacement; false: from those that
+ *                             Newton's method has extrapolated along its last increment
  *   imbalance [free_dof] out  load minus internal force (N and N m)
  */
 void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real *imbalance);
@@ -172,13 +176,15 @@ void pzs_nonlinear_prescribe(pzs_envelope *matrix, uint32_t dof, pzs_real value,
                              pzs_real *right_side);
 
 /*
- * Set the entries of a force [free_dof] at the degrees of freedom of the prescribed motion to zero.
+ * Set the entries of a force [free_dof] at the degrees of freedom whose displacement an input
+ * prescribes to zero.
  */
 void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal_force);
 
 /*
  * Scale and factor the tangent matrix, and set info.negative_pivots (number of negative pivots) and
- * info.where. Returns false if the matrix is singular.
+ * info.where (index of the free degree of freedom with a zero pivot, or -1). Returns false if the
+ * matrix is singular.
  */
 bool pzs_nonlinear_factor(pzs_solver *solver);
 

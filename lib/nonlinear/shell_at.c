@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tangent stiffness of the shell element GEX7P4 at a deformed shape (shell.h), in closed form.
+ * Tangent stiffness of the four-node shell element at a deformed shape (shell.h), in closed form.
  *
- * The strains of the four strain modes 00, 01, 10, 11 of an element are the same sums over the four
- * nodes, apart from the signs xi1^r1 xi2^r2 of the nodes at the element coordinates xi1, xi2. One
- * array A of nodal strains thus serves every mode m: its strain matrix L_m is A with the sign of m
- * at each node. With the stiffness D_m of the modes, the products D_m A are combined, with the
- * signs of both nodes, into the stresses of each node p,
+ * Strain mode ab of an element, with ab = 00, 01, 10 or 11, varies over the element as xi1^a xi2^b
+ * with the element coordinates xi1 and xi2. Apart from the sign (1 or -1) that this product has at
+ * each node, all modes depend on the displacements of the nodes in the same way. One array A of
+ * nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every mode m:
+ * its strain matrix L_m is A, with the columns of each node multiplied by the sign of m there. With
+ * the stiffness D_m of the modes, the products D_m A are combined, with the signs of both nodes,
+ * into the stresses of each node p,
  *   Y_p = sum over m of sign_m(p) sign_m D_m A,
  * and the rows of node p in the tangent stiffness are
  *   K_p = A_p^T Y_p + geometric part,  p = 0 to 3.
  * The columns are the six degrees of freedom of each of the four nodes (mean, difference over the
- * thickness), followed by the seventh degree of freedom q of the four nodes, which contributes to
- * five strains only.
+ * thickness), followed by the seventh degree of freedom of the four nodes (q, excess of the middle
+ * surface over the faces), which contributes to five of the ten strains only.
  */
 #include "../model/shell.h"
 #include "../model/shell_corner.h"
@@ -25,9 +27,9 @@
 enum { NODE_DOF = 6, HALF = 12, FIRST_Q = 24, COLUMNS = 28 };
 
 /*
- * Order of the strains in the rows of the array of nodal strains (strains per unit of each nodal
- * degree of freedom). Mean displacements of the two faces do not contribute to the first two
- * strains. The suffix M stands for the mean of the two faces, D for their difference.
+ * Order of the ten strains in the rows of the array of nodal strains (strains per unit of each
+ * nodal degree of freedom). Mean displacements of the two faces of the shell do not contribute to
+ * the first two strains. The suffix M stands for the mean of the two faces, D for their difference.
  */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
 enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
@@ -35,18 +37,18 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 
 /*
  * Rows of the array of nodal strains (strains per unit of each nodal degree of freedom) to which
- * the seventh degree of freedom q, the excess of u3 at the middle surface over the faces,
- * contributes. The row of the mean strain 12 is one of them because warp adds transverse shear to
- * it.
+ * the seventh degree of freedom q of a node, the excess of u3 at the middle surface over the faces,
+ * contributes. The row of strain 12, mean of both faces, is one of them because the correction for
+ * warp adds transverse shear strains to it.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Rows of one strain mode (constant, linear or bilinear over the element) in the array of stress
- * rows, its stiffness times the nodal strains (strains per unit of each nodal degree of freedom):
- * number of rows, number of rows to which the seventh degree of freedom q contributes, index of the
- * first row, strain of each row, and index of this strain among those that the mode keeps, which is
- * its row in the packed stiffness of the mode (pzs_element_type.d).
+ * Where the stresses of one strain mode (constant, linear or bilinear over the element) lie in the
+ * array of stress rows, the stresses per unit of each nodal degree of freedom: number of rows,
+ * number of rows to which the seventh degree of freedom q (excess of the middle surface over the
+ * faces) contributes, index of the first row, strain that belongs to each row, and its row in the
+ * packed stiffness of the mode (pzs_element_type.d).
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS], kept[ROWS];
@@ -63,14 +65,15 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * A pair of stress rows of two strain modes that contribute to the same stress. A strain mode is
- * constant, linear or bilinear over the element; a stress row is a row of its stiffness times the
- * nodal strains. A node needs only the sum or the difference of the pair, depending on two signs of
- * the strain mode `mode`: its sign at the node, and its sign at the node to which a column belongs.
- * Sum and difference therefore replace the pair: in the columns of negative sign the first row
- * receives the sum, in the columns of positive sign the second row does. The first row then serves
- * all nodes of negative sign, the second row all nodes of positive sign. In the columns of the
- * seventh degree of freedom q only the first PAIRS_WITH_Q pairs are replaced.
+ * A pair of rows, of two strain modes (constant, linear or bilinear over the element), that
+ * contribute to the same stress of a node; a row holds a stress per unit of each nodal degree of
+ * freedom. A node needs only the sum or the difference of both rows, depending on the signs that
+ * the mode `mode` has at the node itself and at the node to which a column belongs. Sum and
+ * difference therefore replace the pair: in columns of negative sign the first row receives the
+ * sum, in columns of positive sign the second row does. The first row then serves all nodes of
+ * negative sign, the second row all nodes of positive sign. In the columns of the seventh degree of
+ * freedom of the nodes only the first PAIRS_WITH_Q pairs are replaced, because the others have
+ * zeros there.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -83,11 +86,10 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: index of the stress row that contains stress k of node p after the rows of the
- * four strain modes have been combined into rows of the nodes. A stress row is a row of the
- * stiffness of a strain mode (constant, linear or bilinear over the element) times the nodal
- * strains (strains per unit of each nodal degree of freedom). The stresses are in the order of the
- * strains in the array of nodal strains.
+ * stress_row[p][k]: index of the row that holds stress k of node p per unit of each nodal degree of
+ * freedom, after the rows of the four strain modes (constant, linear and bilinear over the element)
+ * have been combined into rows of the nodes. The stresses are in the order of the enum A33M to
+ * A12D.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -106,10 +108,11 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute the derivative of a strain at one corner of an element with respect to the displacement
- * of the node there. The base vector in direction a contributes with the factor `own` at the node
- * itself and with the factor `other` at its neighbour in this direction, through the transposed
- * coupling matrices S and T, which give displacement derivatives from nodal displacements.
+ * Compute the derivative of a strain with respect to the displacement of one node of an element.
+ * The strain depends on the derivative of the displacement along the surface coordinate
+ * `direction`, by the vector `own` at the corner of the node and by the vector `other` at the
+ * neighbouring corner. The matrices s and t of the element type turn nodal displacements into these
+ * derivatives.
  */
 static void transpose_derivative(const pzs_element_type *type, int node, int direction,
                                  const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
@@ -205,11 +208,11 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 }
 
 /*
- * Add the effect of the warp of an element to the row of the mean strain 12 of one node in the
- * array of nodal strains (strains per unit of each nodal degree of freedom): a linear combination
- * of other strains. Some of its factors depend on the signs of the strain modes 01 and 10 at the
- * node. The combination can be part of the row because the mean strain 12 is used in strain mode 00
- * only.
+ * Add the effect of the warp of an element (its distance from a plane) to the row of strain 12,
+ * mean of both faces, of one node in the array of nodal strains (strains per unit of each nodal
+ * degree of freedom): a linear combination of other strains. Some of its factors depend on the
+ * signs that the two linear strain modes have at the node. The combination can be part of the row
+ * because this strain is used only in the strain mode that is constant over the element.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -261,9 +264,9 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Set the four columns of the seventh degree of freedom q of the nodes in a product with the nodal
- * strains (strains per unit of each nodal degree of freedom) to the sum of factors times rows, over
- * the `count` rows of nodal strains to which q contributes.
+ * Set the columns of the seventh degree of freedom of the four nodes (q, excess of the middle
+ * surface over the faces) in one row `to` of a product with the array of nodal strains: the sum of
+ * factor[i stride] times row[i], over the `count` nodal strains to which q contributes.
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -279,8 +282,9 @@ static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, i
 }
 
 /*
- * Whether the seventh degree of freedom q of the nodes contributes to a strain, given by its row
- * among those of a strain mode (constant, linear or bilinear over the element).
+ * Whether the seventh degree of freedom of the nodes (q, excess of the middle surface over the
+ * faces) contributes to a strain, given by its row among those of a strain mode (constant, linear
+ * or bilinear over the element).
  */
 static bool has_q(const mode_rows *mode, int row)
 {
@@ -288,8 +292,8 @@ static bool has_q(const mode_rows *mode, int row)
 }
 
 /*
- * Compute the stress rows of an element: the products of the stiffness of each strain mode
- * (constant, linear or bilinear over the element) with the nodal strains.
+ * Compute the stresses per unit of each nodal degree of freedom: the products of the stiffness of
+ * each strain mode (constant, linear or bilinear over the element) with the nodal strains.
  *   nodal         [ROWS][COLUMNS] in   strains per unit of each nodal degree of freedom
  *   stress_row_of [22][COLUMNS]   out  products, in the order of rows_of_mode
  */
@@ -320,9 +324,9 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 
 /*
  * Collect the strains of all four strain modes (constant, linear and bilinear over the element)
- * that a unit displacement of one degree of freedom causes: one column of the nodal strains, which
- * belongs to `node`. Strains to which the seventh degree of freedom q does not contribute are zero
- * in its columns.
+ * that a unit displacement of one degree of freedom of a node causes, from its column in the array
+ * of nodal strains. Strains to which the seventh degree of freedom of a node (q, excess of the
+ * middle surface over the faces) does not contribute are zero in its columns.
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -337,10 +341,10 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 }
 
 /*
- * Write the stress resultants that belong to one column of the nodal strains (strains per unit of
- * each nodal degree of freedom) into the stress rows, without the signs of the node of the column.
- * A stress row is a row of the stiffness of a strain mode (constant, linear or bilinear over the
- * element) times the nodal strains.
+ * Write the stress resultants that a unit displacement of one degree of freedom of `node` causes
+ * into its column of the array stress_row_of [22][COLUMNS] (stresses per unit of each nodal degree
+ * of freedom). Each is multiplied by the sign that its strain mode (constant, linear or bilinear
+ * over the element) has at the node, so that the array contains no signs.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
@@ -370,9 +374,8 @@ static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_no
 }
 
 /*
- * Replace two rows of numbers (rows of stresses of the tangent stiffness) by their sum and their
- * difference in `count` columns. The first row receives the sum if sum_in_first is true, otherwise
- * the second row does.
+ * Replace two rows of `count` numbers by their sum and their difference. The first row receives the
+ * sum if sum_in_first is true, otherwise the second row does.
  */
 static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict second,
                                int sum_in_first, int count)
@@ -385,9 +388,10 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 }
 
 /*
- * Combine the stress rows of the four strain modes (constant, linear and bilinear over the element)
- * of an element into the stress rows of its four nodes, in place. A stress row is a row of the
- * stiffness of a strain mode times the strains per unit of each nodal degree of freedom.
+ * Combine the stresses of the four strain modes (constant, linear and bilinear over the element) of
+ * an element, each per unit of each nodal degree of freedom, into the stresses of its four nodes,
+ * in place.
+ *   stress_row_of [22][COLUMNS] in/out  stresses, in the order of rows_of_mode, then of stress_row
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
@@ -408,9 +412,10 @@ static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COL
 /* ---- geometric part --------------------------------------------------- */
 
 /*
- * Geometric stiffness between two nodes of an element: `mean` couples the mean displacements of the
- * two faces, `cross` couples a mean with a difference over the thickness. The coupling of two
- * differences is that of two means times a quarter of the squared thickness.
+ * Geometric stiffness between two nodes of an element, two 3 x 3 matrices: `mean` couples the
+ * displacements of the nodes, mean of both faces of the shell; `cross` couples such a mean with a
+ * difference over the thickness. The coupling of two differences is `mean` times a quarter of the
+ * squared thickness.
  */
 typedef struct block {
     pzs_real mean[9];
@@ -427,8 +432,10 @@ static int pair_of(int node, int other)
 }
 
 /*
- * Add the product of two coupling matrices, times a mean stress and times a stress difference of
- * the two faces, to the geometric stiffness of a pair of nodes.
+ * Add a product of two 3 x 3 matrices, left_map transposed times right_map, to the geometric
+ * stiffness between two nodes: times the stress `mean` to its matrix `mean`, times the stress
+ * difference `cross` of the two faces to its matrix `cross`. The two matrices turn nodal
+ * displacements into displacement derivatives.
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, pzs_real mean, pzs_real cross)
@@ -444,10 +451,10 @@ static void add_product(block *restrict pair, const pzs_real *restrict left_map,
 
 /*
  * Add the geometric stiffness of the in-plane stresses at one corner of an element: the sum over
- * the directions a and b of stress_ab times the product of the derivatives lambda_a and lambda_b of
- * the displacement.
- *   stress [10]  in      ten stresses at the corner
- *   pair   [10]  in/out  geometric stiffness of all pairs of nodes
+ * the directions a and b of stress ab times the product of the displacement derivatives in the
+ * directions a and b.
+ *   stress [10]  in      stresses at the corner, in the strain order of pzs_element_type.d
+ *   pair   [10]  in/out  geometric stiffness of each pair of nodes, in the order of pair_of
  */
 static void add_in_plane(const pzs_element_type *type, int corner, const pzs_real stress[10],
                          block pair[10])
@@ -477,9 +484,9 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 }
 
 /*
- * Add the geometric stiffness of the transverse stresses at one corner of an element: products of
- * the director of the shell and of the seventh degree of freedom q with the other derivatives of
- * the displacement.
+ * Add the geometric stiffness of the transverse stresses 33, 13 and 23 at one corner of an element,
+ * in which the director and the degree of freedom q (excess of the middle surface over the faces)
+ * are multiplied by the derivatives of the displacement along the surface.
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
@@ -536,10 +543,10 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 }
 
 /*
- * Write the rows of one node, except the row of the seventh degree of freedom q, into the packed
- * tangent stiffness of an element.
- *   stress [ROWS + 1] in  rows of stresses at the node per unit of each degree of freedom, followed
- *     by NULL
+ * Write the rows of one node into the packed tangent stiffness of an element, except that of its
+ * seventh degree of freedom (q, excess of the middle surface over the faces).
+ *   stress [ROWS + 1] in  pointers to the ROWS (10) stresses at the node per unit of each nodal
+ * degree of freedom [COLUMNS], followed by NULL
  */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
                        pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
@@ -557,8 +564,8 @@ static void write_node(const pzs_element_type *type, unsigned dof_per_node, int 
 }
 
 /*
- * Write row and column of the seventh degree of freedom q of one node into the packed tangent
- * stiffness of an element.
+ * Write row and column of the seventh degree of freedom of one node (q, excess of the middle
+ * surface over the faces) into the packed tangent stiffness of an element.
  */
 static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
                     pzs_real *stiffness)
@@ -583,7 +590,7 @@ static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *con
 
 /*
  * Compute the packed tangent stiffness of an element from the deformed base vectors and the ten
- * stresses at each of its four corners.
+ * stresses (in the strain order of pzs_element_type.d) at each of its four corners.
  */
 static void compute_tangent(const pzs_element_type *type, unsigned dof_per_node,
                             const shell_corner shape[4], pzs_real corner_stress[4][10],
