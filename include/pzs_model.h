@@ -4,8 +4,9 @@
  * SPDX-License-Identifier: BSD-2-Clause
  *
  * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_influence, then
- * pzs_control_init with that influence matrix. Stiffness, temperature, supports and electrodes may
- * thus change in the field. `pzs tables` generates the tables.
+ * pzs_loop_init or pzs_control_init with that influence matrix; with electrodes whose charge
+ * matters see pzs_influence. Stiffness, temperature, supports and electrodes may thus change in the
+ * field. `pzs tables` generates the tables.
  */
 #ifndef PZS_MODEL_H
 #define PZS_MODEL_H
@@ -276,7 +277,13 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, p
 
 /*
  * Compute the influence matrix, the outputs per unit of each input, by one solve for each input.
- *   influence [outputs][inputs] out  influence matrix (m/V)
+ *   influence [outputs][inputs] out  influence matrix (m/V); outputs and inputs are those of the
+ *                                    structure, in generated tables PREFIX_ALL_OUTPUTS and
+ *                                    PREFIX_ALL_INPUTS
+ * A structure whose tables contain electrodes (PREFIX_ELECTRODES) has more inputs than amplifiers.
+ * If some electrodes are open, pzs_electric_factor and pzs_influence_open must follow. The first
+ * PREFIX_INPUTS columns of the first PREFIX_OUTPUTS rows are then the influence matrix that
+ * pzs_loop_init and pzs_control_init take, which the program copies without the other columns.
  * Errors: those of pzs_solve, which leave info.where at the index of an input; the columns of the
  * inputs before info.where are then written.
  */

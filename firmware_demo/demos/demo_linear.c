@@ -9,7 +9,7 @@
 #include "print.h"
 #include DEMO_TABLES
 
-#ifdef DEMO_ALL_INPUTS
+#if DEMO_ALL_INPUTS != DEMO_INPUTS
 #error "tables with sensors need pzs_influence_open; run `pzs tables --image control`"
 #endif
 

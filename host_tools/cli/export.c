@@ -219,15 +219,17 @@ int export_solve(const options *options, const analysis *analysis, const double 
 }
 
 /*
- * Append the voltages, shapes and misfits (shape minus target) of all results of `pzs shape` to the
- * arrays that are written to files, as matrices with one row for each result.
+ * Append the voltage limits, voltages, shapes and misfits (shape minus target) of all results of
+ * `pzs shape` to the arrays that are written to files, as matrices with one row for each result.
  */
 static void add_results(arrays *arrays, const shape_run *run)
 {
     const design *design = &run->analysis->design;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
                  count = (size_t)run->count;
-    double *voltage = allocate_array(arrays, count * amplifiers),
+    double *lower = allocate_array(arrays, count * amplifiers),
+           *upper = allocate_array(arrays, count * amplifiers),
+           *voltage = allocate_array(arrays, count * amplifiers),
            *shape = allocate_array(arrays, count * targets),
            *misfit = allocate_array(arrays, count * targets),
            *error = allocate_array(arrays, count);
@@ -235,12 +237,16 @@ static void add_results(arrays *arrays, const shape_run *run)
         return;
     for (size_t row = 0; row < count; row++) {
         const voltages *result = &run->results[row];
+        memcpy(lower + row * amplifiers, result->bounds, amplifiers * sizeof *lower);
+        memcpy(upper + row * amplifiers, result->bounds + amplifiers, amplifiers * sizeof *upper);
         memcpy(voltage + row * amplifiers, result->voltage, amplifiers * sizeof *voltage);
         memcpy(shape + row * targets, result->shape, targets * sizeof *shape);
         for (size_t i = 0; i < targets; i++)
             misfit[row * targets + i] = result->shape[i] - result->aligned_target[i];
         error[row] = result->error;
     }
+    add_array(arrays, "lower", design->units.voltage, count, amplifiers, lower);
+    add_array(arrays, "upper", design->units.voltage, count, amplifiers, upper);
     add_array(arrays, "voltage", design->units.voltage, count, amplifiers, voltage);
     add_array(arrays, "shape", design->units.length, count, targets, shape);
     add_array(arrays, "misfit", design->units.length, count, targets, misfit);
@@ -248,16 +254,14 @@ static void add_results(arrays *arrays, const shape_run *run)
 }
 
 /*
- * Append the influence matrix and the voltage limits to the arrays that are written to files.
+ * Append the influence matrix to the arrays that are written to files.
  *   unit out  unit of the influence matrix, a text to which the array refers until it is written
  */
-static void add_problem(arrays *arrays, const design *design, char unit[WORDS_UNIT])
+static void add_influence(arrays *arrays, const design *design, char unit[WORDS_UNIT])
 {
-    const size_t amplifiers = (size_t)design->amplifiers;
     words_unit(&design->units, QUANTITY_INFLUENCE, unit);
-    add_array(arrays, "influence", unit, (size_t)design->targets, amplifiers, design->influence);
-    add_array(arrays, "lower", design->units.voltage, amplifiers, 0, design->lower);
-    add_array(arrays, "upper", design->units.voltage, amplifiers, 0, design->upper);
+    add_array(arrays, "influence", unit, (size_t)design->targets, (size_t)design->amplifiers,
+              design->influence);
 }
 
 int export_shape(const options *options, const shape_run *run)
@@ -272,7 +276,7 @@ int export_shape(const options *options, const shape_run *run)
     add_array(&arrays, "weight", "", targets, 0, design->weight);
     add_array(&arrays, "target", design->units.length, targets, 0, design->target);
     add_array(&arrays, "wanted", design->units.length, targets, 0, design->wanted);
-    add_problem(&arrays, design, unit);
+    add_influence(&arrays, design, unit);
     add_array(&arrays, "step_limit", design->units.voltage, amplifiers, 0, design->step_limit);
     add_results(&arrays, run);
     return write_arrays(options, &arrays);
@@ -316,6 +320,8 @@ int export_simulation(const options *options, const simulation *simulation, cons
               history->voltage);
     add_places(&arrays, design, "place", design->target_node, targets);
     add_array(&arrays, "target", design->units.length, targets, 0, design->target);
-    add_problem(&arrays, design, unit);
+    add_influence(&arrays, design, unit);
+    add_array(&arrays, "lower", design->units.voltage, amplifiers, 0, design->lower);
+    add_array(&arrays, "upper", design->units.voltage, amplifiers, 0, design->upper);
     return write_arrays(options, &arrays);
 }

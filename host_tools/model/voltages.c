@@ -85,7 +85,10 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
  */
 static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {
+    const size_t inputs = problem->inputs;
     double lowest = HUGE_VAL, highest = -HUGE_VAL;
+    memcpy(result->bounds, problem->lower, inputs * sizeof *result->bounds);
+    memcpy(result->bounds + inputs, problem->upper, inputs * sizeof *result->bounds);
     result->active_limits = result->held = result->narrowed = 0;
     for (int k = 0; k < problem->inputs; k++) {
         if (problem->lower[k] == problem->upper[k]) {
@@ -164,11 +167,13 @@ static pzs_status optimise_voltages(const design *design, common_limits common,
 
 static int open_result(const analysis *analysis, voltages *result, const char *name)
 {
+    const size_t amplifiers = (size_t)analysis->design.amplifiers;
     memset(result, 0, sizeof *result);
     snprintf(result->name, sizeof result->name, "%s", name);
     result->amplifiers = analysis->design.amplifiers;
-    result->voltage = calloc((size_t)analysis->design.amplifiers, sizeof *result->voltage);
-    result->at_limit = calloc((size_t)analysis->design.amplifiers, sizeof *result->at_limit);
+    result->voltage = calloc(amplifiers, sizeof *result->voltage);
+    result->at_limit = calloc(amplifiers, sizeof *result->at_limit);
+    result->bounds = calloc(2 * amplifiers, sizeof *result->bounds);
     result->shape = calloc((size_t)analysis->design.targets, sizeof *result->shape);
     result->aligned_target =
         calloc((size_t)analysis->design.targets, sizeof *result->aligned_target);
@@ -177,8 +182,10 @@ static int open_result(const analysis *analysis, voltages *result, const char *n
     result->optimality = (double)NAN;
     result->limit[0] = -HUGE_VAL;
     result->limit[1] = HUGE_VAL;
-    const bool has_memory = result->voltage && result->at_limit && result->shape &&
-                            result->aligned_target && result->displacement;
+    for (size_t k = 0; k < 2 * amplifiers && result->bounds; k++)
+        result->bounds[k] = k < amplifiers ? -HUGE_VAL : HUGE_VAL;
+    const bool has_memory = result->voltage && result->at_limit && result->bounds &&
+                            result->shape && result->aligned_target && result->displacement;
     return has_memory ? 0 : -1;
 }
 
@@ -370,6 +377,7 @@ void voltages_free(voltages *result)
 {
     free(result->voltage);
     free(result->at_limit);
+    free(result->bounds);
     free(result->shape);
     free(result->aligned_target);
     free(result->displacement);
@@ -435,6 +443,7 @@ static void copy_result(const analysis *analysis, const voltages *from, voltages
     *to = *from;
     to->voltage = memcpy(own.voltage, from->voltage, amplifiers * sizeof *own.voltage);
     to->at_limit = memcpy(own.at_limit, from->at_limit, amplifiers * sizeof *own.at_limit);
+    to->bounds = memcpy(own.bounds, from->bounds, 2 * amplifiers * sizeof *own.bounds);
     to->shape = memcpy(own.shape, from->shape, targets * sizeof *own.shape);
     to->aligned_target =
         memcpy(own.aligned_target, from->aligned_target, targets * sizeof *own.aligned_target);

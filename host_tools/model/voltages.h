@@ -16,6 +16,8 @@ typedef struct voltages {
     double *voltage; /* [amplifiers] computed voltages (V) */
     bool *at_limit;  /* [amplifiers] whether the voltage of each amplifier is at one of its limits;
                         false for an amplifier that is held at one voltage */
+    double *bounds;  /* [2][amplifiers] lower, then upper voltage limits of the amplifiers for which
+                        the voltages were computed; infinite for given voltages (V) */
     double *displacement; /* [free_dof] displacement vector under the voltages and the scene's loads
                            */
     double *shape; /* [targets] controlled displacements (target rows) under the voltages and the

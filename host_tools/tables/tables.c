@@ -769,6 +769,22 @@ static void write_sizes(const emitter *emitter, const design *design)
                 outputs);
 }
 
+/* Write the size of the influence matrix that a device computes with the tables. */
+static void write_influence_size(const emitter *emitter, const design *design)
+{
+    const char *upper = emitter->upper;
+    emit_comment(emitter,
+                 "size of the matrix that pzs_influence writes: %s_ALL_OUTPUTS rows of "
+                 "%s_ALL_INPUTS columns; the first %s_INPUTS columns are amplifiers, the first "
+                 "%s_OUTPUTS rows target nodes",
+                 upper, upper, upper, upper);
+    if (pzs_electrode_open_count(&design->electrodes) > 0)
+        emit_comment(emitter, "some electrodes are open: pzs_influence_open must follow "
+                              "pzs_influence");
+    fprintf(emitter->file, "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n\n", upper,
+            design->structure.input.count, upper, design->structure.output.count);
+}
+
 int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,
                  tables_size *size)
 {
@@ -789,15 +805,7 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
         write_structure(&emitter, analysis, image);
         write_electrodes(&emitter, analysis);
         fprintf(file, "#define %s_LINEAR 1\n", emitter.upper);
-        if (analysis->design.electrodes.count > 0) {
-            emit_comment(&emitter,
-                         "number of columns of the influence matrix that the device computes; the "
-                         "first %s_INPUTS columns are amplifiers",
-                         emitter.upper);
-            fprintf(file, "#define %s_ALL_INPUTS %u\n", emitter.upper,
-                    analysis->design.structure.input.count);
-        }
-        fputs("\n", file);
+        write_influence_size(&emitter, &analysis->design);
     }
     if (controlled && write_loop(&emitter, analysis, image, size) < 0)
         status = -1;

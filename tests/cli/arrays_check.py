@@ -26,6 +26,10 @@ def check_shapes(arrays, folder):
     expected = arrays['voltage'] @ arrays['influence'].T
     assert abs(without_piston(shape - expected)).max() <= rounding
     assert abs(without_piston(shape - target - arrays['misfit'])).max() <= rounding
+    # Each row of voltages lies within the limits of its row: one row has none, the others +-60 V or +-30 V.
+    free, lower, upper = np.isinf(arrays['upper'][:, 0]), arrays['lower'], arrays['upper']
+    assert (lower <= arrays['voltage']).all() and (arrays['voltage'] <= upper).all()
+    assert free.sum() == 1 and set(upper[~free, 0]) == {30.0, 60.0} and np.array_equal(lower, -upper), upper
     units = dict(text.decode().split(': ') for text in arrays['units'])
     assert units['influence'] == 'mm/V' and units['voltage'] == 'V', units
 

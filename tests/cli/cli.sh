@@ -161,7 +161,7 @@ check 'limits of sums of absolute values that are wrong or clash' $?
 mkdir "$dir/odd*" && cp "$dir/measured-matrix.csv" "$dir/odd*/" &&
     run 0 tables "$dir/measured.yaml" --set 'influence.file=odd*/measured-matrix.csv' -o "$dir/odd.h" && gcc -std=c99 -Wall -Werror -Iinclude -x c -fsyntax-only -Wno-unused "$dir/odd.h"
 check 'tables: a file name that holds the end of a comment does not end the comment' $?
-run 0 shape "$dir/measured.yaml" --npz "$dir/a.npz" --csv-dir "$dir/arrays" --report "$dir/m.html" --svg "$dir/m.svg" &&
+run 0 shape "$dir/measured.yaml" --limit 60 --limit 30 --npz "$dir/a.npz" --csv-dir "$dir/arrays" --report "$dir/m.html" --svg "$dir/m.svg" &&
     /usr/bin/python3 tests/cli/arrays_check.py "$dir/a.npz" "$dir/arrays"; check 'shapes in .npz and CSV are influence times voltages' $?
 /usr/bin/python3 tests/cli/report_check.py "$dir/m.html" xml && /usr/bin/python3 tests/cli/report_check.py "$dir/m.svg" xml
 check 'the report of a measured matrix is well-formed' $?

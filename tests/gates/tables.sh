@@ -143,6 +143,39 @@ same 'electrodes of any outline, one of them open' tests/rigs/scenes/outline-pla
     grep -q 'the equilibrium solver needs double' "$scratch/found"
 tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"
 
+# A linear image whose tables hold open electrodes: the device's influence matrix, without the columns and rows that are no
+# amplifiers and no target nodes, is that of pzs shape.
+cat >"$scratch/linear.c" <<'EOT'
+#include <stdio.h>
+#include "t.h"
+static pzs_real model_work[T_MODEL_BYTES / sizeof(pzs_real) + 1], electric_work[T_ELECTRIC_BYTES / sizeof(pzs_real) + 1];
+static pzs_real influence[T_ALL_OUTPUTS][T_ALL_INPUTS];
+
+int main(void)
+{
+    pzs_model model;
+    pzs_electric electric;
+    pzs_status status = pzs_model_init(&model, &t_structure, model_work, sizeof model_work);
+    if (status == PZS_OK) status = pzs_assemble(&model, NULL, NULL);
+    if (status == PZS_OK) status = pzs_factor(&model);
+    if (status == PZS_OK) status = pzs_influence(&model, influence[0]);
+    if (status == PZS_OK) status = pzs_electric_init(&electric, &model, &t_electrodes, electric_work, sizeof electric_work);
+    if (status == PZS_OK) status = pzs_electric_factor(&electric);
+    if (status == PZS_OK) status = pzs_influence_open(&electric, influence[0]);
+    for (int i = 0; i < T_OUTPUTS; i++)
+        for (int k = 0; k < T_INPUTS; k++) printf("%.17g\n", (double)influence[i][k]);
+    return status;
+}
+EOT
+set -- tests/rigs/scenes/outline-plate.yaml --set 'patches=[{name: up, layer: upper, grid: [2, 2]}, {name: low, layer: lower, grid: [2, 2]}]' \
+    --set 'sensors=[{name: s, drives: [{patches: low}]}]' --set 'target={u3: middle, edge: theta1+, value: 1e-4}'
+"$PZS" tables "$@" --image linear --prefix t -o "$scratch/t.h" >"$scratch/told" 2>"$scratch/found" &&
+    "$PZS" shape "$@" --npz "$scratch/t.npz" >"$scratch/told" 2>"$scratch/found" && cp "$scratch/linear.c" "$scratch/program.c" && compile 64 &&
+    "$scratch/program" >"$scratch/found" && /usr/bin/python3 -c 'import sys, numpy as np
+host, device = np.load(sys.argv[1])["influence"], np.loadtxt(sys.argv[2])
+sys.exit(not abs(device - host.ravel()).max() <= 1e-12 * abs(host).max() > 0)' "$scratch/t.npz" "$scratch/found"
+tap $? 'linear image with open electrodes: the influence matrix of pzs shape'
+
 "$PZS" tables scordelis-lo --image nonlinear -o "$scratch/t.h" 2>"$scratch/found"
 [ $? -eq 2 ] && grep -q 'kinematics: nonlinear' "$scratch/found"
 tap $? 'a scene of linear kinematics is refused'

@@ -7,9 +7,13 @@
 #include "board.h"
 #include "plate.h"
 
+#if PLATE_ALL_INPUTS != PLATE_INPUTS
+#error "the influence matrix has columns of electrodes without amplifier: see pzs_influence"
+#endif
+
 static pzs_real model_work[PLATE_MODEL_BYTES / sizeof(pzs_real) + 1];
 static pzs_real work[PLATE_LOOP_BYTES / sizeof(pzs_real) + 1];
-static pzs_real influence[PLATE_OUTPUTS * PLATE_INPUTS];
+static pzs_real influence[PLATE_ALL_OUTPUTS * PLATE_ALL_INPUTS];
 static pzs_model model;
 static pzs_loop loop;
 
