@@ -128,8 +128,9 @@ static void print_form(FILE *file, const form *form, int depth)
 }
 
 /*
- * Return the section of a scene file with index k, or NULL behind the last section. The index
- * counts the sections of all alternative forms that a scene file may have.
+ * Return the section of a scene file with index k, or NULL behind the last section. A scene file
+ * has two forms, with a structure or with a measured influence matrix; the index counts the
+ * sections of both.
  */
 static const field *section_of(int k)
 {
@@ -141,8 +142,8 @@ static const field *section_of(int k)
 }
 
 /*
- * Whether section number k of a scene file also occurs in an earlier one of the alternative forms
- * that a scene file may have.
+ * Whether section number k in the list of all sections occurs earlier in this list, which contains
+ * the sections of scene files with a structure and of those with a measured influence matrix.
  */
 static bool is_repeated(int k)
 {

@@ -192,7 +192,10 @@ void print_selftest_plan(const analysis *analysis)
     estimator_close(&estimator);
 }
 
-/* Print the sizes of an image in a row of the table of images, under the given name. */
+/*
+ * Print the memory that a firmware needs with one part of the library (image: control, linear or
+ * nonlinear) as a row of a table, under the given name.
+ */
 static void print_image(const analysis *analysis, tables_image image, const char *name)
 {
     tables_size size;
@@ -225,7 +228,10 @@ static void print_compact_cost(const analysis *analysis)
         1e6 * cost.compact, 1e6 * cost.full, 1e6 * cost.matrix);
 }
 
-/* Print the sizes of all images, and those with compact tables where they differ much. */
+/*
+ * Print the memory that firmwares with each part of the library (control, linear, nonlinear) need,
+ * and that with compact tables where it differs much.
+ */
 static void print_images(const analysis *from)
 {
     const bool is_compact = tables_are_compact(from);
@@ -262,7 +268,10 @@ static void json_pair(json *json, const char *key, double in_float, double in_do
     json_close(json, '}');
 }
 
-/* Write the sizes of an image as a member of a JSON object, under the given key. */
+/*
+ * Write the memory that a firmware needs with one part of the library (image: control, linear or
+ * nonlinear) as a member of a JSON object, under the given key.
+ */
 static void json_image(json *json, const analysis *analysis, tables_image image, const char *key)
 {
     tables_size size;

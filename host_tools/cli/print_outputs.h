@@ -34,8 +34,8 @@ void print_outputs_json(json *json, const analysis *analysis, const double *valu
 
 /*
  * Write the JSON member `output_places`: for each output with several values an array of objects in
- * the order of the values. The members of an object are theta1, theta2, x, y, z and value for a
- * node, electrode and value for an electrode.
+ * the order of the values. An object has the members theta1, theta2 (surface coordinates), x, y, z
+ * and value for a node, and the members electrode (name) and value for an electrode.
  */
 void print_output_places_json(json *json, const analysis *analysis, const double *value,
                               int only_displacements);

@@ -8,8 +8,8 @@
 #include "../text/words.h"
 
 /*
- * Return the number of items of the scene that may consist of springs: its spring entries and its
- * actuators, which may be stack actuators.
+ * Return the number of spring entries and actuators of the scene; actuators may consist of stacks,
+ * which are springs.
  */
 static int items_of(const design *design)
 {

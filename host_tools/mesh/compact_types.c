@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Compact form of the element types of a mesh (compact_types.h). */
+/*
+ * Compact element types of a mesh, which contain only what a device cannot compute from the nodes
+ * (compact_types.h).
+ */
 #include "compact_types.h"
 #include <math.h>
 #include <stdlib.h>
@@ -7,9 +10,9 @@
 #include "../../lib/model/compact.h"
 
 /*
- * Choose the origin of the node positions along one axis in space. Where the mesh lies far from the
- * origin of the scene, the result is a round number near the mesh, by which the positions can be
- * shortened without rounding errors; otherwise it is 0.
+ * Choose the origin from which the node positions in the tables of a device count, along one axis
+ * in space. Where the mesh lies far from the origin of the scene, the result is a round number near
+ * the mesh, by which the positions can be shortened without rounding errors; otherwise it is 0.
  */
 static double find_origin(const mesh *mesh, int axis)
 {
@@ -39,7 +42,7 @@ static void fill_nodes(const compact_types *compact, const mesh *mesh)
     }
 }
 
-/* Fill the compact form of the type of an element. */
+/* Fill the compact element type of one element. */
 static void fill_type(const compact_types *compact, const mesh *mesh, int element)
 {
     const pzs_element_type *full = &mesh->type[mesh->element_type[element]];
@@ -54,14 +57,17 @@ static void fill_type(const compact_types *compact, const mesh *mesh, int elemen
     memcpy(type->corner, mesh->element[element], sizeof type->corner);
 }
 
-/* Fill all compact types; each is completed from the corners of the first element of the type. */
+/*
+ * Fill all compact element types; each is completed from the corners of the first element of the
+ * type.
+ */
 static void fill_types(const compact_types *compact, const mesh *mesh)
 {
     for (int element = mesh->elements - 1; element >= 0; element--)
         fill_type(compact, mesh, element);
 }
 
-/* Return whether the library completes all compact types to the bits of the full types. */
+/* Return whether the library completes all compact element types to the bits of the full ones. */
 static bool is_exact(const compact_types *compact, const mesh *mesh)
 {
     for (int k = 0; k < mesh->types; k++) {
@@ -73,7 +79,7 @@ static bool is_exact(const compact_types *compact, const mesh *mesh)
     return true;
 }
 
-/* Return whether compact types and nodes take less memory than full types. */
+/* Return whether compact element types and nodes take less memory than full element types. */
 static bool is_smaller(const mesh *mesh)
 {
     return (size_t)mesh->types * sizeof(pzs_compact_type) + (size_t)mesh->nodes * sizeof(pzs_node) <

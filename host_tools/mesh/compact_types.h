@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Compact form of the element types of a mesh, which a device completes from the nodes. It saves
- * memory where nearly every element is a type of its own.
+ * Compact element types of a mesh, which contain only what a device cannot compute from the nodes.
+ * They save memory where nearly every element is a type of its own.
  */
 #ifndef COMPACT_TYPES_H
 #define COMPACT_TYPES_H
@@ -17,10 +17,10 @@ typedef struct compact_types {
 } compact_types;
 
 /*
- * Make the compact form of the element types of a mesh. The result has no types where the library
- * would not complete them to the bits of the full types (published element, and meshes along lines
- * of curvature, whose edges have a length each), where the full types take no more memory, and
- * where memory for them is lacking.
+ * Make the compact element types of a mesh. The result has no types in three cases: the library
+ * would not complete them to the bits of the full types (element option `published`, and meshes
+ * along lines of curvature, whose edges have a length each); the full types take no more memory;
+ * memory for the compact types is lacking.
  */
 void compact_types_make(compact_types *compact, const mesh *mesh);
 void compact_types_free(compact_types *compact);

@@ -340,9 +340,9 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 
 /*
  * Uncouple the difference of the thickness strain 33 between the faces, which is the part linear in
- * the height, from all other strains (element option lin33 of the scene file): the stress resultant
- * of this strain becomes 0, and its compliance is kept. Returns 0, or -1 if the stiffness is
- * singular.
+ * the height, from all other strains (element option lin33 of the scene file, with which every ply
+ * thickens freely): the stress resultant of this strain becomes 0, and its compliance is kept.
+ * Returns 0, or -1 if the stiffness is singular.
  */
 static int relax_e33(double stiffness[N][N])
 {

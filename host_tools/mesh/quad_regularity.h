@@ -4,8 +4,9 @@
  * shells.
  *
  * On a thin shell, the three membrane constraints of each node leave no freedom to a mesh without
- * order: it behaves like a polyhedron, whose bending is far too stiff. The rules below keep the
- * membrane strains of such a mesh correct and identify the elements whose bending is not.
+ * order: it behaves like a polyhedron, whose bending is far too stiff. The functions of this file
+ * adapt the formulation of such elements so that their membrane strains stay correct, and identify
+ * the elements whose bending is too stiff.
  */
 #ifndef QUAD_REGULARITY_H
 #define QUAD_REGULARITY_H

@@ -579,7 +579,10 @@ static int influence_under_loads(analysis *analysis, char *error)
     return failed ? -1 : 0;
 }
 
-/* Whether the tables of a design are made about the nonlinear equilibrium under its loads. */
+/*
+ * Whether the tables of a scene's control loop are made about the nonlinear equilibrium under its
+ * loads.
+ */
 static bool is_loaded(const design *design)
 {
     return design->simulate.influence_at == INFLUENCE_LOADED &&

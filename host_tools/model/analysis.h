@@ -97,9 +97,9 @@ typedef struct analysis {
 } analysis;
 
 /*
- * Build the design of a scene, and assemble and factor its stiffness matrix. Where the scene's
- * kinematics is not linear, also set up the equilibrium solver; such a structure may be supported
- * by contact alone. Returns 0, or -1 with error filled and the analysis empty.
+ * Build the design (numerical model) of a scene, and assemble and factor its stiffness matrix.
+ * Where the scene's kinematics is not linear, also set up the equilibrium solver; such a structure
+ * may be supported by contact alone. Returns 0, or -1 with error filled and the analysis empty.
  */
 int analysis_prepare(analysis *analysis, const scene *scene, char *error);
 
@@ -174,8 +174,7 @@ int analysis_ended_early(const analysis *analysis);
 /*
  * Value of the scene's output with index k at the i-th of the nodes or electrodes to which this
  * output belongs.
- *   value [output rows] in  values of all outputs, one for each row of the matrix that maps the
- *                           displacement vector to the outputs
+ *   value in values of all outputs of the scene, output after output
  */
 double analysis_output(const analysis *analysis, int k, int i, const double *value);
 /*

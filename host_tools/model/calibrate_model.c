@@ -106,9 +106,9 @@ typedef struct fit {
                        number of outputs */
     double *shape;  /* [pokes][outputs] shapes that the scene's influence matrix predicts for the
                        voltages of each poke (measurement under known voltages) */
-    double *slope;  /* [factors][pokes][outputs] derivative of the predicted shapes by the logarithm
-                       of each fitted factor (of the elastic or piezoelectric constants of one
-                       material) */
+    double *slope;  /* [factors][measurements][outputs] derivative of the predicted shapes by the
+                       logarithm of each fitted factor (of the elastic or piezoelectric constants of
+                       one material) */
     double *influence; /* [outputs][actuators] influence matrix of the scene after the elastic or
                           piezoelectric constants of one material were changed by a small factor,
                           for finite differences */

@@ -71,9 +71,9 @@ typedef struct certificate_loop {
     bool is_made;
     bool is_stable; /* true where small vibrations decay on every simulated structure and every
                        storm (simulation with fast jumps of the target) settles */
-    int modes;    /* number of vibration modes of the structure in the simulations that certify the
-                     control loop */
-    int observed; /* number of vibration modes that the observer of the control tick estimates */
+    int modes;      /* number of vibration modes of the structure in the simulations that test the
+                       stability of the control loop */
+    int observed;   /* number of vibration modes that the observer of the control tick estimates */
     bool has_slow_mode; /* true where the phase of the first vibration mode advances little enough
                            in a tick for the observer of the control tick to estimate this vibration
                            mode */
@@ -187,7 +187,7 @@ bool certificate_refuses(const certificate *certificate);
 
 /*
  * Whether the static loads are known to change the first natural frequency by more than 5 %, while
- * the certificate and the tables of the loop belong to the structure without loads.
+ * the stability tests and the tables of the loop belong to the structure without loads.
  */
 bool certificate_is_prestressed(const certificate *certificate);
 

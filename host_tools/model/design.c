@@ -83,7 +83,8 @@ static void rows_of(const row_builder *builder, pzs_rows *rows)
 
 /*
  * Weights of the dof of a node in a displacement component (design.h). The displacement of the
- * middle surface also depends on the seventh dof, along the thickness direction.
+ * middle surface also depends on the seventh dof, its displacement along the thickness direction
+ * relative to the faces.
  */
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7])

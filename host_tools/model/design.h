@@ -40,14 +40,14 @@ typedef struct common_limits {
  * voltages obeys, and the tables of the library made from them.
  */
 typedef struct design_rows {
-    uint32_t *start; /* [rows + 1] index of the first entry of each limit row (limit of a sum of
-                        voltages) in `input` and `value` */
-    uint16_t *input; /* [entries] amplifier to whose voltage each entry of a limit row (limit of a
-                        sum of voltages) belongs */
-    double *value;   /* [entries] factor by which the limit row (limit of a sum of voltages)
-                        multiplies the voltage of the amplifier (1) */
-    double *lower, *upper; /* [rows] lower and upper limit of the weighted sum of voltages of each
-                              limit row (V) */
+    uint32_t *start; /* [limit rows + 1] index of the first entry of each limit row (limit of a
+                        weighted sum of voltages) in `input` and `value` */
+    uint16_t *input; /* [entries of all limit rows] amplifier to whose voltage each entry of a limit
+                        row (limit of a weighted sum of voltages) belongs */
+    double *value; /* [entries of all limit rows] factor of the voltage of each amplifier in a limit
+                      row (limit of a weighted sum of voltages) (1) */
+    double *lower, *upper; /* [limit rows] lower and upper limit of each weighted sum of voltages
+                              (V) */
     double *safe; /* [amplifiers] voltages that obey all voltage limits and all limit rows, which
                      are limits of sums of voltages (V) */
     pzs_limit_rows tables;
@@ -211,8 +211,8 @@ const char *design_unit(const design *design, int amplifier);
 void design_free(design *design);
 
 /*
- * Copy the scene of a design, to build a design with other material constants, loads or kinematics
- * from the copy. Returns 0, or -1 where memory runs out.
+ * Copy the scene of a design (numerical model), to build another one with other material constants,
+ * loads or kinematics from the copy. Returns 0, or -1 where memory runs out.
  */
 int design_vary(const design *design, scene *copy);
 

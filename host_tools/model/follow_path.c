@@ -151,11 +151,12 @@ static void full_force(arc_search *arc_search)
 
 /*
  * Add to a change of the displacement, which was solved for at constant voltages, the part that the
- * voltages of the open electrodes cause, and append the change of these voltages.
+ * voltages of the open electrodes cause, and append the change of the voltages.
  *   input            in      index of the input to whose unit the change belongs; the constant
  *                            NEWTON: a change by residual forces and charges; the constant
  *                            NO_INPUT: a change by forces without charges
- *   change [entries] in/out  change of the displacement, then of the voltages
+ *   change [free dof, then open electrodes] in/out  change of the displacement, then of the
+ *   voltages
  * Returns false if the voltages cannot be solved for.
  */
 static bool condense_voltages(arc_search *arc_search, uint32_t input, double *change)

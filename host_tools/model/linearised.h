@@ -15,14 +15,15 @@ typedef struct linearised {
                         the library's model; rows and columns of prescribed displacements are those
                         of the unit matrix */
     size_t entries;  /* number of stored entries of the tangent stiffness matrix */
-    double *force;   /* [inputs][free_dof] nodal forces per unit of each input of the structure */
+    double *force;   /* [inputs][free_dof] nodal forces per unit of each input (voltage, load factor
+                        or temperature) at the equilibrium */
 } linearised;
 
 /*
  * Compute the tangent stiffness matrix and the forces of all inputs at the equilibrium that a
  * solver has reached.
- *   solver in/out  solver of the same design at an equilibrium; the factors in its model are
- *                  overwritten, so that the influence matrix there must be computed before
+ *   solver in/out equilibrium solver of the structure, at an equilibrium; the factors in its model
+ *                  are overwritten, so that the influence matrix there must be computed before
  * Returns whether memory sufficed; call linearised_free in either case.
  */
 bool linearised_take(linearised *linearised, const design *design, pzs_solver *solver);

@@ -23,10 +23,14 @@ typedef struct loaded_frequency {
  */
 loaded_frequency loaded_first(const scene *scene);
 
-/* Vibration modes of a scene, about the equilibrium under its loads where it has nonlinear ones. */
+/*
+ * Vibration modes of a scene: about the equilibrium under its loads where its kinematics is
+ * nonlinear, otherwise about the reference state.
+ */
 typedef struct loaded_modes {
-    analysis analysis; /* of a scene without loads, or with linear kinematics, only its design is
-                          built, so that supports may permit rigid motions */
+    analysis analysis; /* analysis of the scene; without loads, or with linear kinematics, it
+                          contains only the numerical model (design), so that supports may permit
+                          rigid motions */
     vibration vibration;
     bool is_loaded; /* true: the modes are those about the equilibrium under the scene's loads and
                        applied voltages; false: those of the reference state */

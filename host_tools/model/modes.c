@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Errors of each alternative target shape (the scene calls them modes of the target), taken as the
- * only target (modes.h).
+ * Shape errors for a target that is a list of shapes (modes of the target), each taken as the only
+ * target (modes.h).
  */
 #include "modes.h"
 #include <math.h>

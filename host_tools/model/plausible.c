@@ -205,8 +205,8 @@ static const struct rule {
 };
 
 /*
- * Return whether a measured number is already the subject of a stored warning: with the same rule,
- * the same position in the scene file and the same value.
+ * Return whether a measured number is already the subject of a stored warning: one of the same
+ * plausibility rule, position in the scene file and value.
  */
 static int is_repeated(const plausible_warning *warning, const struct rule *rule,
                        const measured *found)
@@ -216,9 +216,9 @@ static int is_repeated(const plausible_warning *warning, const struct rule *rule
 }
 
 /*
- * Return the entry of the list of warnings for a new warning: the warning that the same rule gave
- * on an earlier result, or the next free entry. NULL if the stored warning is at least as severe,
- * or if the list is full.
+ * Return the entry of the list of warnings for a new plausibility warning: the warning that the
+ * same rule gave on an earlier result, or the next free entry. NULL if the stored warning is at
+ * least as severe, or if the list is full.
  */
 static plausible_warning *warning_entry(plausible *warnings, const struct rule *rule,
                                         const measured *found)

@@ -399,7 +399,7 @@ static int first_of_name(const design *design, int support)
     return first;
 }
 
-/* Number of different supports of the scene by which a node is held, and these supports. */
+/* Supports of the scene that hold a node: their number and their indices, each name once. */
 typedef struct node_holders {
     int count;
     int support[SHELL_MAX];

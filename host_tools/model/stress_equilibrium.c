@@ -191,9 +191,9 @@ static void stretches(const stress_field *field, const stencil *stencil, int sam
 }
 
 /*
- * Integrate values at the sample heights over the thickness of the package of layers, starting with
- * 0 at its inner face. The integral is exact where the values are quadratic within each layer. A
- * layer that is absent in the element adds nothing.
+ * Integrate values at the sample heights over the thickness of the laminate, starting with 0 at its
+ * inner face. The integral is exact where the values are quadratic within each layer. A layer that
+ * is absent in the element adds nothing.
  *   rate [samples] in   values to be integrated
  *   sum  [samples] out  integral from the inner face to each sample height
  */
@@ -214,9 +214,9 @@ static void integrate(const stress_field *field, int element, const double *rate
 
 /*
  * Compute the transverse shear stresses s_13 and s_23 that are in equilibrium with a given gradient
- * of the in-plane stresses and vanish at the inner face of the package of layers. The result is
- * multiplied by c_1^2 c_2 and c_2^2 c_1, where c_a is a length along the principal direction a at
- * the height of the stress relative to the reference surface.
+ * of the in-plane stresses and vanish at the inner face of the laminate. The result is multiplied
+ * by c_1^2 c_2 and c_2^2 c_1, where c_a is a length along the principal direction a at the height
+ * of the stress relative to the reference surface.
  */
 static void balance(const stress_field *field, const stencil *stencil, gradient slope, profile out)
 {
@@ -236,8 +236,8 @@ static void balance(const stress_field *field, const stencil *stencil, gradient 
 }
 
 /*
- * Compute the two values of a profile of transverse shear stresses at the outer face of the package
- * of layers (left[0], left[1]; Pa) and its two shear resultants (left[2], left[3]; N/m).
+ * Compute the two values of a profile of transverse shear stresses at the outer face of the
+ * laminate (left[0], left[1]; Pa) and its two shear resultants (left[2], left[3]; N/m).
  */
 static void resultants_of(const stress_field *field, const stencil *stencil, profile values,
                           double left[4])
@@ -284,7 +284,7 @@ static void fit_gradient(const stress_field *field, const stencil *stencil, grad
 
 /*
  * Compute the in-plane stresses 11, 22 and 12 of a ply at height z from the membrane strains and
- * curvatures of the package of layers. The normal stress 33 is zero.
+ * curvatures of the laminate. The normal stress 33 is zero.
  *   bent [6] in  membrane strains 11 22 12, then curvatures 11 22 12 (1/m)
  */
 static void plane_stress(const laminate_ply *ply, const double bent[6], double z, double stress[3])
@@ -301,8 +301,8 @@ static void plane_stress(const laminate_ply *ply, const double bent[6], double z
 
 /*
  * Compute the gradient of the in-plane stresses that a unit gradient of one force or moment of the
- * package of layers causes along the direction of this force or moment.
- *   flex [6][6]  in  membrane strains and curvatures of the package per unit of force and moment
+ * laminate causes along the direction of this force or moment.
+ *   flex [6][6]  in  membrane strains and curvatures of the laminate per unit of force and moment
  *   pattern      in  0 or 1: normal force 11 or 22; 2 or 3: bending moment 11 or 22
  */
 static void unit_gradient(const stress_field *field, const stencil *stencil, double flex[6][6],
@@ -392,8 +392,8 @@ static int solve_system(double matrix[PATTERNS][PATTERNS + 1], double x[PATTERNS
 
 /*
  * Correct a profile of transverse shear stresses by adding gradients of the two normal forces and
- * of the two bending moments of the package of layers. After the correction the profile vanishes at
- * the outer face and has the shear resultants of the element. Returns 0, or -1 if the plies cannot
+ * of the two bending moments of the laminate. After the correction the profile vanishes at the
+ * outer face and has the shear resultants of the element. Returns 0, or -1 if the plies cannot
  * carry the shear.
  */
 static int correct(const stress_field *field, const stencil *stencil, profile values)

@@ -8,11 +8,11 @@
  *   d(c_1^2 c_2 s_13)/dz = -c_1^2 c_2 (s_11,1/c_1 + s_12,2/c_2),  and so for s_23,
  *   d(c_1 c_2 s_33)/dz = -c_2 s_13,1 - c_1 s_23,2 + c_2 k_1 s_11 + c_1 k_2 s_22.
  * The derivatives ,1 and ,2 are least-squares fits to the element and its neighbours. The gradients
- * of the two normal forces and of the two bending moments of the package of layers are then
- * corrected, so that the shear stress is zero at the outer face as it is at the inner face, and
- * integrates to the shear resultant of the element. In an element without neighbours the gradients
- * of the two moments alone are used, as in laminate_shear.h. The integration constant of the normal
- * stress s_33 is chosen so that its mean is the normal stress of the element.
+ * of the two normal forces and of the two bending moments of the laminate are then corrected, so
+ * that the shear stress is zero at the outer face as it is at the inner face, and integrates to the
+ * shear resultant of the element. In an element without neighbours the gradients of the two moments
+ * alone are used, as in laminate_shear.h. The integration constant of the normal stress s_33 is
+ * chosen so that its mean is the normal stress of the element.
  */
 #ifndef STRESS_EQUILIBRIUM_H
 #define STRESS_EQUILIBRIUM_H

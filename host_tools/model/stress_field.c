@@ -149,7 +149,7 @@ static void add_patches(const stress_field *field, int element, const scene_actu
 
 /*
  * Add the temperatures that all temperature inputs and temperature loads cause on the inner and on
- * the outer face of the package of layers.
+ * the outer face of the laminate.
  *   temperature [2] in/out  temperatures of both faces (K)
  */
 static void add_temperatures(const stress_state *state, double temperature[2])
@@ -375,8 +375,8 @@ static void product_plus(const double matrix[6][6], const double vector[6], cons
 
 /*
  * Compute the strain and the stress of a layer at height z in the shell axes, with transverse shear
- * strains of zero. With the element option lin33 the thickness strain 33 of the layer follows from
- * the normal stress 33 that all plies share.
+ * strains of zero. With the element option lin33 (every ply thickens freely) the thickness strain
+ * 33 of the layer follows from the normal stress 33 that all plies share.
  */
 static void ply_state(const stress_field *field, int element, int layer, double z, double strain[6],
                       double stress[6])

@@ -4,12 +4,12 @@
  *
  * Strains and in-plane stresses are those at the centre of each element. The in-plane strains vary
  * linearly through the thickness; on a curved shell, the different lengths at each height are taken
- * into account exactly. With the element option lin33 the thickness strain of each ply follows from
- * one normal stress 33 that all plies share; without this option the thickness strain is linear
- * through the thickness, too. The transverse shear stresses and the normal stress 33 follow from
- * the equilibrium of the in-plane stresses through the thickness (stress_equilibrium.c). At large
- * rotations the strains are those of Green and Lagrange and the stresses are the second
- * Piola-Kirchhoff stresses, in the directions of the undeformed shell.
+ * into account exactly. With the element option lin33 (every ply thickens freely) the thickness
+ * strain of each ply follows from one normal stress 33 that all plies share; without this option
+ * the thickness strain is linear through the thickness, too. The transverse shear stresses and the
+ * normal stress 33 follow from the equilibrium of the in-plane stresses through the thickness
+ * (stress_equilibrium.c). At large rotations the strains are those of Green and Lagrange and the
+ * stresses are the second Piola-Kirchhoff stresses, in the directions of the undeformed shell.
  */
 #ifndef STRESS_FIELD_H
 #define STRESS_FIELD_H
@@ -52,8 +52,8 @@ typedef struct stress_element {
                               difference of both faces for the strains 11, 22, 33 and 12; then the
                               strains 13 and 23), per area of the element (N/m) */
     double normal_stress;  /* normal stress 33 that all plies of the element share (Pa) */
-    double temperature[2]; /* temperature changes of the inner and of the outer face of the package
-                              of layers (K) */
+    double temperature[2]; /* temperature changes of the inner and of the outer face of the laminate
+                              (K) */
 } stress_element;
 
 /* Stress and strain at one height of a layer, in the material axes of the layer. */

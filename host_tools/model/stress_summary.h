@@ -76,7 +76,7 @@ bool stress_load(const stress_field *field, double *value);
 
 /*
  * Stress resultants of an element in its shell axes: forces 11 22 12 (N/m), moments 11 22 12 about
- * the middle of the package of layers (N), transverse shear forces 13 23 (N/m).
+ * the middle of the laminate (N), transverse shear forces 13 23 (N/m).
  */
 enum { STRESS_RESULTANTS = 8 };
 void stress_resultants(const stress_field *field, int element, double value[STRESS_RESULTANTS]);

@@ -13,7 +13,8 @@ enum {
  * Return the largest number of multiply-adds that the optimiser makes in one of many undamped
  * control steps (TICK_WORK_TICKS of them), in which the target jumps between the shapes of random
  * voltages; 0 where memory runs out.
- *   design in  a design with amplifiers, a target and an influence matrix
+ *   design in numerical model of a scene with amplifiers and a target, with computed influence
+ *   matrix
  *   limit  in  limit of the optimiser's work in a tick (multiply-adds)
  */
 uint64_t tick_work_longest(const design *design, uint64_t limit);

@@ -125,8 +125,7 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
 /*
  * Compute the optimal voltages within the limits by one step of the controller. A step that stops
  * because its active-set solver has used up its iterations is continued by further steps.
- *   influence [targets][amplifiers] in      influence matrix; NULL: that of the design in the
- *       reference state
+ *   influence [targets][amplifiers] in      influence matrix; NULL: that of the reference state
  *   wanted    [targets]             in      displacements that the voltages are to cause
  *   reach                           in      largest change of any voltage (V), or INFINITY
  *   voltage   [amplifiers]          in/out  voltages before and after (V)

@@ -33,8 +33,8 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
 
 /*
  * Write the report of `pzs shape`: the reached shape, the misfit (reached minus target values) and
- * the voltages of each result, a table of their shape errors, and the shape errors of the
- * alternative target shapes.
+ * the voltages of each result, a table of their shape errors, and the shape errors for each shape
+ * where the target is a list of shapes.
  *   result [results] in  optimal voltages of all amplifiers, for each pair of voltage limits
  */
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,

@@ -74,8 +74,8 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
  * Parts of report pages: page_structure writes the tables of the layers and materials and the text
  * of the scene file; page_stress the section of the recovered stresses, a map and tables, nothing
  * where field is NULL; page_voltages the table of the voltages, a row for each amplifier and a
- * column for each result; page_modes, for each pair of voltage limits, a section with the shape
- * error of every alternative target shape, nothing if the scene has none.
+ * column for each result; page_modes, for each pair of voltage limits, a section with the error of
+ * every shape where the target is a list of shapes, otherwise nothing.
  */
 void page_structure(const page *page);
 void page_stress(const page *page, const stress_field *field);

@@ -82,7 +82,10 @@ void page_voltages(const page *page, const voltages *result, int results)
     fputs("</details>\n", page->file);
 }
 
-/* Write the shape errors of all alternative target shapes for one pair of voltage limits. */
+/*
+ * Write the error of every shape, where the target is a list of shapes, for one pair of voltage
+ * limits.
+ */
 static void write_modes(const page *page, const modes *modes, int limits)
 {
     put(page->file, "<section>\n<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,

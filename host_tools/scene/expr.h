@@ -81,7 +81,7 @@ double expr_value(const expr *expression, const expr_point *at);
 /* Return the text that a function was compiled from, or its description for reports. */
 const char *expr_text(const expr *expression);
 
-/* Return 1 if a function depends on none of x, y, z, theta1 and theta2, else 0. */
+/* Return 1 if a function depends on none of the coordinates x, y, z, theta1 and theta2, else 0. */
 int expr_is_constant(const expr *expression);
 
 /* Return 1 if a function depends on a surface coordinate (theta1 or theta2), else 0. */

@@ -19,9 +19,11 @@ typedef struct piece_drawing {
     outline_cell cell; /* cell (quadrilateral in the plane of the electrode outlines) of the element
                         */
     outline_cell moved; /* cell (quadrilateral in the plane of the electrode outlines) of the
-                           element after a move by full turns of the angle theta1 or theta2 */
+                           element after a move by full turns of a surface coordinate that is an
+                           angle (theta1 or theta2) */
     double shift[2]; /* displacement of the cell (quadrilateral of the element in the plane of the
-                        outlines) by full turns of the angle theta1 or theta2 */
+                        outlines) by full turns of a surface coordinate that is an angle (theta1 or
+                        theta2) */
     int element;
     outline_draw *draw;
     void *context;

@@ -96,11 +96,10 @@ typedef struct scene_element {
     double tau; /* factor of the warping correction in the membrane shear strain of an element */
     double rho; /* factor of the bending flexibility that is added to the transverse shear
                    compliance of an element */
-    bool hr, lin33;  /* hr: true sets to 0 the stress resultants that belong to strains outside the
-                        linear and bilinear strain modes of an element (Hellinger-Reissner), false
-                        sets these strains to 0; lin33: true condenses the part of the normal strain
-                        e33 that is linear in the thickness coordinate, so that each ply thickens
-                        freely */
+    bool hr, lin33;  /* hr: true sets to 0 those stress resultants of an element that vary over the
+                        element and have no strain of their own (Hellinger-Reissner), false sets
+                        their strains to 0; lin33: true lets each ply thicken freely, by condensing
+                        the part of the thickness strain that is linear in the height */
     bool metric;     /* true: strains take the exact variation of the surface metric through the
                         thickness; false: metric of the reference surface */
     bool exact_area; /* true: exact area of an element; false: area from the metric at the centre of

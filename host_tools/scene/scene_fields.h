@@ -70,8 +70,8 @@ typedef struct form {
     const choice *words; /* array of the permitted words, for a value that is a word (FORM_WORD) */
     const struct form *item; /* description of each item, for a value that is a list or a mapping of
                                 names (FORM_LIST, FORM_NAMED) */
-    const struct form *first; /* form of the first item of a list (FORM_LIST) where it differs from
-                                 the form of the others, else NULL */
+    const struct form *first; /* description (form) of the first item of a list (FORM_LIST) where it
+                                 differs from that of the other items, else NULL */
     int least, most; /* FORM_LIST, FORM_NAMED: smallest and largest number of items; most = 0: any
                         number */
     const struct field *fields; /* table of the permitted keys, for a value that is a mapping
@@ -174,7 +174,10 @@ field_read read_expr;   /* function that reads a formula into an allocated expr 
  */
 field_read read_node, read_scalar_node;
 
-/* Descriptions (forms) of values that keys of several sections accept. */
+/*
+ * Descriptions of values (struct form) that keys of several sections accept, such as a positive
+ * number.
+ */
 extern const form number_form, above_zero_form, not_negative_form, formula_form, name_form,
     label_form, labels_form, triple_form, flag_form;
 

@@ -218,7 +218,7 @@ extern const int place_components[];
             "nodes for all; mesh from a file: the node nearest to {x, y, z}, or {set: name}."      \
     }
 
-/* Descriptions (forms) of the values that the sections of a scene accept. */
+/* Descriptions of the values (struct form) that the sections of a scene file accept. */
 extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
     reference_form, patches_form, actuators_form, sensors_form, control_form, safety_form,
     hysteresis_form, limits_form, supports_form, springs_form, loads_form, contact_form,

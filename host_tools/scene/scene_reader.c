@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Access to the YAML nodes of a scene, and search for items by name (scene_reader.h). */
+/*
+ * Access to the YAML nodes of a scene, and search for materials, layers and other things by their
+ * names (scene_reader.h).
+ */
 #include "scene_reader.h"
 
 #include <string.h>

@@ -26,8 +26,9 @@ const char *node_text(const reader *reader, int node);
 scene_at node_at(const reader *reader, int node);
 
 /*
- * Return the index of the item with a given name, or -1 if there is none. The array has count items
- * of size bytes each, and the first member of every item is its name.
+ * Return the index of the item (such as a material or a layer) with a given name in an array, or -1
+ * if there is none. The array has count items of size bytes each, and the first member of every
+ * item is its name.
  */
 int find_named(const void *items, int count, size_t size, const char *name);
 

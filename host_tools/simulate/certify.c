@@ -12,8 +12,8 @@
 #include "storm.h"
 
 enum {
-    PLANTS = 5, /* number of structures that are simulated in storms (fast jumps of the target): the
-                   model and four that differ from it */
+    PLANTS = 5, /* number of structures on which storms (simulations with fast jumps of the target)
+                   are run: the model and four that differ from it */
     ENOUGH = 3, /* number of failures (simulations with fast target jumps that do not settle) after
                    which no further simulation is run */
     SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps

@@ -76,7 +76,7 @@ void inertia_advance(inertia *inertia, double interval);
  * Compute by how much output values of the structure, such as displacements, deviate from their
  * static values because of vibration.
  *   first      in   index of the first of the outputs that are computed
- *   out [rows] out  deviations of these outputs
+ *   out [number of outputs] out deviations of these outputs
  */
 void inertia_observe(const inertia *inertia, size_t first, size_t rows, double *out);
 

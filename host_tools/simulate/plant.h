@@ -37,10 +37,11 @@ typedef struct plant {
                                with which the latest shape of the plant was computed */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
                             such as loads and support displacements */
-    double *value;       /* [output rows] values of all outputs in the latest shape of the plant */
-    int temperature;     /* index of the temperature change among the inputs, or -1 if the plant has
-                            none */
-    bool has_shape;      /* whether at least one shape of the plant has been computed */
+    double *value;   /* [outputs of the structure] values of all outputs in the latest shape of the
+                        plant */
+    int temperature; /* index of the temperature change among the inputs, or -1 if the plant has
+                        none */
+    bool has_shape;  /* whether at least one shape of the plant has been computed */
     bool is_at_rest; /* true: the plant has just been set to rest, and no time has passed since */
     long linear_solves; /* number of linear solves of the nonlinear equilibrium solver so far */
     const struct plant_motion *motion; /* way in which the motion of the plant is computed:
@@ -54,9 +55,9 @@ typedef struct plant {
                                   rotation */
     double *modal_input; /* [amplifiers + loads] inputs of the model of vibration modes: voltages
                             (V) and load factors */
-    double *deviation;   /* [output rows] deviation of the outputs in the latest shape from their
-                            values in the static equilibrium; where the motion is nonlinear, it is
-                            computed by one step of Newton's method */
+    double *deviation;   /* [outputs of the structure] deviation of the outputs in the latest shape
+                            from their values in the static equilibrium; where the motion is
+                            nonlinear, it is computed by one step of Newton's method */
 } plant;
 
 /*

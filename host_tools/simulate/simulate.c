@@ -185,8 +185,8 @@ static int check_inertia(const simulation *simulation, char *error)
 
 /*
  * Prepare what the simulated controller consists of: shape estimator, feed-forward of known loads,
- * vibration damper, and the list of the blocks that each tick runs. Returns 0, or -1 with error
- * filled.
+ * vibration damper, and the list of the blocks (stages) that each tick runs. Returns 0, or -1 with
+ * error filled.
  */
 static int prepare_controller(simulation *simulation, char *error)
 {

@@ -358,9 +358,9 @@ static int run_board_tick(loop *loop, char *error)
 }
 
 /*
- * Tick of the block that runs the firmware on the board in place of the library's step block, which
- * computes the voltages. The board receives the readings of the sensors and not the output of the
- * preceding blocks, because the firmware contains these blocks itself.
+ * Tick of the block (stage) that runs the firmware on a board in place of the library's step block,
+ * which computes the voltages. The board receives the readings of the sensors and not the output of
+ * the preceding blocks, because the firmware contains these blocks itself.
  */
 static pzs_status board_tick(void *self, pzs_loop_signals *signals)
 {
@@ -375,10 +375,10 @@ static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
                                            law_init, board_tick,     NULL};
 
 /*
- * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for
- * a board, replace the library's step block (the block that computes the voltages), and omit all
- * blocks behind that block, the self-test and the compensation of hysteresis. Returns the number of
- * blocks.
+ * Copy the list of blocks (stages of a control tick) of the scene. For clipped least squares, which
+ * has no vibration model, or for a board that runs the firmware, replace the block that computes
+ * the voltages, and omit all blocks behind it, the self-test and the compensation of hysteresis.
+ * Returns the number of blocks.
  */
 static size_t list_blocks(loop *loop)
 {
@@ -399,8 +399,8 @@ static size_t list_blocks(loop *loop)
 }
 
 /*
- * Initialise the library's control loop with the blocks of the simulated control law. Returns the
- * status of the library.
+ * Initialise the library's control loop with the blocks (stages of a tick) of the simulated control
+ * law. Returns the status of the library.
  */
 static pzs_status open_controller(loop *loop)
 {
@@ -448,7 +448,7 @@ static void copy_board_voltages(loop *loop)
 }
 
 /*
- * Copy the results of the library's step block, the block that computes the voltages, into the
+ * Copy the results of the step block, the stage of a tick that computes the voltages, into the
  * simulated loop: voltages, iterations of the optimiser and electrode states.
  */
 static void take_command(loop *loop)
@@ -462,7 +462,7 @@ static void take_command(loop *loop)
 
 /*
  * Return the status of a tick that is counted in the results of the simulation: the status of the
- * block that computes the voltages. The status that the fault detector has reported an electrode is
+ * stage that computes the voltages. The status that the fault detector has reported an electrode is
  * left out, because reported electrodes are counted separately.
  */
 static pzs_status counted_status(const loop *loop, pzs_status status)
@@ -594,7 +594,7 @@ int loop_active(const loop *loop)
 
 /*
  * Return why the supervisor has ended control, and what to do about it, as the end of an error
- * message; empty where the supervisor runs on a board or has not ended control.
+ * message; empty where the supervisor runs in a firmware on a board or has not ended control.
  */
 static const char *latch_cause(const loop *loop)
 {

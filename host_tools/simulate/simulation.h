@@ -167,8 +167,8 @@ typedef struct simulation {
     double regularisation;     /* regularisation parameter of regularised clipped least squares, a
                                   control law for comparison, relative to the mean diagonal entry of
                                   the Hessian of the voltage optimisation problem */
-    const device_board *board; /* board that runs the controller; NULL: the controller runs on the
-                                  host */
+    const device_board *board; /* microcontroller board, emulated by QEMU, that runs the controller;
+                                  NULL: the controller runs on the host */
     char folder[DEVICE_PATH];  /* path of the temporary folder in which the firmware of the
                                   controller is built, where a board runs the controller */
     int phases;

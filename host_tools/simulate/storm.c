@@ -198,7 +198,7 @@ void storm_close(storm_rig *rig)
 
 /* ---- state of one storm ----------------------------------------------- */
 
-/* State of one storm: a simulated control loop with fast jumps of the target. */
+/* State of one storm: simulation of a control loop with fast jumps of the target. */
 typedef struct storm {
     const storm_rig *rig;
     const storm_plant *plant;

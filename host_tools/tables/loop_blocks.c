@@ -64,8 +64,9 @@ static bool has_feed_forward(const loop_blocks *blocks)
 }
 
 /*
- * Return whether the scene needs the block of the control loop that estimates the shape from sensor
- * readings. The block that damps vibration estimates the shape itself and replaces that block.
+ * Return whether the scene needs the block (stage of the control tick) that estimates the shape
+ * from sensor readings. The block that damps vibration estimates the shape itself and replaces that
+ * block.
  */
 static bool has_estimator(const loop_blocks *blocks)
 {
@@ -223,14 +224,14 @@ static double reachable_rms(const design *design)
 }
 
 /*
- * Tables of the supervisor, the block that monitors the control loop. A tick is implausible if the
- * shape deviates from the target by more than three causes explain: a sudden load that changes the
- * shape by 0.3 of the root mean square target, or as the loads of the scene do where these move the
- * shape more; noise of at least 0.005 of the root mean square target; and changes of the target,
- * whose effect decays by a factor of e in two periods of the first vibration mode (in 50 ticks
- * without a vibration model). Where the target is zero, the displacements under half the voltage
- * range count in its place. The alarm threshold of the counter of implausible ticks is one period,
- * at least 20 ticks.
+ * Tables of the supervisor, the block (stage of the tick) that monitors the control loop. A tick is
+ * implausible if the shape deviates from the target by more than three causes explain: a sudden
+ * load that changes the shape by 0.3 of the root mean square target, or as the loads of the scene
+ * do where these move the shape more; noise of at least 0.005 of the root mean square target; and
+ * changes of the target, whose effect decays by a factor of e in two periods of the first vibration
+ * mode (in 50 ticks without a vibration model). Where the target is zero, the displacements under
+ * half the voltage range count in its place. The alarm threshold of the counter of implausible
+ * ticks is one period, at least 20 ticks.
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -260,8 +261,8 @@ static const void *supervision_tables(loop_blocks *blocks)
 /* ---- tables of the blocks as C source --------------------------------- */
 
 /*
- * Write the name of an array of the shape estimator that several blocks of the control loop use,
- * with a comma, or NULL where the scene has no shape estimator.
+ * Write the name of an array of the shape estimator that several blocks (stages) of the control
+ * tick use, with a comma, or NULL where the scene has no shape estimator.
  */
 static void write_shared(const emitter *emitter, const void *table, const char *name)
 {
@@ -435,7 +436,10 @@ static void write_supervision(emitter *emitter, const loop_blocks *blocks)
     fputs("\n};\n", emitter->file);
 }
 
-/* Write the arrays of the block that damps vibration, in the order of the members of their type. */
+/*
+ * Write the arrays of the block (stage of the tick) that damps vibration, in the order of the
+ * members of their type.
+ */
 static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
 {
     const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
@@ -647,7 +651,7 @@ static size_t near_plays(const loop_blocks *blocks)
     return most;
 }
 
-/* Return the number of blocks of the control loop that a scene needs. */
+/* Return the number of blocks (stages) of the control tick that a scene needs. */
 static size_t count_blocks(const loop_blocks *blocks)
 {
     size_t present = 0;
@@ -704,9 +708,9 @@ static double tick_bound(const loop_blocks *blocks, const block_counts *of,
 }
 
 /*
- * Limit of the optimiser's work in one tick (multiply-adds) with which all blocks together keep
- * the time that the clock and the tick rate of the scene leave to a tick; at least the smallest
- * useful limit; 0 (default of the library) where the scene does not state both.
+ * Limit of the optimiser's work in one tick (multiply-adds) with which all blocks (stages) of the
+ * tick together keep the time that the clock and the tick rate of the scene leave to a tick; at
+ * least the smallest useful limit; 0 (default of the library) where the scene does not state both.
  */
 static uint64_t work_limit(const loop_blocks *blocks)
 {
@@ -780,8 +784,8 @@ static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
 }
 
 /*
- * Write the list of the blocks of the control loop as a C array, each with an upper bound of its
- * instructions in a tick.
+ * Write the list of the blocks (stages) of the control tick as a C array, each with an upper bound
+ * of its instructions in a tick.
  */
 static void write_list(const emitter *emitter, const loop_blocks *blocks)
 {

@@ -95,8 +95,8 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 
 /*
  * Add the blocks that make test pulses (short steps of an amplifier's voltage) to a filled list of
- * the blocks of a control loop, where the scene has such blocks: the self-test, and the fault
- * detector of a loop that damps vibration.
+ * the blocks (stages) of a control tick, where the scene has such blocks: the self-test, and the
+ * fault detector of a loop that damps vibration.
  *   wiring in  tables of the self-test; must outlive the list
  *   pulses in  tables of the test pulses of the fault detector; must outlive the list
  */
@@ -123,8 +123,8 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
 uint64_t loop_blocks_work_limit(const loop_blocks *blocks);
 
 /*
- * Compute upper bounds of the instructions that one tick of a control loop with given blocks takes
- * on a processor.
+ * Compute upper bounds of the instructions that one tick of a control loop with given blocks
+ * (stages) takes on a processor.
  */
 void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop_bounds *bounds);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Upper bounds of the instructions of each block of the control tick (loop_work.h). */
+/* Upper bounds of the instructions of each block (stage) of the control tick (loop_work.h). */
 #include "loop_work.h"
 #include <math.h>
 #include "pzs_loop.h"

@@ -667,8 +667,8 @@ static void write_blocks(emitter *emitter, const analysis *analysis, const loop_
 }
 
 /*
- * Write the voltage optimisation problem and the blocks of the control loop. Returns 0, or -1 where
- * the estimator or the damping of vibration cannot be set up.
+ * Write the least-squares problem for the voltages and the blocks (stages) of the control tick.
+ * Returns 0, or -1 where the estimator or the damping of vibration cannot be set up.
  */
 static int write_loop(emitter *emitter, const analysis *analysis, tables_image image,
                       tables_size *size)

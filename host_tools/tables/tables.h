@@ -34,9 +34,9 @@ typedef struct tables_size {
 
 /*
  * Bytes of workspace and of stack that a firmware needs on a device, in single precision [0] and in
- * double precision [1]. The workspace is that of the control loop with all its blocks, of the model
- * and of the equilibrium solver, as far as the firmware contains them. The stack is that of the
- * library alone, which `make test` verifies.
+ * double precision [1]. The workspace is that of the control loop with all its blocks (stages), of
+ * the stiffness matrix and of the equilibrium solver, as far as the firmware contains them. The
+ * stack is that of the library alone, which `make test` verifies.
  *   size in  sizes of the tables, which tables_write has determined
  */
 typedef struct tables_memory {

@@ -83,8 +83,8 @@ static void give_command(controller *controller, const fmu_values *values)
 }
 
 /*
- * Describe an error of the control loop in the message of the FMU: the block of the loop that
- * failed, the text of the status, and the index of the input or output concerned. Returns
+ * Describe an error of the control loop in the message of the FMU: the block (stage) of the loop
+ * that failed, the text of the status, and the index of the input or output concerned. Returns
  * fmi2Error.
  */
 static fmi2Status refuse(const controller *controller, pzs_status status, fmu_values *values)
