@@ -2,6 +2,7 @@
 /* A load path (equilibria from zero to full load) on standard output (print_path.h). */
 #include "print_path.h"
 #include <stdio.h>
+#include "../model/path_cause.h"
 #include "print_outputs.h"
 
 static const char *const event_name[] = {[LOAD_PATH_LIMIT] = "limit point",
@@ -35,6 +36,19 @@ static void print_head_of_points(const analysis *analysis)
     putchar('\n');
 }
 
+/*
+ * Name the cause of the critical points of a load path that has reached the full load, where the
+ * law of the material has softened before the first of them.
+ */
+static void print_cause(const analysis *analysis, const load_path *path)
+{
+    char cause[PATH_CAUSE_BYTES];
+    if (!path->is_complete || path->events == 0 || path->has_equal_steps || !path_is_softened(path))
+        return;
+    path_cause(path, analysis, cause);
+    printf("  %s\n", cause);
+}
+
 void print_load_path(const analysis *analysis, const load_path *path)
 {
     printf("  load path: %d points%s, %d linear solves%s\n", path->points,
@@ -47,6 +61,7 @@ void print_load_path(const analysis *analysis, const load_path *path)
     if (path->events == 0)
         puts(path->has_equal_steps ? "  no change of stability"
                                    : "  no limit point and no bifurcation");
+    print_cause(analysis, path);
     print_head_of_points(analysis);
     for (int i = 0; i < path->points; i++) {
         printf("  %6d %12.6f %16d", i + 1, path->point[i].load_factor,
@@ -76,6 +91,7 @@ static void json_point(json *json, const analysis *analysis, const load_path *pa
     json_open(json, NULL, '{');
     json_number(json, "load_factor", path->point[i].load_factor);
     json_number(json, "negative_pivots", path->point[i].negative_pivots);
+    json_number(json, "lowest_face_strain", path->point[i].compression.strain);
     json_open(json, "outputs", '{');
     for (int k = 0; k < design->outputs; k++)
         if (is_listed(analysis, k))

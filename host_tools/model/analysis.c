@@ -233,13 +233,21 @@ static int explain_equilibrium(const analysis *analysis, char *error)
     return analysis_explain(analysis, analysis->status, error);
 }
 
+/*
+ * Return whether an output is a quantity of contact that is one value for all nodes of its place.
+ */
+static bool is_contact_total(const scene_output *output)
+{
+    return output->contact != CONTACT_NONE && output->contact != CONTACT_PRESSURE;
+}
+
 int analysis_outputs(const analysis *analysis, int k)
 {
     const int places = analysis->design.place_first[k + 1] - analysis->design.place_first[k];
     const scene_output *output = &analysis->design.output[k];
     if (output->electric == ELECTRIC_VOLTAGE || output->electric == ELECTRIC_CHARGE)
         return output->count;
-    if (output->reaction != REACTION_NONE)
+    if (output->reaction != REACTION_NONE || is_contact_total(output))
         return 1;
     return places > 0 ? places : 1; /* an output that belongs to no single node, such as the total
                                        contact force or the number of nodes in contact, has one
@@ -290,8 +298,10 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
                                    : (double)NAN;
     if (output->contact == CONTACT_NONE)
         return value[analysis->design.named_first[k] + i];
-    return equilibrium_contact_output(&analysis->equilibrium, output,
-                                      analysis_output_node(analysis, k, i));
+    const int first = analysis->design.place_first[k];
+    const int count = analysis->design.place_first[k + 1] - first;
+    return equilibrium_contact_output(&analysis->equilibrium, output->contact,
+                                      analysis->design.place_node + first + i, count);
 }
 
 pzs_status analysis_electrodes(analysis *analysis, const double *value)

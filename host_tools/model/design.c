@@ -229,14 +229,15 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
 }
 
 /*
- * Whether the values of a named output belong to mesh nodes. Displacements, contact pressures and
- * potentials do; voltages and charges of electrodes and values of the whole contact do not.
+ * Whether a named output belongs to mesh nodes. Displacements, contact pressures and potentials do;
+ * voltages and charges of electrodes do not, nor do forces of the whole contact, which the scene
+ * states without a place.
  */
 static int has_place(const scene_output *output)
 {
     return !output->support[0] &&
            (output->electric == ELECTRIC_NONE || output->electric == ELECTRIC_POTENTIAL) &&
-           (output->contact == CONTACT_NONE || output->contact == CONTACT_PRESSURE);
+           (output->contact == CONTACT_NONE || output->where.at.column > 0);
 }
 
 /*

@@ -4,6 +4,7 @@
  * contact (equilibrium.h).
  */
 #include "equilibrium.h"
+#include "../../lib/nonlinear/face.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -289,18 +290,62 @@ static pzs_status build_contact(equilibrium *equilibrium, uint16_t input)
     return status;
 }
 
-double equilibrium_contact_output(const equilibrium *equilibrium, const scene_output *output,
-                                  int node)
+/*
+ * Compute the position of a node of the contact face relative to the contact body before its motion
+ * (m).
+ */
+static void contact_place(const equilibrium *equilibrium, int node, double place[3])
 {
-    switch (output->contact) {
-    case CONTACT_X:
-    case CONTACT_Y:
-    case CONTACT_Z: return equilibrium->contact.info.force[output->contact - CONTACT_X];
-    case CONTACT_NODES: return equilibrium->contact.info.nodes;
-    case CONTACT_PRESSURE: return equilibrium->contact.info.pressure[node];
-    case CONTACT_NONE: break;
+    const pzs_contact_face *face = &equilibrium->contact_face;
+    const pzs_solver *solver = &equilibrium->solver;
+    const double height = pzs_face_height(solver->state.model->state.structure, face->face);
+    const uint16_t own = (uint16_t)node;
+    double moved[1][3];
+    pzs_face_gather(solver->state.model, &own, 1, height, solver->info.displacement, moved);
+    for (int i = 0; i < 3; i++) {
+        place[i] = face->place[node][i] - solver->info.input_value[face->input] * face->motion[i];
+        for (int axis = 0; axis < 3; axis++)
+            place[i] += moved[0][axis] * face->triad[node][axis][i];
     }
-    return (double)NAN;
+}
+
+void equilibrium_contact_force(const equilibrium *equilibrium, int node, double force[3])
+{
+    const double push =
+        equilibrium->contact_face.area[node] * equilibrium->contact.info.pressure[node];
+    double place[3], normal[3] = {0, 0, 0}, hessian[3][3];
+    contact_place(equilibrium, node, place);
+    if (push != 0)
+        (void)equilibrium->body.gap(&equilibrium->body, place, normal, hessian);
+    for (int i = 0; i < 3; i++)
+        force[i] = push * normal[i];
+}
+
+/*
+ * Contribution of one node to an output that is a component of the contact force or the number of
+ * nodes in contact.
+ */
+static double contact_share(const equilibrium *equilibrium, scene_contact_output output, int node)
+{
+    double force[3];
+    if (output == CONTACT_NODES)
+        return equilibrium->contact.info.pressure[node] > 0;
+    equilibrium_contact_force(equilibrium, node, force);
+    return force[output - CONTACT_X];
+}
+
+double equilibrium_contact_output(const equilibrium *equilibrium, scene_contact_output output,
+                                  const int *node, int count)
+{
+    double sum = 0;
+    if (output == CONTACT_PRESSURE)
+        return equilibrium->contact.info.pressure[*node];
+    if (count == 0)
+        return output == CONTACT_NODES ? equilibrium->contact.info.nodes
+                                       : equilibrium->contact.info.force[output - CONTACT_X];
+    for (int k = 0; k < count; k++)
+        sum += contact_share(equilibrium, output, node[k]);
+    return sum;
 }
 
 /* Advice to the user on how to prevent the rigid body of a contact from penetrating the shell. */

@@ -53,12 +53,19 @@ void equilibrium_save(const equilibrium *equilibrium, void *state);
 void equilibrium_restore(equilibrium *equilibrium, const void *state);
 
 /*
- * Value of an output that describes the contact: force, number of nodes, pressure or gap.
- *   output in  output of the scene that is a quantity of contact
- *   node   in  mesh node of a contact pressure; ignored for other outputs
+ * Compute the force of the contact body on one node of the shell along x, y and z (N), at the
+ * present equilibrium of the solver.
  */
-double equilibrium_contact_output(const equilibrium *equilibrium, const scene_output *output,
-                                  int node);
+void equilibrium_contact_force(const equilibrium *equilibrium, int node, double force[3]);
+
+/*
+ * Value of an output that is a quantity of contact: a component of the force on some nodes (N), the
+ * number of these nodes that are in contact, or the pressure at the first of them (N/m2).
+ *   output       in  quantity of contact, not CONTACT_NONE
+ *   node [count] in  mesh nodes; count = 0: all nodes of the shell, not possible for a pressure
+ */
+double equilibrium_contact_output(const equilibrium *equilibrium, scene_contact_output output,
+                                  const int *node, int count);
 
 /*
  * Describe how the contact's body came to lie inside the shell and what the user can do, for the

@@ -12,6 +12,7 @@
 #include "../../lib/model/electrode.h"
 #include "../../lib/model/model.h"
 #include "../../lib/nonlinear/nonlinear.h"
+#include "path_cause.h"
 #include "path_points.h"
 #include "stepped_path.h"
 
@@ -574,25 +575,17 @@ static int follow_arcs(load_path *path, analysis *analysis, double *reached, cha
 }
 
 /*
- * Fill `error` with the place where a load path ends before the full load, and with the element
- * within which the shell bends most before the first critical point.
+ * Fill `error` with the place where a load path ends before the full load, and with the most likely
+ * cause.
  */
 static void explain_end(const load_path *path, const analysis *analysis, double reached,
                         char *error)
 {
-    const int index = path->events > 0 ? path->event[0].point : path->points - 1;
-    const load_path_point *point = &path->point[index];
-    scene_fault(
-        analysis->design.at, error,
-        "the load path ends at %.4g of the load after %d points%s; at point %d the shell "
-        "bends by up to %.3g degrees within an element (%s): refine the mesh where it folds "
-        "sharply",
-        reached, path->points,
-        path->has_equal_steps ? ", because with contact or prescribed displacements it "
-                                "passes no limit point of the load"
-                              : "",
-        index + 1, point->turn,
-        mesh_element_text(&analysis->design.mesh, point->turn_element).text);
+    char cause[PATH_CAUSE_BYTES];
+    path_cause(path, analysis, cause);
+    scene_fault(analysis->design.at, error,
+                "the load path ends at %.4g of the load after %d points; %s", reached, path->points,
+                cause);
 }
 
 int load_path_follow(load_path *path, analysis *analysis, char *error)

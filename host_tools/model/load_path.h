@@ -11,6 +11,8 @@
 #define LOAD_PATH_H
 
 #include <stdbool.h>
+#include "pzs_base.h"
+#include "face_strain.h"
 
 /* One equilibrium on the load path, the sequence of equilibria under a growing load. */
 typedef struct load_path_point {
@@ -23,6 +25,9 @@ typedef struct load_path_point {
                     between the thickness directions at two neighbouring nodes (degrees) */
     int turn_element; /* index of the element within which the shell has bent by the largest angle
                        */
+    face_strain compression; /* lowest principal Green's strain of both faces of the shell, and the
+                                element in which it occurs */
+    double thickness_strain; /* Green's strain of the line through the thickness in that element */
 } load_path_point;
 
 typedef enum load_path_event_type {
@@ -52,10 +57,11 @@ typedef struct load_path {
                                                 beyond the largest number that can be stored
                                                 (LOAD_PATH_EVENTS) are left out */
     int outputs;                             /* number of outputs of the scene */
-    double *value;    /* [points][outputs] first value of each output of the scene at each point of
-                         the load path; not filled for outputs of strains and stresses */
-    double *row;      /* work array for the values of all outputs at one point of the load path */
-    bool is_complete; /* whether the load path has reached the full load */
+    double *value;     /* [points][outputs] first value of each output of the scene at each point of
+                          the load path; not filled for outputs of strains and stresses */
+    double *row;       /* work array for the values of all outputs at one point of the load path */
+    pzs_status status; /* status of the last load step of a path in equal load steps */
+    bool is_complete;  /* whether the load path has reached the full load */
     bool has_equal_steps; /* true: the points of the load path follow each other in equal steps of
                              the load factor; false: by the arc-length method */
 } load_path;

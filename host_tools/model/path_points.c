@@ -24,6 +24,19 @@ static bool wants_reactions(const design *design)
     return found;
 }
 
+/*
+ * Record the largest bend and the strongest compression of the shell in a point of the load path.
+ * Where memory runs out the compression stays zero.
+ */
+static void measure_shape(const mesh *mesh, const double *displacement, load_path_point *point)
+{
+    face_strains strains = {.lowest = {0, 0, 0}};
+    (void)face_strains_find(mesh, displacement, false, &strains);
+    point->turn = largest_turn(mesh, displacement, &point->turn_element);
+    point->compression = strains.lowest;
+    point->thickness_strain = face_strain_of_thickness(mesh, displacement, strains.lowest.element);
+}
+
 void path_points_add(load_path *path, analysis *analysis, double load_factor, int iterations)
 {
     const pzs_solver *solver = &analysis->equilibrium.solver;
@@ -40,8 +53,7 @@ void path_points_add(load_path *path, analysis *analysis, double load_factor, in
     point->load_factor = load_factor;
     point->negative_pivots = (int)solver->info.negative_pivots;
     point->iterations = iterations;
-    point->turn =
-        largest_turn(&analysis->design.mesh, solver->info.displacement, &point->turn_element);
+    measure_shape(&analysis->design.mesh, solver->info.displacement, point);
 }
 
 void path_points_event(load_path *path, load_path_event_type type, int point, double load_factor)

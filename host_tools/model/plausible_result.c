@@ -4,11 +4,9 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include "design.h"
+#include "face_strain.h"
 #include "plausible.h"
-#include "../quads/vector.h"
 
 /* ---- voltages --------------------------------------------------------- */
 
@@ -52,89 +50,13 @@ int measure_displacement(const subject *of, int k, measured *found)
     return 1;
 }
 
-/*
- * Edges of one face of an element: their two directions as vectors `x`, and the changes `u` of
- * these vectors by the displacement.
- */
-typedef struct cell {
-    double position[2][3], displacement[2][3];
-} cell;
-
-/*
- * Compute the positions of both faces of the shell at all nodes, undeformed and displaced.
- *   point, moved [nodes][2][3] out  undeformed and displaced positions of both faces at each node
- */
-static void face_points(const mesh *mesh, const double *displacement, double (*point)[2][3],
-                        double (*moved)[2][3])
-{
-    static const scene_face faces[2] = {FACE_INNER, FACE_OUTER};
-    for (int node = 0; node < mesh->nodes; node++)
-        for (int face = 0; face < 2; face++)
-            for (int i = 0; i < 3; i++) {
-                const scene_component axis = (scene_component)((int)COMPONENT_X + i);
-                point[node][face][i] = mesh->point[node].position[i] +
-                                       mesh->laminate.z[face] * mesh->point[node].triad[2][i];
-                moved[node][face][i] =
-                    design_displacement(mesh, displacement, node, axis, faces[face]);
-            }
-}
-
-static cell cell_of(const mesh *mesh, int element, int face, double (*point)[2][3],
-                    double (*moved)[2][3])
-{
-    static const double sign[2][4] = {{-0.5, 0.5, 0.5, -0.5}, {-0.5, -0.5, 0.5, 0.5}};
-    cell result;
-    memset(&result, 0, sizeof result);
-    for (int axis = 0; axis < 2; axis++)
-        for (int corner = 0; corner < 4; corner++)
-            for (int i = 0; i < 3; i++) {
-                const int node = mesh->element[element][corner];
-                result.position[axis][i] += sign[axis][corner] * point[node][face][i];
-                result.displacement[axis][i] += sign[axis][corner] * moved[node][face][i];
-            }
-    return result;
-}
-
-/*
- * Return the largest absolute principal strain of one face of an element: the largest eigenvalue of
- * its strain relative to its metric, both in the basis of the edge vectors of the face.
- */
-static double principal_strain(const cell *cell, int is_linear)
-{
-    double g[2][2], e[2][2];
-    for (int a = 0; a < 2; a++)
-        for (int b = 0; b < 2; b++) {
-            g[a][b] = vector_dot(cell->position[a], cell->position[b]);
-            e[a][b] = (vector_dot(cell->position[a], cell->displacement[b]) +
-                       vector_dot(cell->position[b], cell->displacement[a])) /
-                      2;
-            if (!is_linear)
-                e[a][b] += vector_dot(cell->displacement[a], cell->displacement[b]) / 2;
-        }
-    const double area = g[0][0] * g[1][1] - g[0][1] * g[0][1];
-    const double half = (g[1][1] * e[0][0] + g[0][0] * e[1][1] - 2 * g[0][1] * e[0][1]) / area / 2;
-    const double product = (e[0][0] * e[1][1] - e[0][1] * e[0][1]) / area;
-    return fabs(half) + sqrt(fmax(half * half - product, 0));
-}
-
 double plausible_strain(const mesh *mesh, const double *displacement, int is_linear, int *where)
 {
-    double(*point)[2][3] = calloc((size_t)mesh->nodes, sizeof *point);
-    double(*moved)[2][3] = calloc((size_t)mesh->nodes, sizeof *moved);
-    double most = point && moved ? -1 : (double)NAN;
-    if (point && moved)
-        face_points(mesh, displacement, point, moved);
-    for (int k = 0; point && moved && k < 2 * mesh->elements; k++) {
-        const cell cell = cell_of(mesh, k / 2, k % 2, point, moved);
-        const double strain = principal_strain(&cell, is_linear);
-        if (strain > most) {
-            *where = k / 2;
-            most = strain;
-        }
-    }
-    free(point);
-    free(moved);
-    return most;
+    face_strains found;
+    if (!face_strains_find(mesh, displacement, is_linear, &found))
+        return (double)NAN;
+    *where = found.largest.element;
+    return found.largest.strain;
 }
 
 int measure_strain(const subject *of, int k, measured *found)

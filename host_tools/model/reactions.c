@@ -273,23 +273,6 @@ static int add_springs(all_dof *all)
     return 0;
 }
 
-/*
- * Compute the position of a node of the contact face relative to the contact body before its motion
- * (m).
- */
-static void contact_place(const all_dof *all, int node, double height, double place[3])
-{
-    const pzs_contact_face *face = &all->state->equilibrium->contact_face;
-    const uint16_t own = (uint16_t)node;
-    double moved[1][3];
-    pzs_face_gather(&all->model, &own, 1, height, all->displacement, moved);
-    for (int i = 0; i < 3; i++) {
-        place[i] = face->place[node][i] - all->state->input_value[face->input] * face->motion[i];
-        for (int axis = 0; axis < 3; axis++)
-            place[i] += moved[0][axis] * face->triad[node][axis][i];
-    }
-}
-
 /* Add the forces of the contact pressure, which act along the normal of the contact body. */
 static void add_contact(all_dof *all)
 {
@@ -300,14 +283,10 @@ static void add_contact(all_dof *all)
     const double height = pzs_face_height(&all->structure, face->face);
     for (int node = 0; node < all->mesh.nodes; node++) {
         const uint16_t own = (uint16_t)node;
-        const double push = face->area[node] * equilibrium->contact.info.pressure[node];
-        double place[3], normal[3], hessian[3][3], force[1][3];
-        if (push == 0)
-            continue;
-        contact_place(all, node, height, place);
-        (void)equilibrium->body.gap(&equilibrium->body, place, normal, hessian);
+        double global[3], force[1][3];
+        equilibrium_contact_force(equilibrium, node, global);
         for (int axis = 0; axis < 3; axis++)
-            force[0][axis] = push * vector_dot(face->triad[node][axis], normal);
+            force[0][axis] = vector_dot(face->triad[node][axis], global);
         pzs_face_scatter(&all->model, &own, 1, height, (const double(*)[3])force, all->contact);
     }
 }

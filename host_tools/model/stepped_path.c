@@ -18,16 +18,16 @@ typedef struct step_search {
 } step_search;
 
 /*
- * Compute the equilibrium at a load factor, from the last equilibrium of the solver. Returns false
- * where none is found.
+ * Compute the equilibrium at a load factor, from the last equilibrium of the solver. Returns the
+ * status of the solver.
  */
-static bool reach_factor(const step_search *search, double load_factor)
+static pzs_status reach_factor(const step_search *search, double load_factor)
 {
     equilibrium *equilibrium = &search->analysis->equilibrium;
     const uint32_t inputs = search->analysis->design.structure.input.count;
     for (uint32_t j = 0; j < inputs; j++)
         search->value[j] = load_factor * equilibrium->full_input[j];
-    return !PZS_IS_ERROR(pzs_equilibrium(&equilibrium->solver, search->value));
+    return pzs_equilibrium(&equilibrium->solver, search->value);
 }
 
 /*
@@ -43,7 +43,7 @@ static double locate_change(const step_search *search, double low, double high,
     for (int i = 0; i < BISECTIONS; i++) {
         const double middle = (low + high) / 2;
         equilibrium_restore(equilibrium, search->before);
-        if (!reach_factor(search, middle))
+        if (PZS_IS_ERROR(reach_factor(search, middle)))
             return high;
         if (equilibrium->solver.info.negative_pivots == negative_pivots) {
             equilibrium_save(equilibrium, search->before);
@@ -83,7 +83,8 @@ static double take_steps(const step_search *search, load_path *path, int parts)
         const double start = reached;
         const uint32_t negative_pivots = info->negative_pivots;
         equilibrium_save(equilibrium, search->before);
-        const bool has_converged = reach_factor(search, (double)i / parts);
+        path->status = reach_factor(search, (double)i / parts);
+        const bool has_converged = !PZS_IS_ERROR(path->status);
         path->linear_solves += (int)info->linear_solves;
         reached = has_converged ? (double)i / parts : start + info->load_factor / parts;
         if (reached > start) {

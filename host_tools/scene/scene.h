@@ -514,8 +514,9 @@ typedef struct scene_output {
     double angle; /* angle by which axis 1 of a strain output is turned from that of the shell
                      (degrees) */
     scene_contact_output contact;   /* quantity of contact with a rigid body; if it is not
-                                       CONTACT_NONE, the output is no displacement, and only
-                                       CONTACT_PRESSURE has a place on the mesh */
+                                       CONTACT_NONE, the output is no displacement; forces and
+                                       numbers of nodes are those of its place, or without a place
+                                       those of the whole shell */
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
                                        neither a displacement nor a quantity of contact; only
                                        ELECTRIC_POTENTIAL has a place on the mesh */

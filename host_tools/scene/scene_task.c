@@ -746,13 +746,8 @@ static int finish_output(reader *reader, int node, output_text *text)
         return tree_fault_at(reader->t, text->output.where.at,
                              "an electrode has one voltage and one charge; remove the place");
     }
-    if (contact != CONTACT_NONE && contact != CONTACT_PRESSURE) {
-        if (text->output.where.at.column == 0)
-            return 0;
-        return tree_fault_at(reader->t, text->output.where.at,
-                             "the whole contact has one force and one number of nodes; remove "
-                             "the place");
-    }
+    if (contact != CONTACT_NONE && contact != CONTACT_PRESSURE)
+        return 0;
     if (text->output.reaction != REACTION_NONE)
         return finish_reaction(reader, node, text);
     if (text->directions == 0)
@@ -775,8 +770,10 @@ static const field output_fields[] = {
     {"support", read_support_of, offsetof(output_text, output.support), .form = &name_form,
      .help = "Name of the supports whose reaction it is."},
     {"contact", read_contact_output, .form = &contact_result_form,
-     .help = "Result of the contact: resultant force on the shell along a global axis, number of "
-             "nodes in contact, or the contact pressure at a place."},
+     .help =
+         "Result of the contact: resultant force on the shell along a global axis, or number of "
+         "nodes in contact, of the whole shell or of the nodes of a place; or the contact "
+         "pressure at a place."},
     {"voltage", read_electric_output, 0, &electric[0], .form = &name_form,
      .help = "Voltages of a sensor or actuator, or of one of its electrodes, such as s_1_2."},
     {"charge", read_electric_output, 0, &electric[1], .form = &name_form,
@@ -809,6 +806,7 @@ static const form_case output_cases[] = {
     {"reaction edge|at|set|support", "A reaction at a place, or of supports."},
     {"contact=pressure edge|at|set", "The contact pressure at a place."},
     {"contact=x/y/z/nodes", "A result of the whole contact."},
+    {"contact=x/y/z/nodes edge|at|set", "A result of the contact at a place."},
     {"voltage|charge", "Voltages or charges of electrodes."},
     {"potential edge|at|set ?face", "The potential of a bare face at nodes."},
     {NULL, NULL}};

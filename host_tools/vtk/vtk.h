@@ -13,7 +13,8 @@
 
 /*
  * Write a VTK file for ParaView with the displacement of the middle surface, the potentials of bare
- * faces (without electrodes) and the recovered stresses: for each layer and height stress and
+ * faces (without electrodes), forces and moments of the supports at the nodes, forces of a contact
+ * body at the nodes, and the recovered stresses: for each layer and height stress and
  * strain in material axes, at the element centres and averaged at the nodes; reserve factors,
  * resultants and electric fields. With stresses a node on the border of a patch has two points in
  * the file, one for each side of the border.

@@ -136,6 +136,46 @@ static void add_potentials(vtk_file *vtk, const design *design, const double *in
     }
 }
 
+/*
+ * Add a vector at each node to a VTK file, the first three or the last three of six components.
+ *   value [nodes][6] in  components at the nodes
+ *   first            in  first component, 0 or 3
+ */
+static void add_node_vectors(vtk_file *vtk, const double (*value)[6], int first, const char *name,
+                             const char *unit)
+{
+    double *vector = vtk_add(vtk, false, 3, "%s%s", name, unit);
+    for (int k = 0; vector && k < vtk_points(vtk); k++)
+        memcpy(vector + 3 * k, value[vtk_node(vtk, k)] + first, 3 * sizeof *vector);
+}
+
+/*
+ * Add the force and the moment of the supports at each node to a VTK file, which are zero at nodes
+ * that no support holds.
+ */
+static void add_reactions(vtk_file *vtk, const analysis *analysis)
+{
+    const scene_unit_names *units = &analysis->design.units;
+    const double(*value)[6] = (const double(*)[6])analysis->reactions.node;
+    char unit[UNIT_TEXT];
+    if (analysis->reactions.nodes == 0)
+        return;
+    add_node_vectors(vtk, value, 0, "reaction", unit_text(units, QUANTITY_FORCE, unit));
+    add_node_vectors(vtk, value, 3, "reaction moment", unit_text(units, QUANTITY_MOMENT, unit));
+}
+
+/* Add the force of the contact body at each node to a VTK file. */
+static void add_contact_forces(vtk_file *vtk, const analysis *analysis)
+{
+    char unit[UNIT_TEXT];
+    if (!analysis->is_nonlinear || !analysis->design.contact.given)
+        return;
+    double *vector = vtk_add(vtk, false, 3, "contact force%s",
+                             unit_text(&analysis->design.units, QUANTITY_FORCE, unit));
+    for (int k = 0; vector && k < vtk_points(vtk); k++)
+        equilibrium_contact_force(&analysis->equilibrium, vtk_node(vtk, k), vector + 3 * k);
+}
+
 int vtk_write_solution(FILE *file, const analysis *analysis, const double *u,
                        const stress_field *stress)
 {
@@ -145,6 +185,8 @@ int vtk_write_solution(FILE *file, const analysis *analysis, const double *u,
     vtk.is_full = stress && stress_points_make(&points, stress) < 0;
     add_displacement(&vtk, u, "displacement");
     add_potentials(&vtk, design, analysis->input_value);
+    add_reactions(&vtk, analysis);
+    add_contact_forces(&vtk, analysis);
     if (stress)
         add_resultants(&vtk, stress);
     for (int layer = 0; stress && layer < design->layers; layer++)

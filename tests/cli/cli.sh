@@ -661,6 +661,14 @@ run 0 shape plate-50-patches --error --json && json "j['discretisation']['result
 run 0 modes plate-50-patches --number 2 --error --json && json "j['discretisation']['results']['mode 2']['value']==j['frequency'][1]"; check 'modes --error' $?
 run 0 solve hinged-roof --path --set mesh.theta1.elements=8 --set mesh.theta2.elements=8 --json && json "[e['type'] for e in j['path']['events']]==['limit point']*2 and abs(j['path']['events'][0]['load_factor']*3000/2225-1)<.01 and j['path']['complete'] and j['path']['points'][0]['outputs']['centre']==0"; check 'solve --path' $?
 run 0 solve ring-contact --path --json && json "j['path']['equal_load_steps'] and [p['outputs']['nodes'] for p in j['path']['points']][:2]==[0,1] and len(j['path']['points'])==21" && run 0 solve ring-contact --path && grep -q '21 points in equal load steps' "$dir/out"; check 'solve --path with contact' $?
+run 0 solve ring-contact --vtu "$dir/f.vtu" && run 0 solve ring-contact --json && /usr/bin/python3 -c "
+import json, re, sys
+text = open(sys.argv[1]).read(); total = json.load(open(sys.argv[2]))['reactions']
+def summed(name):
+    value = [float(x) for x in re.search('Name=\"' + name + '\"[^>]*>([^<]*)<', text).group(1).split()]
+    return [sum(value[i::3]) for i in range(3)]
+for name, key in (('reaction', 'held'), ('contact_force', 'contact')):
+    assert max(abs(a - b) for a, b in zip(summed(name), total[key]['force'])) < 1e-5 * abs(total['contact']['force'][0])" "$dir/f.vtu" "$dir/out"; check 'VTU file: the forces of supports and contact at the nodes sum to the totals' $?
 # stresses: the pressure on the outer face is the stress 33 there; the report, VTU and arrays have the layers of the plate
 run 0 solve tests/rigs/scenes/sine-strip.yaml --stress --json && json "(lambda s: abs(s['largest_stress']['33']['value']-1)<.01 and s['largest_stress']['33']['face']=='outer' and s['largest_stress']['11']['layer']=='upper' and len(s['layers'])==2 and abs(s['largest_stress']['11']['value']/60.79-1)<.01)(j['stress'])"; check 'solve --stress --json: extremes and places' $?
 run 0 solve plate-50-patches --stress --set actuators.0.applied=100 --set 'materials.G1195.strength={tension: 40 MPa}' --vtu "$dir/s.vtu" --npz "$dir/s.npz" --report "$dir/s.html" && grep -q 'reserve, Tsai-Hill' "$dir/out" && grep -q 'Use of the strength' "$dir/s.html" && law s.html xml &&

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../host_tools/model/follow_path.h"
+#include "../../host_tools/model/path_cause.h"
 #include "../rigs/scene_assert.h"
 
 /* 1: also the rows that take seconds each. */
@@ -470,6 +471,61 @@ static void test_answer_on_the_path(void **state)
     scene_run_close(&run);
 }
 
+#define BLOCK "tests/rigs/scenes/block.yaml"
+
+/*
+ * Law: a block whose stress is linear in Green's strain, E (l^2 - 1)/2 at the ratio of lengths l,
+ * carries the force E l (l^2 - 1)/2 per undeformed area. The force is largest at l = 1/sqrt(3), the
+ * strain -1/3, and is E/(3 sqrt(3)) there; the path locates that limit point to 1e-4 and names the
+ * compression as its cause. At each point of the path the strain follows from the displacement.
+ */
+static void test_material_softens(void **state)
+{
+    (void)state;
+    scene_run run;
+    load_path path;
+    char cause[PATH_CAUSE_BYTES];
+    int limit = 0;
+    follow(&run, &path, BLOCK, "");
+    while (limit < path.events && path.event[limit].type != LOAD_PATH_LIMIT)
+        limit++;
+    assert_true(limit < path.events);
+    assert_true(fabs(path.event[limit].load_factor / (4 / (3 * sqrt(3))) - 1) < 1e-4);
+    for (int i = 0; i <= path.event[limit].point; i++) {
+        const double l = 1 + output_at(&path, i);
+        assert_true(fabs(path.point[i].compression.strain - (l * l - 1) / 2) < 1e-12);
+        assert_true(fabs(path.point[i].load_factor + 4 * l * (l * l - 1) / 2) < 1e-7);
+    }
+    assert_true(path_is_softened(&path));
+    path_cause(&path, &run.analysis, cause);
+    assert_non_null(strstr(cause, "Hooke's law for Green strains softens"));
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
+/* Supports of the hinged roof of which the hinge is moved by a prescribed displacement. */
+static const char moved_hinge[] =
+    ROOF_8 ";supports=[{edge: theta1-, fix: symmetric}, {edge: theta2-, fix: symmetric}, {edge: "
+           "theta2+, fix: [u1 mean, u2 mean]}, {edge: theta2+, fix: u3 mean, value: -0.01}]";
+
+/*
+ * A path of equal load steps ends at the limit load of the hinged roof, which it names with the
+ * status of the solver and the cure.
+ */
+static void test_stepped_path_says_why(void **state)
+{
+    scene_run run;
+    load_path path;
+    (void)state;
+    open_run(&run, "hinged-roof", moved_hinge);
+    assert_int_equal(load_path_follow(&path, &run.analysis, run.error), 0);
+    assert_true(path.has_equal_steps && !path.is_complete);
+    assert_true(fabs(path.point[path.points - 1].load_factor - 0.739) < 0.01);
+    assert_non_null(strstr(run.error, "replace the load by a moved body"));
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
 /* Scenes that the method does not follow are refused by name, also one without a load. */
 static void test_refusals(void **state)
 {
@@ -501,6 +557,8 @@ int main(void)
         cmocka_unit_test(test_answer_off_the_path),
         cmocka_unit_test(test_answer_on_the_path),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_material_softens),
+        cmocka_unit_test(test_stepped_path_says_why),
         cmocka_unit_test(test_published_roofs),
         cmocka_unit_test(test_half_cylinder),
         cmocka_unit_test(test_pulled_cylinder),

@@ -271,6 +271,36 @@ static void test_rotation(void **state)
     }
 }
 
+/* ---- contact at a place ------------------------------------------------------ */
+
+/*
+ * Law: the contact forces at the nodes sum to the force of the whole contact, so that those of two
+ * places that share the nodes do, too; where no node touches the force is zero, and so is the
+ * force at right angles to the normal of the body.
+ */
+static void test_contact_at_places(void **state)
+{
+    (void)state;
+    scene_run r;
+    double value[9];
+    solve_run(&r, "ring-contact",
+              "outputs=[{name: all, contact: x}, {name: near, contact: x, edge: theta2-}, {name: "
+              "far, contact: x, edge: theta2+}, {name: off, contact: x, at: {theta1: [1, 3.2]}}, "
+              "{name: every, contact: x, at: nodes}, {name: n, contact: nodes}, {name: half, "
+              "contact: nodes, edge: theta2-}, {name: cross, contact: z, at: nodes}, {name: rest, "
+              "contact: nodes, edge: theta2+}]");
+    for (int k = 0; k < 9; k++) {
+        assert_int_equal(analysis_outputs(&r.analysis, k), 1);
+        value[k] = scene_run_value(&r, k);
+    }
+    assert_true(value[0] < -100);
+    assert_near("both edges", value[1] + value[2], value[0], 1e-12);
+    assert_near("all nodes", value[4], value[0], 1e-12);
+    assert_true(value[3] == 0 && fabs(value[7]) < 1e-12 * fabs(value[0]));
+    assert_true(value[5] >= 1 && value[6] + value[8] == value[5]);
+    scene_run_close(&r);
+}
+
 /* ---- load paths ---------------------------------------------------------------- */
 
 /*
@@ -338,10 +368,10 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cantilever),  cmocka_unit_test(test_lever),
-        cmocka_unit_test(test_equilibrium), cmocka_unit_test(test_oblique_value),
-        cmocka_unit_test(test_rotation),    cmocka_unit_test(test_path),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_cantilever),        cmocka_unit_test(test_lever),
+        cmocka_unit_test(test_equilibrium),       cmocka_unit_test(test_oblique_value),
+        cmocka_unit_test(test_rotation),          cmocka_unit_test(test_path),
+        cmocka_unit_test(test_contact_at_places), cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -65,7 +65,8 @@ static const char *const rich[LINES] = {
     "supports: [{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3, value: x}]",
     "loads: [{face: inner, pressure: 1, follower: pressure}]",
     "contact: {face: outer, body: {type: psi, value: x^2+y-1}, move: [1, 0, 0], stiffness: 5}",
-    "outputs: [{name: N, contact: x}, {name: p, contact: pressure, at: nodes}]",
+    "outputs: [{name: N, contact: x}, {name: p, contact: pressure, at: nodes}, {name: e, contact: "
+    "nodes, edge: theta1-}]",
     "about: noise",
 };
 
@@ -536,8 +537,8 @@ static const bad_line bad_lines[] = {
      ":12:30: 'contact: u' is not known; known: x, y, z, nodes, pressure"},
     {11, CONTACT "outputs: [{name: N, contact: x, u3: middle}]",
      ":12:21: an output is a displacement or of contact; write a second item"},
-    {11, CONTACT "outputs: [{name: N, contact: x, at: nodes}]",
-     ":12:37: the whole contact has one force and one number of nodes; remove the place"},
+    {11, CONTACT "outputs: [{name: N, contact: x, at: {theta1: 0.1, theta2: 0}}]",
+     ":12:37: (0.1, 0) is no node of the mesh"},
     {11, CONTACT "outputs: [{name: N, contact: pressure}]",
      ":12:11: no place in this item of outputs"},
     {11, CONTACT "outputs: [{name: N, contact: pressure, at: {theta1: 0.1, theta2: 0}}]",

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Cause of the critical points or of the end of a load path (path_cause.h). */
+#include "path_cause.h"
+#include <stdio.h>
+
+/*
+ * Green's strain in a face of the shell below which Hooke's law for Green's strains, whose stress
+ * is linear in these strains, is taken to have softened. Under uniform compression the force is
+ * largest at the strain -1/3. A strip of one material carries its largest bending moment where its
+ * inner face is strained by -0.35. Strains are known at the centres of elements alone, where they
+ * are smaller, so that the number is somewhat above these.
+ */
+static const double soft_strain = -0.3;
+
+/*
+ * Return the index of the point of a load path before its first limit point. Where it has none, the
+ * index of the point before its first bifurcation is returned, or that of its last point.
+ */
+static int critical_point(const load_path *path)
+{
+    int index = 0;
+    while (index < path->events && path->event[index].type != LOAD_PATH_LIMIT)
+        index++;
+    if (index == path->events)
+        index = 0;
+    return index < path->events ? path->event[index].point : path->points - 1;
+}
+
+bool path_is_softened(const load_path *path)
+{
+    return path->points > 0 && path->point[critical_point(path)].compression.strain < soft_strain;
+}
+
+/*
+ * Name the strongest compression of the shell at a point of the load path as the cause.
+ *   index in  index of the point
+ */
+static void name_compression(const load_path_point *point, int index, const mesh *mesh, char *text)
+{
+    const face_strain *strongest = &point->compression;
+    snprintf(text, PATH_CAUSE_BYTES,
+             "at point %d the %s face is compressed by a Green strain of %.3g within an element "
+             "(%s; thickness strain %.2g): Hooke's law for Green strains softens below about %.1g, "
+             "on every mesh; reduce the load, or the thickness",
+             index + 1, strongest->face ? "outer" : "inner", strongest->strain,
+             mesh_element_text(mesh, strongest->element).text, point->thickness_strain,
+             soft_strain);
+}
+
+/*
+ * Name the sharpest bend of the shell within an element at a point of the load path as the cause.
+ *   index in  index of the point
+ */
+static void name_bend(const load_path_point *point, int index, const mesh *mesh, char *text)
+{
+    snprintf(text, PATH_CAUSE_BYTES,
+             "at point %d the shell bends by up to %.3g degrees within an element (%s): refine the "
+             "mesh where it folds sharply",
+             index + 1, point->turn, mesh_element_text(mesh, point->turn_element).text);
+}
+
+/*
+ * Name the last status of the equilibrium solver as the cause, and what can be done, for a load
+ * path of equal load steps.
+ */
+static void name_status(const load_path *path, const analysis *analysis, char *text)
+{
+    char where[SCENE_ERROR];
+    if (path->status == PZS_E_PENETRATION) {
+        equilibrium_penetration_text(&analysis->equilibrium, path->status, where);
+        snprintf(text, PATH_CAUSE_BYTES, "%s: %s", pzs_status_text(path->status), where);
+    } else
+        snprintf(text, PATH_CAUSE_BYTES,
+                 "%s; with contact or prescribed displacements a path passes no limit point of a "
+                 "load: replace the load by a moved body (contact.move) or by a moved support "
+                 "(value), or raise equilibrium.load_steps",
+                 pzs_status_text(path->status));
+}
+
+void path_cause(const load_path *path, const analysis *analysis, char text[PATH_CAUSE_BYTES])
+{
+    const int index = critical_point(path);
+    if (path->has_equal_steps)
+        name_status(path, analysis, text);
+    else if (path_is_softened(path))
+        name_compression(&path->point[index], index, &analysis->design.mesh, text);
+    else
+        name_bend(&path->point[index], index, &analysis->design.mesh, text);
+}
