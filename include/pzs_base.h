@@ -88,8 +88,9 @@ typedef enum pzs_status {
      * Warnings have the values 1 to 63: the outputs are valid, but the caller should know the
      * reason.
      */
-    PZS_W_ITERATIONS = 1, /* Warning: the optimiser reached its work limit, so the voltages are
-                             inside all limits and no worse than before, but not optimal. */
+    PZS_W_ITERATIONS = 1, /* Warning: the optimiser reached its work limit (largest number of
+                             multiply-adds in a tick), so the voltages are inside all limits and no
+                             worse than before, but not optimal. */
     PZS_W_STEP_LIMIT, /* Warning: the step limit and the voltage limits of input info.where do not
                          overlap; the voltage limits take precedence. */
     PZS_W_SENSOR, /* Warning: the measurement with index info.where is missing or stuck; the last
@@ -107,19 +108,21 @@ typedef enum pzs_status {
     PZS_W_UNSTABLE, /* Warning: the equilibrium is unstable, because its tangent stiffness has
                        negative pivots. */
     PZS_W_PARKED,   /* Warning: by command, the voltages are at the park voltages (voltages of rest,
-                       from the tables) or on a ramp to them; the loop is not in control. */
-    PZS_W_RAMP, /* Warning: the supervisor has taken control away and ramps the voltages to the park
-                   voltages (voltages of rest, from the tables); the status at the end of the ramp
-                   is PZS_E_LATCHED. */
+                       from the tables) or on a ramp to them, and do not follow the target. */
+    /*
+     * Warning: the supervisor ramps the voltages to the park voltages (voltages of rest, from the
+     * tables) after an error or an alarm; the status at the end of the ramp is PZS_E_LATCHED.
+     */
+    PZS_W_RAMP,
     PZS_W_OUTPUT,   /* Warning: the last gate, the check of all voltages at the end of a tick, has
                        corrected the voltage of input info.where, which was not finite or beyond a
                        limit because working memory was damaged. */
-    PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other, so the loop is
-                       not yet in control. */
+    PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other; the loop does not
+                       yet control the voltages. */
     /*
-     * Warning: input info.where was held, or the controller was started, at voltages from which the
-     * limit rows (limits of sums of voltages) allow only a gradual way: the voltages go to the safe
-     * voltages of the limit rows in several steps, or stay if that way is not allowed either.
+     * Warning: pzs_hold fixed input info.where, or the controller was started, at voltages that
+     * violate a limit of a sum of voltages and cannot be corrected in one tick: all voltages go
+     * gradually to the safe voltages of pzs_limit_rows, or stay if that way is not allowed either.
      */
     PZS_W_LIMIT_ROWS,
     PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of
@@ -138,11 +141,15 @@ typedef enum pzs_status {
     PZS_E_WORKSPACE, /* Error: the workspace (memory that the caller provides) is too small or
                         misaligned; info.where is the number of bytes needed. */
     PZS_E_STAGE,     /* Error: the function was called before the initialisation that it needs. */
-    PZS_E_LATCHED, /* Error: the supervisor has taken control away, and the voltages are at the park
-                      voltages (voltages of rest); only pzs_loop_init starts the loop again. */
+    /*
+     * Error: after an error or an alarm the supervisor keeps the voltages at the park voltages
+     * (voltages of rest); only pzs_loop_init starts the loop again.
+     */
+    PZS_E_LATCHED,
     PZS_E_NONFINITE, /* Error: an input array contains NaN or infinity at index info.where. */
     PZS_E_LIMITS, /* Error: the lower limit of input info.where exceeds its upper limit, one of the
-                     two limits is not a number, or a park voltage is outside its limits. */
+                     two limits is not a number, or a park voltage (voltage of rest) is outside its
+                     limits. */
     PZS_E_LOOSE, /* Error: the free degree of freedom info.where has no stiffness, because a part is
                     loose or a support is missing. */
     PZS_E_NEGATIVE,  /* Error: the stiffness matrix of the undeformed structure has a negative pivot
@@ -176,8 +183,8 @@ typedef enum pzs_status {
     PZS_E_SOLVES, /* Error: the limit on linear solves, settings.solve_limit, was reached before the
                      equilibrium. */
     PZS_E_SELFTEST /* Error: the self-test found a faulty amplifier or sensor, or vibration hid
-                      their responses; pzs_selftest_info tells which, and the loop does not take
-                      control. */
+                      their responses; pzs_selftest_info tells which, and the loop does not begin to
+                      control the voltages. */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)

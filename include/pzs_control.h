@@ -39,7 +39,10 @@ extern "C" {
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* Functions of the optimiser for many inputs (PZS_DUAL_METHOD). */
+/*
+ * Functions of the optimiser for many inputs; PZS_DUAL_METHOD tells from how many inputs on they
+ * are used.
+ */
 extern const struct pzs_dual_calls pzs_dual_method;
 
 /*
@@ -69,9 +72,10 @@ typedef struct pzs_problem {
                             0: PZS_WORK_LIMIT */
     const pzs_limit_rows *limit_rows; /* limits of weighted sums of voltages, for inputs with finite
                                          voltage limits; NULL: no sum is limited */
-    const struct pzs_dual_calls *dual_method; /* PZS_DUAL_METHOD(inputs): from PZS_DUAL_INPUTS on
-                                                 an optimiser for many inputs, else NULL; without
-                                                 it such a problem takes more time */
+    const struct pzs_dual_calls *dual_method; /* PZS_DUAL_METHOD(inputs): functions of the optimiser
+                                                 for at least PZS_DUAL_INPUTS inputs, else NULL;
+                                                 without them the optimisation of many inputs takes
+                                                 more time */
 } pzs_problem;
 
 /*
@@ -202,27 +206,28 @@ pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
 
 /*
- * Make one optimisation step from the last voltages, without measurements.
+ * Compute the voltages of a tick without measurements: change the last voltages towards those that
+ * are optimal for a target error, within all limits.
  *   error [outputs] in  target shape minus the shape at zero voltage (m)
  * The result, info.voltage, is inside every limit to the last bit. Its objective is not larger than
  * that of the last voltages clamped to the limits, and it is the optimum unless a warning says
  * otherwise, in both cases up to a rounding error of epsilon |W B|^2 |v|^2, with machine epsilon,
  * output weights W, influence matrix B and voltages v. The work is at most PZS_STEP_WORK; where the
- * work limit stops the optimiser, the next step continues. Rounding errors may require a new
- * factorisation, which is begun at most once in a step and counts as work. Warnings:
+ * work limit stops the optimiser, the next call continues. Rounding errors may require a new
+ * factorisation, which is begun at most once in a call and counts as work. Warnings:
  * PZS_W_ITERATIONS, PZS_W_STEP_LIMIT. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (the
- * voltages are held; info.where is -1 after an overflow).
+ * voltages stay; info.where is -1 after an overflow).
  */
 pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 
 /*
- * pzs_hold fixes one input at a voltage (V), clamped to the limits of the tables: for example 0 V
- * for a dead electrode, or the last voltage for a stuck one. pzs_release frees the input again. The
- * next step or tick applies the fixed voltage at once, even beyond the step limit (warning
- * PZS_W_STEP_LIMIT). With limit rows, an input that is held away from its last voltage goes there
- * together with all others, on the straight way to the voltages `safe` of the limit rows, within
- * step limits and limit rows (warning PZS_W_LIMIT_ROWS). Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
- * PZS_E_NONFINITE.
+ * pzs_hold fixes the voltage of one input (V), clamped to the limits of the tables: for example 0 V
+ * for a dead electrode, or the last voltage for a stuck one. pzs_release lets the controller choose
+ * it again. The next call of pzs_tick or pzs_step applies the fixed voltage at once, even beyond
+ * the step limit (warning PZS_W_STEP_LIMIT). Where sums of voltages are limited, an input that is
+ * fixed away from its last voltage goes there together with all others, on the straight way to the
+ * safe voltages of pzs_limit_rows, within step limits and limits of sums (warning
+ * PZS_W_LIMIT_ROWS). Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage);
 pzs_status pzs_release(pzs_control *control, uint16_t input);

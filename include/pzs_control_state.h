@@ -88,8 +88,8 @@ typedef struct pzs_exchange {
  * the length `width`, so that vector loops need no remainder.
  */
 typedef struct pzs_optimiser {
-    const struct pzs_dual_calls *dual; /* functions of the dual active-set method; NULL: the primal
-                                          method finds the active set */
+    const struct pzs_dual_calls *dual; /* functions of the dual active-set method; NULL: the
+                                          optimiser uses its primal active-set method */
     uint32_t inputs, width;
     uint32_t iterations;
     uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this tick,
@@ -115,17 +115,18 @@ typedef struct pzs_optimiser {
                           restricted to the inputs whose voltages are at a bound, lower triangle row
                           by row; the dual active-set method uses it */
     pzs_real *side;    /* [inputs] bound at which the dual active-set method keeps the voltage of an
-                          active input: -1 for the lower and +1 for the upper bound */
+                          input: -1 for the lower and +1 for the upper bound */
     uint16_t *order;   /* [inputs] index of the input to which each row of the Cholesky factor
                           `factor` belongs; the dual active-set method uses it */
     pzs_real *voltage; /* [width >= inputs] present voltages of the optimiser (V) */
     pzs_real *lower, *upper; /* [width >= inputs] lower and upper bounds of the voltages in the
                                 present tick (V) */
-    pzs_real *free_set; /* [width >= inputs] 1 for an input of the free set, 0 for one of the active
-                           set; real numbers, because vector loops multiply by them */
-    pzs_real *base; /* [width >= inputs] base voltages: the optimiser computes the gradient of the
-                       objective as its value at these voltages plus the Hessian times (voltages -
-                       base voltages) (V) */
+    pzs_real *free_set; /* [width >= inputs] 1 for an input whose voltage is free, 0 for one whose
+                           voltage is kept, mostly at a bound; real numbers, because vector loops
+                           multiply by them */
+    pzs_real *base; /* [width >= inputs] base voltages (V): the optimiser computes the gradient of
+                       the objective as its value at these voltages plus the Hessian times (voltages
+                       - base voltages) */
     pzs_real *regularisation_gradient; /* [width >= inputs] part of half the gradient of the
                                           objective: regularisation weight times (`base` voltages -
                                           reference voltages) (m2/V) */
@@ -152,7 +153,8 @@ typedef struct pzs_optimiser {
      */
     pzs_real *next_voltage;
     pzs_real *scratch; /* [width >= inputs] work array of the optimiser; after the search direction
-                          is known, next_voltage minus `base` (V) */
+                          is known, differences between the voltages after a full step and the
+                          voltages `base`, around which the gradient is computed (V) */
     pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs whose
                                voltages are free (V2/m2); 0: not computed */
     pzs_real inverse_trace_bound; /* upper bound, from the regularisation weight, of the trace of
@@ -197,18 +199,21 @@ typedef struct pzs_optimiser {
                                tableau (pivoted Hessian) */
     uint32_t pending_most;  /* largest number of pivot exchanges that are collected before they are
                                applied to the tableau (pivoted Hessian) */
-    uint32_t exchanges; /* number of pivot exchanges (moves of an input between free and active set)
-                           since the tableau (pivoted Hessian) was last computed from the Hessian */
-    uint32_t rebuilds;  /* number of times that the tableau (pivoted Hessian) was computed anew from
-                           the Hessian in this tick */
+    /*
+     * number of pivot exchanges (moves of an input between the set of free voltages and the set of
+     * voltages at a bound) since the tableau (pivoted Hessian) was last computed from the Hessian
+     */
+    uint32_t exchanges;
+    uint32_t rebuilds; /* number of times that the tableau (pivoted Hessian) was computed anew from
+                          the Hessian in this tick */
     pzs_exchange collected[PZS_PENDING];
     bool is_rebuilding; /* whether the tableau (pivoted Hessian) is incomplete, because some inputs
                            whose voltages are to become free again are not yet exchanged */
     bool is_predicted;  /* whether model_gradient, the part of the gradient that depends on the
                            voltages, was predicted by the tableau (pivoted Hessian) and not computed
                            from the Hessian */
-    bool is_cut;   /* whether the optimiser stopped at its work limit before the optimum in the last
-                      tick */
+    bool is_cut; /* whether the optimiser stopped at its largest number of multiply-adds before the
+                    optimum in the last tick */
     bool is_fresh; /* whether the tableau (pivoted Hessian) was computed anew from the Hessian after
                       the optimiser last found an optimum */
     bool is_verified; /* whether the optimiser has found an optimum with the present tableau
@@ -295,11 +300,11 @@ typedef struct pzs_control_state {
     pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of pzs_problem; for an input
                                 that pzs_hold keeps at a voltage, both limits are this voltage (V)
                               */
-    pzs_real *held[3];   /* [inputs] voltage at which pzs_hold keeps an input (V); NaN: the input is
-                            not held. Three copies are stored, so that two outvote a damaged
-                            third */
-    pzs_real *voltage;   /* [inputs] present voltages of the controller (V) */
-    pzs_real *predicted; /* [outputs] shape predicted for the present voltages (m) */
+    pzs_real *held[3]; /* [inputs] voltage at which pzs_hold keeps an input (V); NaN: pzs_hold does
+                          not keep it. Three copies are stored, so that two outvote a damaged third
+                        */
+    pzs_real *voltage; /* [inputs] present voltages of the controller (V) */
+    pzs_real *predicted;   /* [outputs] shape predicted for the present voltages (m) */
     pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
     pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
     pzs_real *step_limit;  /* [inputs] step limits: largest change of the voltage on each input in

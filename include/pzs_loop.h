@@ -97,12 +97,12 @@ typedef struct pzs_loop_signals {
                            the prediction of the model (m); negative: not computed in this tick */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block (stage of the control
                            tick) has returned in this tick */
-    pzs_status status;  /* status of the tick so far (of the blocks that have run), which the
-                           supervisor block reads */
-    uint16_t sensors;   /* number of sensor readings that the following blocks need: the length of
-                           `readings` */
-    int32_t where; /* written by a block: index of the input, output or reading to which its status
-                      refers, or -1 */
+    pzs_status status;  /* status of the tick so far, after the stages that have run, which the
+                           supervisor reads */
+    uint16_t sensors;   /* number of sensor readings that the later stages of the control tick need:
+                           the length of `readings` */
+    int32_t where; /* index of the input, output or reading to which the status of a block (stage of
+                      the control tick) refers, or -1; the block writes it */
 } pzs_loop_signals;
 
 /*
@@ -483,8 +483,8 @@ typedef enum pzs_supervisor_event {
                             readings were usable and the voltages were at the park voltages (safe
                             voltages of the amplifiers) */
     PZS_EVENT_NO_FRAME,  /* supervisor event: no reading was usable, or the target was not finite */
-    PZS_EVENT_ARM,       /* supervisor event: the program gave the command PZS_COMMAND_ARM, to begin
-                            control */
+    PZS_EVENT_ARM, /* supervisor event: the program gave the command PZS_COMMAND_ARM, to let the
+                      loop control the voltages */
     /*
      * supervisor event: the program gave the command PZS_COMMAND_PARK or PZS_COMMAND_FLAT, to ramp
      * the voltages to safe ones or to reference voltages and keep them there
@@ -511,8 +511,11 @@ typedef struct pzs_supervision {
     uint32_t crc;           /* checksum of the members below and of their arrays, computed by
                                pzs_supervision_seal */
     uint16_t inputs;
-    uint16_t timeout; /* number of consecutive ticks without usable readings after which control is
-                         lost; 0: no time-out */
+    /*
+     * number of consecutive ticks without usable readings after which the supervisor ends control
+     * and ramps the voltages to the park voltages (safe voltages); 0: no time-out
+     */
+    uint16_t timeout;
     uint16_t ramp_ticks;  /* shortest duration of a ramp of the voltages when the loop does not
                              control them (ticks), at least 1; step limits may make a ramp longer */
     uint16_t alarm_ticks; /* value at which the supervisor gives an alarm, of a counter that a tick
@@ -520,8 +523,9 @@ typedef struct pzs_supervision {
                              lowers by two */
     uint16_t waits;       /* 1: the loop begins to control the voltages only after the command
                              PZS_COMMAND_ARM; 0: it begins without a command */
-    const pzs_real *park; /* [inputs] park voltages, to which the voltages ramp when control ends,
-                             inside the limits of all voltages and of all their sums (V) */
+    const pzs_real *park; /* [inputs] park voltages, safe voltages to which the voltages ramp when
+                             control ends, inside the limits of all voltages and of all their sums
+                             (V) */
     pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
                         predicted shape decays in each tick after a target change */
     pzs_real noise;  /* RMS noise of the measured shape (m) */
@@ -759,18 +763,26 @@ typedef struct pzs_governor {
 typedef struct pzs_governor_state {
     const pzs_governor *tables;
     pzs_control *control; /* controller of the loop, which computes the voltages of each tick; the
-                             governor asks it which inputs are held at a fixed voltage */
-    pzs_control optimum;  /* controller of the governor's own, which finds the voltages that are
-                             optimal for the target in static equilibrium */
-    pzs_real *reference;  /* [inputs] voltages that the governor moves gradually to those that are
-                             optimal for the target in static equilibrium (V) */
+                             governor (which slows targets down) asks it which inputs pzs_hold keeps
+                             at a fixed voltage */
     /*
-     * [inputs] voltages whose shape the governor subtracts from the target (V): optimal voltages,
-     * minus `reference`, minus the change of `reference` in this tick divided by pzs_governor.share
+     * second controller, which finds for the governor (which slows targets down) the voltages that
+     * are optimal for the target in static equilibrium
+     */
+    pzs_control optimum;
+    /*
+     * [inputs] voltages that the governor (which slows targets down) moves gradually to those that
+     * are optimal for the target in static equilibrium (V)
+     */
+    pzs_real *reference;
+    /*
+     * [inputs] voltages whose shape the governor (which slows targets down) subtracts from the
+     * target (V): optimal voltages, minus `reference`, minus the change of `reference` in this tick
+     * divided by pzs_governor.share
      */
     pzs_real *ahead;
     pzs_real *target; /* [outputs] target shape for which the static optimum was computed (m) */
-    pzs_real *wanted; /* [outputs] target shape, slowed down by the governor for the vibration
+    pzs_real *wanted; /* [outputs] target shape that the governor has slowed down for the vibration
                          damper (m) */
     bool has_target;  /* whether the optimal voltages belong to the target shape in the array
                          `target` */

@@ -132,9 +132,10 @@ static bool cross_zero(const rows_run *run)
 }
 
 /*
- * Set the bounds of the voltages of all inputs in sums of absolute values: those of the tick, and 0
- * V on the side that the chosen sign excludes. The sums with these signs are not negative; they get
- * a lower bound below zero, so that the duality gap stays finite.
+ * Set the bounds of the voltages of all inputs in limited sums of absolute values: those of the
+ * present tick, and 0 V on the side that the sign chosen for the voltage excludes. Sums of voltages
+ * with the chosen signs are not negative; they get a lower bound below zero, so that the duality
+ * gap stays finite.
  */
 static void split_bounds(const rows_run *run)
 {

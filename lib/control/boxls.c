@@ -279,10 +279,10 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether a gradient whose entries for the free inputs are at most `size` (m2/V) raises the
- * objective above its minimum by less than the machine epsilon times target_energy, the scale of
- * the objective. The rise is at most the squared size times the trace of the inverse of the Hessian
- * restricted to the free inputs.
+ * Whether a gradient whose entries for the free inputs (whose voltages may change) are at most
+ * `size` (m2/V) raises the objective above its minimum by less than the machine epsilon times
+ * target_energy, the scale of the objective. The rise is at most the squared size times the trace
+ * of the inverse of the Hessian restricted to the free inputs.
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
@@ -491,9 +491,9 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Return how far the voltage of active input k can change while the free voltages follow so that
- * their gradient stays zero (V): to the minimum of the objective on this straight line, or to the
- * bound of input k if the bound is nearer.
+ * Return how far the voltage of input k, which was kept at a bound, can change while the free
+ * voltages follow so that their gradient stays zero (V): to the minimum of the objective on this
+ * straight line, or to the other bound of input k if that is nearer.
  */
 static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real pivot,
                            bool *to_limit)
@@ -509,9 +509,9 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
 }
 
 /*
- * Change the voltage of active input k, while the free voltages follow so that their gradient stays
- * zero, and update the gradients of the active inputs. Returns how far the change went, and the
- * free input that reached a bound and ended it, if any.
+ * Change the voltage of input k, which was kept at a bound, while the free voltages follow so that
+ * their gradient stays zero, and update the gradients of the other inputs at bounds. Returns how
+ * far the change went, and the free input that reached a bound and ended it, if any.
  */
 static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
                                pzs_real length)
@@ -530,8 +530,9 @@ static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_r
 }
 
 /*
- * Make one release iteration: change the voltage of active input k, which violates the optimality
- * (KKT) conditions, while the free voltages follow so that their gradient stays zero.
+ * Make one release iteration: change the voltage of input k, which was kept at a bound but violates
+ * the optimality (KKT) conditions, while the free voltages follow so that their gradient stays
+ * zero.
  */
 static void release_input(pzs_optimiser *optimiser, uint32_t k)
 {
@@ -599,10 +600,10 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Change the voltages of several active inputs together, each towards the opposite bound, which it
- * would reach if it alone became free, while the free voltages follow so that their gradient stays
- * zero. The change ends at the minimum of the objective, or where a free input reaches a bound and
- * becomes active. Returns whether any voltage has changed.
+ * Change the voltages of several inputs that were kept at a bound together, each towards its other
+ * bound, which it would reach if it alone became free, while the free voltages follow so that their
+ * gradient stays zero. The change ends at the minimum of the objective, or where a free input
+ * reaches a bound and becomes active. Returns whether any voltage has changed.
  */
 static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -632,9 +633,9 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 }
 
 /*
- * Whether the gradient of every free input is within its rounding-error bound, and, in the dual
- * active-set method, the voltage of every active input is at its bound. next_voltage holds the
- * gradients of the free inputs.
+ * Whether the gradient of every free input (whose voltage may change) is within its rounding-error
+ * bound, and, in the dual active-set method, the voltage of every other input is at its bound.
+ * next_voltage holds the gradients of the free inputs.
  */
 static bool is_stationary(const pzs_optimiser *optimiser)
 {
@@ -822,8 +823,9 @@ bool pzs_boxls_shorten(pzs_optimiser *optimiser)
 }
 
 /*
- * Run one round of the optimiser: make the full step along the search direction or, if a bound
- * blocks it, iterations of the active-set method; then compute the gradient from the Hessian.
+ * Run one round of the optimiser (a sequence of iterations): make the full step along the search
+ * direction or, if a bound blocks it, iterations of the active-set method; then compute the
+ * gradient from the Hessian.
  */
 static void run_round(pzs_optimiser *optimiser, bool blocked)
 {

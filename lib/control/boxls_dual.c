@@ -53,8 +53,9 @@
  */
 #define SWEEPS 6u
 /*
- * Before the dual active-set method chooses its active set anew, it makes up to (number of inputs)
- * / TRIAL_PART iterations, which often suffice if few inputs end at their bounds.
+ * Before the dual active-set method chooses anew which inputs are at a bound, it makes up to
+ * (number of inputs) / TRIAL_PART iterations, which often suffice if few inputs end at their
+ * bounds.
  */
 #define TRIAL_PART 4u
 /*
@@ -93,8 +94,8 @@ static pzs_real bound_of(const pzs_optimiser *optimiser, uint32_t i)
 /* ---- Cholesky factor ------------------------------------------------- */
 
 /*
- * Return row k of the Cholesky factor of the inverse Hessian restricted to the active inputs. It
- * has k + 1 entries.
+ * Return row k of the Cholesky factor of the inverse Hessian restricted to the active inputs
+ * (voltages at a bound). The row has k + 1 entries.
  */
 static pzs_real *factor_row(const pzs_optimiser *optimiser, uint32_t k)
 {
@@ -102,8 +103,8 @@ static pzs_real *factor_row(const pzs_optimiser *optimiser, uint32_t k)
 }
 
 /*
- * Solve L x = b for the Cholesky factor L of the inverse Hessian restricted to the active inputs; x
- * replaces b in `vector`.
+ * Solve L x = b for the Cholesky factor L of the inverse Hessian restricted to the active inputs
+ * (voltages at a bound); x replaces b in `vector`.
  */
 static void solve_lower(const pzs_optimiser *optimiser, pzs_real *vector)
 {
@@ -121,8 +122,8 @@ static void subtract_multiple(pzs_real *restrict vector, const pzs_real *restric
 }
 
 /*
- * Solve L' x = b for the Cholesky factor L of the inverse Hessian restricted to the active inputs;
- * x replaces b in `vector`.
+ * Solve L' x = b for the Cholesky factor L of the inverse Hessian restricted to the active inputs
+ * (voltages at a bound); x replaces b in `vector`.
  */
 static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
 {
@@ -141,7 +142,7 @@ static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
 
 /*
  * Make free input i active, so that its voltage is kept at a bound, and append its row to the
- * Cholesky factor of the inverse Hessian restricted to the active inputs.
+ * Cholesky factor of the inverse Hessian restricted to the active inputs (voltages at a bound).
  *   solution [active_count] in  this row without its last entry
  *   pivot                   in  square of the last entry (V2/m2)
  */
@@ -159,10 +160,10 @@ static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real
 }
 
 /*
- * Move row k + 1 of the Cholesky factor of the inverse Hessian restricted to the active inputs to
- * row k, after the input of row `removed` has become free. The plane rotations that have been found
- * for the rows before are applied to the row, and a new rotation makes its entry beyond the
- * diagonal zero.
+ * Move row k + 1 of the Cholesky factor of the inverse Hessian restricted to the active inputs
+ * (voltages at a bound) to row k, after the input of row `removed` has become free. The plane
+ * rotations that have been found for the rows before are applied to the row, and a new rotation
+ * makes its entry beyond the diagonal zero.
  */
 static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
 {
@@ -183,7 +184,7 @@ static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_
 
 /*
  * Make free the active input (kept at a bound) that belongs to row k of the Cholesky factor of the
- * inverse Hessian restricted to the active inputs, and remove this row.
+ * inverse Hessian restricted to the active inputs (voltages at a bound), and remove this row.
  */
 static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
 {
@@ -216,9 +217,8 @@ void pzs_dual_free_all(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the list of the inputs that belong to the rows of the Cholesky factor of the inverse
- * Hessian restricted to the active inputs contains each active input once and no free input;
- * otherwise memory is damaged.
+ * Whether the list of the inputs that belong to the rows of the Cholesky factor contains each
+ * active input (voltage at a bound) once and no free input; otherwise memory is damaged.
  */
 static bool is_order_valid(const pzs_optimiser *optimiser)
 {
@@ -265,8 +265,8 @@ bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser)
 
 /*
  * Subtract from a vector [width] the rows of the tableau (pivoted Hessian) that belong to the
- * active inputs, each multiplied by an entry of `factor`. As the tableau is the negative inverse of
- * the Hessian, this adds columns of the inverse.
+ * active inputs (voltages at a bound), each multiplied by an entry of `factor`. As the tableau is
+ * the negative inverse of the Hessian, this adds columns of the inverse.
  */
 static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_real *factor)
 {
@@ -295,8 +295,9 @@ void pzs_dual_move_to_bounds(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the multiplier of active input i has the wrong sign, so that a voltage away from its
- * bound would lower the objective, by more than `rounding` (m2/V), and its bounds differ.
+ * Whether the Lagrange multiplier of active input i, which is at a bound, has the wrong sign by
+ * more than `rounding` (m2/V), so that a voltage away from the bound would lower the objective, and
+ * the two bounds of the input differ.
  */
 static bool is_wrong(const pzs_optimiser *optimiser, uint32_t i, pzs_real rounding)
 {
@@ -407,8 +408,8 @@ static uint32_t choose_outside(const pzs_optimiser *optimiser)
 
 /*
  * Compute the row that free input i would have, if it became active, in the Cholesky factor of the
- * inverse Hessian restricted to the active inputs, into the work array SOLUTION [active_count].
- * Returns the square of the last entry of the row (V2/m2).
+ * inverse Hessian restricted to the active inputs (voltages at a bound), into the work array
+ * SOLUTION [active_count]. Returns the square of the last entry of the row (V2/m2).
  */
 static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -423,8 +424,8 @@ static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Return the smallest pivot with which input i may become active (V2/m2). With a smaller pivot its
- * voltage depends linearly on those of the active inputs.
+ * Return the smallest pivot (V2/m2) with which input i may become active (voltage at a bound). With
+ * a smaller pivot its voltage depends linearly on those of the active inputs.
  */
 static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 {
@@ -433,9 +434,9 @@ static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Compute how the multipliers of the active inputs and all voltages respond to the multiplier of
- * free input i. The results are in work arrays; the Cholesky factor is that of the inverse Hessian
- * restricted to the active inputs.
+ * Compute how the multipliers of the active inputs (voltages at a bound) and all voltages respond
+ * to the multiplier of free input i. The results are in work arrays; the Cholesky factor is that of
+ * the inverse Hessian restricted to the active inputs.
  *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor
  *   CHANGE   [active_count] out  change of the multipliers of the active inputs (1)
  *   RESPONSE [width]        out  change of the voltages (V2/m2)
@@ -459,12 +460,12 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Find the first active input whose multiplier becomes zero while the multiplier of the free input
- * changes in the direction `sense`.
+ * Find the first active input (voltage at a bound) whose multiplier becomes zero while the
+ * multiplier of the free input that is to become active changes in the direction `sense`.
  *   part in/out  in: largest change of the multiplier of the free input; out: that at which the
  *                multiplier becomes zero (m2/V)
- * Returns the index of the row of this active input in the Cholesky factor of the inverse Hessian
- * restricted to the active inputs, or the number of active inputs if no multiplier becomes zero.
+ * Returns the index of the row of the active input in the Cholesky factor of the inverse Hessian,
+ * or the number of active inputs if no multiplier becomes zero.
  */
 static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
 {
@@ -549,8 +550,8 @@ static uint32_t count_errors(const pzs_optimiser *optimiser, pzs_real rounding)
 }
 
 /*
- * Make all inputs free: set the multipliers of the active inputs to zero, and let the voltages
- * next_voltage follow to the unconstrained optimum.
+ * Make the voltages of all inputs free: set the multipliers of the active inputs (voltages at a
+ * bound) to zero, and let the voltages next_voltage follow to the unconstrained optimum.
  */
 static void release_all(pzs_optimiser *optimiser)
 {
@@ -599,8 +600,9 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 }
 
 /*
- * Choose the active set anew, if the work limit allows it: the inputs whose voltage, as the
- * function estimates the optimum, is at a bound beyond which the objective would fall.
+ * Choose anew which inputs are active (voltages at a bound), if the work limit allows it: those
+ * whose voltage, as the function estimates the optimum, is at a bound beyond which the objective
+ * would fall.
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {
@@ -643,9 +645,9 @@ static bool may_iterate(pzs_optimiser *optimiser)
 }
 
 /*
- * Move the voltages of free inputs inside their bounds one after the other, until none is outside
- * or the optimiser has made `enough` iterations. Returns false if the work limit or the largest
- * number `most` of iterations ends this earlier.
+ * Move the voltages of free inputs that are outside their bounds to these bounds, one after the
+ * other, until none is outside or the optimiser has made `enough` iterations. Returns false if the
+ * work limit or the largest number `most` of iterations ends this earlier.
  */
 static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t most)
 {

@@ -28,8 +28,8 @@ struct pzs_dual_calls {
 void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * At the start of a control tick, make all inputs of the optimiser free if the list of its active
- * inputs in memory is damaged, or if the bound of an active input is not finite.
+ * At the start of a control tick, make the voltages of all inputs free if the list of the inputs
+ * whose voltages are at a bound is damaged, or if such a bound is not finite.
  */
 void pzs_check_active_dual(pzs_optimiser *optimiser);
 
@@ -45,8 +45,8 @@ uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
 
 /*
- * Predict the full step to the minimum over the free inputs, with the active inputs at their
- * bounds.
+ * Predict the full step to the minimum over the free voltages, with the voltages of the active
+ * inputs at their bounds.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
  * Before the call the array `direction` of the optimiser holds the product of the tableau (pivoted
  * Hessian) with the gradient of the free inputs; afterwards it holds the step of the free inputs

@@ -371,9 +371,10 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
 }
 
 /*
- * Return the next input that becomes free again while the tableau (pivoted Hessian) is recomputed:
- * of those that wait, the one whose effect on the shape is most independent of those of the free
- * inputs. Returns the number of inputs if all waiting ones depend linearly on the free ones.
+ * Return the next input whose voltage becomes free again while the tableau (pivoted Hessian) is
+ * recomputed: of those that wait, the one whose effect on the shape is most independent of those of
+ * the free inputs. Returns the number of inputs if all waiting ones depend linearly on the free
+ * ones.
  */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {

@@ -24,9 +24,9 @@
 #include "optimiser.h"
 
 /*
- * Return the pivot of active input k divided by its diagonal entry of the Hessian: 1 if the effect
- * of the input on the shape is independent of that of the free inputs, 0 if it is a linear
- * combination of theirs.
+ * Return the pivot of input k, whose voltage is kept at a bound, divided by its diagonal entry of
+ * the Hessian: 1 if the effect of the input on the shape is independent of the effects of the
+ * inputs whose voltages are free, 0 if it is a linear combination of these.
  */
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
@@ -45,8 +45,8 @@ void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
 void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * Make one pivot exchange in the tableau (the optimiser's pivoted Hessian), which moves input k
- * from the active set to the free set (positive pivot) or back (negative pivot).
+ * Make one pivot exchange in the tableau (the optimiser's pivoted Hessian), which makes the voltage
+ * of input k free (positive pivot) or keeps it at a bound (negative pivot).
  *   row [width] in/out  row k of the tableau before and after the exchange
  */
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
@@ -86,8 +86,8 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending);
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /*
- * Return the trace of the inverse of the Hessian restricted to the free inputs (V2/m2). Inputs that
- * depend linearly on the free ones are added with the largest possible value.
+ * Return the trace of the inverse of the Hessian restricted to the inputs whose voltages are free
+ * (V2/m2). Inputs that depend linearly on the free ones are added with the largest possible value.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

@@ -55,7 +55,9 @@
  * volt for it.
  */
 #define OBSERVABLE PZS_R(0.75)
-#define TEST_MOVES 8u /* number of voltage changes in a test of an electrode */
+#define TEST_MOVES                                                                                 \
+    8u /* number of voltage changes by which the fault detector tests an electrode                 \
+        */
 /*
  * Largest number of measured shapes in a test of an electrode, after which the test ends even if
  * not all its voltage changes were made.
@@ -513,7 +515,10 @@ static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
     detector->state.pause[j] = CLEARED_SHAPES;
 }
 
-/* End a test that found no fault, and restore the voltage limits of the electrode. */
+/*
+ * End the fault detector's test of an electrode that found no fault, and restore the voltage limits
+ * of the electrode.
+ */
 static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
 {
     const uint32_t j = test->input;
@@ -627,9 +632,9 @@ static void update_states(pzs_fault_detector *detector)
         if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
             !is_held(detector->state.control, j))
             detector->state.electrode[j] =
-                PZS_ELECTRODE_OBSERVED; /* the program has called pzs_release for this electrode,
-                                           which was held as faulty; the fault detector therefore
-                                           observes it again */
+                PZS_ELECTRODE_OBSERVED; /* the program has called pzs_release for this faulty
+                                           electrode, whose voltage was fixed; the fault detector
+                                           therefore observes the electrode again */
     }
 }
 

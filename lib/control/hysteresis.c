@@ -195,8 +195,8 @@ typedef struct electrode {
     const pzs_real *below; /* [plays] weight of each play (element with backlash) in the effect
                               (voltage without hysteresis) while the play is below the middle of the
                               voltage range (1) */
-    const pzs_real *creep; /* [creeps] final value of each creep term of an electrode's effect,
-                              divided by the voltage (1) */
+    const pzs_real *creep; /* [creeps] final value of each creep term in the effect of the electrode
+                              (voltage without hysteresis), divided by the voltage (1) */
     pzs_real middle;       /* middle of the voltage range of the electrode, from which the model of
                               hysteresis counts voltages (V) */
     pzs_real half_range;   /* half of the voltage range of the electrode (V) */
@@ -283,7 +283,7 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
 }
 
 /*
- * Return the fraction of the way to its final value that a creep term of an electrode's effect goes
+ * Return the fraction of the way to its final value that a creep term of the hysteresis model goes
  * in a number of ticks, where `rate` is the fraction in one tick.
  */
 static pzs_real rate_of(pzs_real rate, uint32_t ticks)
@@ -299,10 +299,10 @@ static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 }
 
 /*
- * Return a creep term of an electrode's effect (V) after it has gone the fraction `rate` of the way
- * to its final value, which is `gain` (1) times the voltage. A creep term whose absolute value
- * exceeds `gain` times `most`, the largest possible voltage (V), shows damaged memory and is first
- * set to the final value.
+ * Return a creep term of the hysteresis model of an electrode (V) after it has gone the fraction
+ * `rate` of the way to its final value, which is `gain` (1) times the voltage. A creep term whose
+ * absolute value exceeds `gain` times `most`, the largest possible voltage (V), shows damaged
+ * memory and is first set to the final value.
  */
 static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_real voltage,
                             pzs_real most)
@@ -333,7 +333,8 @@ static pzs_real move_creeps(const electrode_tables *electrode, pzs_real *creep, 
 
 /*
  * Move the plays (elements with backlash) of an electrode to the positions that follow from a new
- * voltage. Returns the effect of the electrode without creep (V).
+ * voltage. Returns the effect of the electrode (voltage without hysteresis), without its creep
+ * terms (V).
  *   play [plays] in/out  positions of the plays before and after the change to `voltage` (V)
  */
 static pzs_real move_plays(const electrode_tables *electrode, pzs_real *play, pzs_real voltage)

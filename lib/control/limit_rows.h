@@ -28,10 +28,7 @@ struct pzs_limit_row_calls {
      * workspace of the controller, from the address `work` on.
      */
     void (*arrange)(pzs_control *control, uint8_t *work);
-    /*
-     * Initialise the optimiser for limit rows (limits of sums of voltages) before the first control
-     * step.
-     */
+    /* Initialise the optimiser for limit rows (limits of sums of voltages) in a new controller. */
     void (*prepare)(pzs_control *control);
     /*
      * At the start of a tick, correct those flags and zeros beyond the end of vectors that damaged

@@ -219,8 +219,8 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
     pzs_control_damp(control, 1, NULL, NULL); /* damping of vibration is switched off at the start
-                                                 of each tick; if the loop has a vibration damper,
-                                                 that block switches it on again */
+                                                 of each tick; the vibration damper, if the loop has
+                                                 one, switches it on again later in the tick */
     guard_repair_bool(&optimiser->is_verified);
     guard_repair_bool(&optimiser->is_rebuilding);
     guard_repair_bool(&optimiser->is_predicted);

@@ -137,7 +137,8 @@ static uint64_t end_work(const rows_run *run)
 
 /*
  * Return the number of multiply-adds that the work limit of the optimiser leaves for the iterations
- * of the present round. The corrections and gradients after the iterations are already subtracted.
+ * until the next gradient is computed from the Hessian. The corrections and gradients after the
+ * iterations are already subtracted.
  */
 static uint64_t remaining_work(const rows_run *run)
 {

@@ -320,7 +320,8 @@ static pzs_real mean_above(const pzs_selftest *selftest, pzs_real least)
 /*
  * Set info.gain to the mean absolute gain of the healthy amplifiers. Silent amplifiers are left
  * out, because they would make the healthy ones seem too strong: an amplifier counts as silent if
- * its gain is much smaller than the mean of the others, which three rounds determine.
+ * its gain is much smaller than the mean of the others, which is computed three times, each time
+ * without the silent ones.
  */
 static void find_mean_gain(pzs_selftest *selftest)
 {
@@ -444,7 +445,8 @@ static uint32_t compared_line(uint32_t subject, uint32_t step)
 
 /*
  * Compare the measured response of the amplifier (or sensor) `subject` with the modelled response
- * of one amplifier (or sensor), and store this one if no earlier one was as near.
+ * of another one (or of itself), and store the index of that other one if its response is nearer
+ * than those compared earlier.
  */
 static void find_nearest(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                          uint32_t step)

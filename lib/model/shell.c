@@ -260,8 +260,9 @@ static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Turn the resultants that belong to strains corrected for warp and skew into resultants of the
- * uncorrected strain modes (the transpose of the correction of the strains).
+ * Turn the stress resultants of strains that were corrected for the warp and the skew of the
+ * element into resultants of the uncorrected strains (the transpose of the correction of the
+ * strains).
  */
 static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4][10])
 {

@@ -79,8 +79,10 @@ static void normalise(const vector_slope *normal, pzs_real size, vector_slope *v
 }
 
 /*
- * Set the base vector U_a = G_a - (g_a . e3) t of the face at one corner, with its derivatives: G_a
- * and g_a are the deformed and undeformed base vectors, e3 the normal, t the director of the shell.
+ * Set the vector U_a = G_a - (g_a . e3) t of the loaded face in surface direction a at one corner,
+ * with its derivatives: G_a and g_a are the deformed and undeformed base vectors in this direction,
+ * e3 the normal, t the director of the shell. The follower pressure acts along the vector product
+ * of U_1 and U_2.
  */
 static void set_base(const pzs_element_type *type, pzs_real height, unsigned corner,
                      unsigned direction, const pzs_real face_base[3], const vector_slope *director,

@@ -176,8 +176,8 @@ void pzs_nonlinear_prescribe(pzs_envelope *matrix, uint32_t dof, pzs_real value,
                              pzs_real *right_side);
 
 /*
- * Set the entries of a force [free_dof] at the degrees of freedom whose displacement an input
- * prescribes to zero.
+ * Set to zero the entries of a force [free_dof] at those degrees of freedom whose displacement an
+ * input prescribes.
  */
 void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal_force);
 

@@ -356,9 +356,10 @@ static void scatter_column(pzs_real resultant[4][10], int column, int node,
 }
 
 /*
- * Compute the stress rows of a skewed element, whose strain modes are coupled, column by column. A
- * stress row is a row of the stiffness of a strain mode (constant, linear or bilinear over the
- * element) times the nodal strains.
+ * Compute the stresses per unit of each nodal degree of freedom for a skewed element, column by
+ * column, because its strain modes (constant, linear and bilinear over the element) are coupled.
+ *   nodal         [ROWS][COLUMNS] in   strains per unit of each nodal degree of freedom
+ *   stress_row_of [22][COLUMNS]   out  stresses, in the order of rows_of_mode
  */
 static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                                pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
@@ -546,7 +547,7 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
  * Write the rows of one node into the packed tangent stiffness of an element, except that of its
  * seventh degree of freedom (q, excess of the middle surface over the faces).
  *   stress [ROWS + 1] in  pointers to the ROWS (10) stresses at the node per unit of each nodal
- * degree of freedom [COLUMNS], followed by NULL
+ *                         degree of freedom [COLUMNS], followed by NULL
  */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
                        pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
