@@ -22,7 +22,7 @@ void print_vibration_summary(const certificate *certificate, bool is_quasi_stati
 
 /*
  * Print the first natural frequency and the stability of the control loop, or why they could not be
- * computed. Nothing is printed before certificate_make has computed the certificate of stability.
+ * computed. Nothing is printed before the stability has been computed.
  */
 void print_certificate(const certificate *certificate);
 void print_certificate_json(json *json, const certificate *certificate);

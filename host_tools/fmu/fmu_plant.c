@@ -264,7 +264,7 @@ static void write_arrays(emitter *emitter, const design *nominal, const plant_ro
     emit_reals(emitter, "mode_shape", rows->shape, (size_t)rows->count * modes,
                "displacement of each row per unit of each modal coordinate (column)");
     emit_reals(emitter, "response", modal->response, modes * inputs,
-               "static modal coordinate (row) per unit of each input (column)");
+               "modal coordinate in equilibrium (row) per unit of each input (column)");
     fprintf(emitter->file,
             "static const modal plant_modal = {\n"
             "    PLANT_MODES, PLANT_ROWS, PLANT_AMPLIFIERS + PLANT_LOADS,\n"

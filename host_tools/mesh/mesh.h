@@ -22,9 +22,9 @@
  */
 typedef struct mesh_springs {
     int count;  /* number of springs and stack actuators */
-    int *first; /* [items + 1] number of the first spring of each item, which is a spring of the
-                   scene file or, after all of these, an actuator; the last entry is the number of
-                   all springs */
+    int *first; /* [springs of the scene file + actuators + 1] index of the first spring of each
+                   spring entry of the scene file, then of the first stack of each actuator; the
+                   last entry is the number of all springs and stacks */
     uint32_t *start;   /* [count + 1] index of the first entry of each spring's sparse row; the last
                           element is the number of all entries */
     uint16_t *dof;     /* [entries of all springs] index of the free dof of each entry in the sparse
@@ -69,8 +69,8 @@ typedef struct mesh {
     pzs_element_type *type; /* [types] element types: stiffness, and corner tables (displacements of
                                the corners to strains) */
     laminate_place *place;  /* [types] plies, curvatures and lengths of each element type */
-    double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
-                        */
+    double *stiffness;  /* [types][entries of a lower triangle] element stiffness matrices, lower
+                           triangles packed by rows */
     uint16_t *node_dof; /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
                            PZS_CONSTRAINED for a constrained dof */
     int *holder; /* [nodes][dof_per_node] index, among the supports of the scene, of the support

@@ -88,8 +88,8 @@ static double face_height(const mesh *mesh, scene_face face)
 }
 
 /*
- * Add the displacement of a node at a face, along a vector in space and times a factor, to the row
- * of a spring.
+ * Add the displacement of a node at a face, along a vector in space and times a factor, to the
+ * sparse row of a spring (elongation per unit of each dof).
  */
 static void add_node(const spring_builder *builder, int node, double factor, const double vector[3],
                      spring_row *row)

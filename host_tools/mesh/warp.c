@@ -42,10 +42,11 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
- * Add the eight strains at a corner under a unit tilt of one node's director along its local axis
- * e1 (j = 0) or e2 (j = 1), each multiplied by the value of its strain mode (constant, linear or
- * bilinear over the element) there, to `row` [8], and add the difference of the shear strain 12
- * between the faces to *shear.
+ * Add, for a unit tilt of one node's director along its local axis e1 (j = 0) or e2 (j = 1), the
+ * values at a corner of the eight strains of bending and transverse shear that the warping
+ * correction contains to `row` [8]. Each is multiplied by the value of its shape (constant, linear
+ * or bilinear over the element) there. The difference of the shear strain 12 between the faces is
+ * added to *shear.
  */
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
                        double *shear)

@@ -550,8 +550,8 @@ int analysis_linearise(analysis *analysis, char *error)
 
 /*
  * Compute the influence matrix about the equilibrium that the nonlinear solver has reached, then
- * the voltage problem for the target less the displacement there.
- *   displacement [free_dof] in  displacement vector at the equilibrium
+ * the least-squares problem for the voltages, for the target less the displacement there.
+ *   displacement  [free_dof] in  displacement vector at the equilibrium
  */
 static int influence_at(analysis *analysis, const double *displacement, char *error)
 {
@@ -570,8 +570,9 @@ static int influence_at(analysis *analysis, const double *displacement, char *er
 }
 
 /*
- * Compute the influence matrix, the voltage problem, and tangent stiffness matrix and forces of the
- * inputs about the equilibrium under the scene's loads at 0 V. Returns 0, or -1 with error filled.
+ * Compute, about the equilibrium under the scene's loads at 0 V, the influence matrix, the
+ * least-squares problem for the voltages, the tangent stiffness matrix and the forces of the
+ * inputs. Returns 0, or -1 with error filled.
  */
 static int influence_under_loads(analysis *analysis, char *error)
 {

@@ -83,8 +83,8 @@ typedef struct analysis {
     certificate certificate; /* certificate: result of the stability tests of the control loop,
                                 filled by certificate_make */
     bool is_compact;   /* whether to leave out of the tables what the device can compute: stiffness
-                          matrices of the element types, and corner tables where the mesh has
-                          compact element types */
+                          matrices of the element types, and on meshes with compact element types
+                          also the matrices from displacements to strains */
     bool quasi_static; /* whether to write the controller's tables even where vibration makes the
                           control loop unstable */
     double linear_error;   /* difference between linear and nonlinear displacement relative to the

@@ -99,8 +99,8 @@ static void add_temperatures(const design *design, int layer, int element, doubl
 }
 
 /*
- * Add the charges at the electric potentials of a layer in an element per volt of those of another
- * layer.
+ * Add the charges at the electric potentials of a layer in an element, per volt of the potentials
+ * of another layer, to the matrix of charges per unit of the inputs.
  */
 static void add_pair(const design *design, int layer, int other, int element, double *dense)
 {

@@ -58,7 +58,8 @@ bool bare_faces_has(const bare_faces *bare, int layer, int element);
 
 /*
  * Compute the stress resultants that one volt of an electric potential at a node of a bare face
- * prescribes in an element, times the area of the element (h0 [10] out). Returns whether the
+ * prescribes in an element, times the area of the element (h0 [10] out, N m; mean and difference of
+ * both faces for the strains 11, 22, 33 and 12; then the strains 13 and 23). Returns whether the
  * potential acts in the element.
  */
 bool bare_faces_resultants(const bare_faces *bare, int potential, int element,

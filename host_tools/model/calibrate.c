@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Computation of an influence matrix from measured shapes under known voltages (calibrate.h). The
- * symbols of the comments in this file are those of calibrate.h: pokes, voltages V, shapes S,
- * influence matrix B, model B0, ratio q of variances.
- */
+/* Computation of an influence matrix from shapes measured under known voltages (calibrate.h). */
 #include "calibrate.h"
 #include <math.h>
 #include <stdio.h>

@@ -24,14 +24,13 @@ static const double decayed = 20;
  * Fill the matrix that advances the vibration of the structure under the control loop by one tick.
  * Its states are, for each vibration mode just before the tick, the deviation e of the modal
  * coordinate from its static equilibrium and the modal velocity p divided by the angular frequency,
- * then the measured static coordinates h of past ticks. L is the loop matrix (see `loop`), k the
- * response of the structure to voltages relative to the controller's model, and r[0] to r[3] are
- * the entries 11, 12, 21 and 22 of the matrix that advances e and p of one mode by the free
- * vibration of one tick. The voltages of the tick at time t have the static coordinates -h(t -
- * delay) in the model. The controller measures h(t) = L e(t) + (1 - k) h(t - delay - 1): the
- * vibration, and what the voltages do more or less than the model says. With the change of the
- * equilibrium g = k (h(t - delay) - h(t - delay - 1)), so that delay + 1 past measurements are
- * needed:
+ * then the measured coordinates in equilibrium, h, of past ticks. L is the loop matrix (see
+ * `loop`), k the response of the structure to voltages relative to the controller's model, and r[0]
+ * to r[3] are the entries 11, 12, 21 and 22 of the matrix that advances e and p of one mode by the
+ * free vibration of one tick. The voltages of the tick at time t have the equilibrium -h(t - delay)
+ * in the model. The controller measures h(t) = L e(t) + (1 - k) h(t - delay - 1): the vibration,
+ * and what the voltages do more or less than the model says. With the change of the equilibrium g =
+ * k (h(t - delay) - h(t - delay - 1)), so that delay + 1 past measurements are needed:
  *   e' = r[0] (e + g) + r[1] p
  *   p' = r[2] (e + g) + r[3] p
  *   loop [modes][stride] in  loop matrix L; the first `modes` columns are used. Entry (i, j) is the

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Computation of the stability certificate of a scene's control loop from its vibration modes and
- * gains (certificate_make.h).
+ * Computation of the stability of a scene's control loop (its certificate) from its vibration modes
+ * and gains (certificate_make.h).
  */
 #include "certificate_make.h"
 #include <math.h>
@@ -18,10 +18,10 @@ enum {
                    radius is found at the scene's tick rate */
     QUICK = 16, /* number of squarings of the control loop's transition matrix by which its spectral
                    radius is found at the other tick rates for which stability is checked */
-    STATE_LIMIT = 300, /* largest number of states of the control loop for which the stability
-                          certificate is computed */
-    DELAY_LIMIT = 100, /* largest delay of the measurements for which the stability certificate of
-                          the control loop is computed (ticks) */
+    STATE_LIMIT = 300, /* largest number of states of the control loop for which the stability is
+                          computed */
+    DELAY_LIMIT = 100, /* largest delay of the measurements for which the stability of the control
+                          loop is computed (ticks) */
     RATE_LIMIT = 2000, /* largest number of tick rates for which stability of the control loop is
                           checked */
     PHASES = 8, /* number of time intervals between ticks, spread over one period of the first

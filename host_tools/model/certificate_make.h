@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Computation of the stability certificate of a scene's control loop. */
+/* Computation of the stability of a scene's control loop, whose result is its certificate. */
 #ifndef CERTIFICATE_MAKE_H
 #define CERTIFICATE_MAKE_H
 

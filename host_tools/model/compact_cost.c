@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Time that compact element types take, beside full ones (compact_cost.h). */
+/* Computing times with full and with compact element types (compact_cost.h). */
 #include "compact_cost.h"
 #include <math.h>
 #include "../../lib/model/compact.h"
@@ -7,13 +7,19 @@
 #include "../mesh/compact_types.h"
 #include "analysis.h"
 
-/* Number of measurements, of which the shortest counts, and elements in each (at least). */
+/*
+ * MEASUREMENTS: number of measurements of a computing time, of which the shortest counts.
+ * LEAST_ELEMENTS: least number of elements that one measurement computes.
+ */
 enum { MEASUREMENTS = 5, LEAST_ELEMENTS = 4000 };
 
-/* Work on one element that is measured. */
+/* Computation on one element whose time is measured. */
 typedef enum element_work { FORCE_OF_FULL, FORCE_OF_COMPACT, STIFFNESS } element_work;
 
-/* Do the work once for an element type. Returns a number that depends on its result. */
+/*
+ * Make one of the measured computations once for an element type. Returns a number that depends on
+ * its result, so that the compiler cannot leave the computation out.
+ */
 static double work_on(const mesh *mesh, const compact_types *compact, int type, element_work work)
 {
     double vector[SHELL_PACKED(SHELL_MAX)] = {0};
@@ -32,10 +38,11 @@ static double work_on(const mesh *mesh, const compact_types *compact, int type, 
     return vector[0];
 }
 
-/* Measure the time that the work takes for one element (s). */
+/* Measure the time that one of the computations takes for one element (s). */
 static double seconds_of(const mesh *mesh, const compact_types *compact, element_work work)
 {
-    volatile double sum = 0; /* keeps the compiler from leaving out work without use */
+    volatile double sum = 0; /* sum of the results; volatile, so that the compiler does not leave
+                                out the measured computations */
     double least = HUGE_VAL;
     for (int i = 0; i < MEASUREMENTS; i++) {
         int elements = 0;

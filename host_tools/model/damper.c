@@ -41,7 +41,7 @@ typedef struct builder {
                                    NULL: every target node is measured */
     const vibration *vibration;
     vibration more; /* vibration modes that are computed for the vibration damper, where the
-                       stability certificate has too few of them */
+                       stability tests of the loop have computed too few of them */
     damper_settings settings;
     damper_model model;
     double interval; /* time between two control ticks (s) */
@@ -53,10 +53,10 @@ typedef struct builder {
         *precision; /* arrays of the model (damper_model) of the observed vibration modes, and
                        inverse noise variance of each sensor */
     double *column; /* [targets] work vector for one mode shape at the target nodes */
-    double *shape, *reading, *modal; /* shape [targets][modes]: mode shapes at the outputs; reading
-                                        [sensors][modes]: reading of each sensor per unit of the
-                                        coordinate of each vibration mode; modal
-                                        [modes][amplifiers]: static modal coordinate per volt */
+    double *shape, *reading,
+        *modal; /* shape [targets][modes]: mode shapes at the outputs; reading [sensors][modes]:
+                   reading of each sensor per unit of the coordinate of each vibration mode; modal
+                   [modes][amplifiers]: coordinate of each vibration mode in equilibrium per volt */
     damper_gains gains;
 } builder;
 

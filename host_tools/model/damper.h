@@ -41,7 +41,7 @@ typedef struct damper_options {
 
 /*
  * Options of the vibration damper from the tick rate and sensor delay of the scene, and from the
- * settings that its stability certificate has chosen.
+ * settings that the stability tests of the loop have chosen.
  */
 damper_options damper_options_of(const analysis *analysis);
 

@@ -5,11 +5,11 @@
  *
  * The observer is a stationary Kalman filter. Its states are, for each mode, the position q, the
  * velocity p over the angular frequency, and the static position w under the loads. Over one tick,
- * the deviation d = q - g v - w from the equilibrium (g: static coordinate per volt, v: voltages)
- * and p follow the propagator of free vibration. There is process noise of p and w, and sensor
- * noise of variance 1. The covariance P solves the Riccati equation P = A P A' - A P C' (C P C' +
- * 1)^-1 C P A' + Q, with transition matrix A, readings C per unit of each state and process noise
- * Q, by structured doubling.
+ * the deviation d = q - g v - w from the equilibrium (g: coordinate in equilibrium per volt, v:
+ * voltages) and p follow the propagator of free vibration. There is process noise of p and w, and
+ * sensor noise of variance 1. The covariance P solves the Riccati equation P = A P A' - A P C' (C P
+ * C' + 1)^-1 C P A' + Q, with transition matrix A, readings C per unit of each state and process
+ * noise Q, by structured doubling.
  *
  * All settings are free of units: they refer to the sensors' noise and to the angle by which a mode
  * turns in a tick, its angular frequency times the tick interval.
@@ -67,8 +67,8 @@ typedef struct damper_model {
     const double *angle;   /* [modes] phase angle of each vibration mode in a tick, ascending (rad):
                               angular frequency times tick interval */
     const double *ratio;   /* [modes] damping ratio of each vibration mode */
-    const double *modal;   /* [modes][inputs] static coordinate of each vibration mode per volt of
-                              each input */
+    const double *modal;   /* [modes][inputs] coordinate of each vibration mode in equilibrium per
+                              volt of each input */
     const double *overlap; /* [modes][modes] products of the readings of every pair of vibration
                               modes, summed over the sensors with their inverse variances */
     const double *lift;    /* [inputs][modes] products, weighted with the target weights and summed

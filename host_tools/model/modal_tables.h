@@ -18,8 +18,8 @@ typedef struct modal {
     double *damping;   /* [modes] damping ratios of the vibration modes */
     double *shape;     /* [rows][modes] displacement of each output (of the target, or named in the
                           scene) per unit of the coordinate of each vibration mode */
-    double *response;  /* [modes][inputs] static coordinate of each vibration mode per unit of each
-                          input */
+    double *response;  /* [modes][inputs] coordinate of each vibration mode in equilibrium per unit
+                          of each input */
 } modal;
 
 #endif

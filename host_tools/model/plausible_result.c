@@ -151,8 +151,8 @@ static int measure_target_amplitude(const subject *of, int k, bool applies, meas
 }
 
 /*
- * Whether the stability certificate of the control loop is computed for the structure linearised
- * about the equilibrium at its target, besides the structure in its reference state.
+ * Whether the stability of the control loop is tested for the structure linearised about the
+ * equilibrium at its target, besides the structure in its reference state.
  */
 static bool is_certified_at_target(const subject *of)
 {

@@ -272,8 +272,9 @@ static void add_along(const stress_field *field, int element, int layer, double 
 }
 
 /*
- * Compute the stress resultants of an element: its stiffness matrix of the constant strains (strain
- * mode 00) times the strains, plus the resultants that voltages and temperatures prescribe.
+ * Compute the stress resultants of an element: its stiffness matrix for strains that are constant
+ * over the element times these strains, plus the resultants that voltages and temperatures
+ * prescribe.
  */
 static void fill_resultants(const stress_field *field, int element)
 {

@@ -208,7 +208,10 @@ static double random_number(search *search)
     return (double)(search->seed >> 11) / 4503599627370496.0 - 1;
 }
 
-/* Number of basis vectors that one iteration of a loop treats: no sum then waits for the others. */
+/*
+ * Number of basis vectors whose scalar products one iteration of a loop computes: these sums do not
+ * depend on each other, so that the processor computes them at the same time.
+ */
 enum { GROUP = 4 };
 
 /*

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Neighbours of elements, their common orientation, and the edge sets of a mesh (quad_steps.h). */
+/*
+ * Neighbours of elements, their common orientation, and the named sets of edges of a mesh
+ * (quad_steps.h).
+ */
 #include "quad_side.h"
 #include "quad_steps.h"
 
@@ -228,9 +231,9 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
         status = pair_sides(mesh, origin, list, topology);
         if (status == 0)
             status = orient_all(mesh, origin, topology, options->is_flipped);
-        quad_sides(mesh, list); /* The sides of all elements are listed again, because the side
-                                   numbers of elements that were turned over (reversed in
-                                   orientation) have changed. */
+        quad_sides(mesh, list); /* The sides of all elements are listed again, because turning
+                                   elements over (reversing their orientation) has changed the
+                                   numbers of their sides. */
         if (status == 0)
             status = pair_sides(mesh, origin, list, topology);
         if (status == 0)

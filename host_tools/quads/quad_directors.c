@@ -277,10 +277,10 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* Each element adds two of its corners to the neighbours
-                                             of the node at corner `corner`: the next one and the
-                                             opposite one. Inside a smooth sheet the third one is
-                                             added by the neighbouring element. */
+            for (int k = 1; k < 3; k++) { /* For the fit of a quadric around a node, each element at
+                                             the node adds two of its other corners: the next one
+                                             and the opposite one. Inside a smooth sheet the
+                                             neighbouring element adds the third one. */
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);

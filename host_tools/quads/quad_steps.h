@@ -61,7 +61,8 @@ int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topolo
 /*
  * Choose the first side of each element so that it runs as nearly as possible along the first local
  * axes of its nodes: elements of equal shape then list their corners alike and share an element
- * type. The numbers in the edge sets are adapted. Returns 0, or -1 when memory runs out.
+ * type. The edge numbers in the named sets of edges are adapted. Returns 0, or -1 when memory runs
+ * out.
  */
 int quad_turn(quad_mesh *mesh);
 

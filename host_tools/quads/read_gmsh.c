@@ -41,7 +41,10 @@ typedef struct gmsh {
 
 enum { POINT = 15, EDGE = 1, TRIANGLE = 2, QUADRILATERAL = 3 };
 
-/* Number of nodes of each element type of Gmsh; element types that are refused also have a name. */
+/*
+ * Number of nodes of each element type of a Gmsh file. Types that this reader refuses also have a
+ * name, for the error message.
+ */
 static const struct {
     int nodes;
     const char *refused;

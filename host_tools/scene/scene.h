@@ -533,8 +533,8 @@ typedef struct scene_output {
 } scene_output;
 
 /*
- * Alternative target shape with a name of its own; it has the displacement component, place and
- * weights of the scene's target.
+ * One of several target shapes for which the voltages are optimised one by one: its name and
+ * formula; it has the displacement component, place and weights of the scene's target.
  */
 typedef struct scene_mode {
     char name[SCENE_NAME];
@@ -548,8 +548,8 @@ typedef struct scene_target {
     expr *value; /* formula of the desired displacement in the coordinates of the nodes (length unit
                     of the scene file) */
     int modes;
-    scene_mode *mode; /* [modes] alternative target shapes, for each of which the voltages are
-                         optimised separately */
+    scene_mode *mode; /* [modes] shapes for which the voltages are optimised one by one, where the
+                         target is a list of shapes */
     bool weight_area; /* weights of the nodes in the target error: true: by the area of each node;
                          false: equal */
     int frees;
@@ -789,9 +789,9 @@ typedef struct scene_measured_mode {
     double frequency; /* natural frequency of a measured vibration mode (Hz) */
     double *shape; /* [outputs] displacement of each output in the measured vibration mode, in any
                       unit */
-    double *response; /* [amplifiers] static modal coordinate per volt of each amplifier: times the
-                         shape, the part of the mode in a column of the influence matrix; NULL where
-                         the scene does not give it */
+    double *response; /* [amplifiers] coordinate of the vibration mode in equilibrium per volt of
+                         each amplifier: times the shape, the part of the mode in a column of the
+                         influence matrix; NULL where the scene does not give it */
 } scene_measured_mode;
 
 typedef struct scene_influence {

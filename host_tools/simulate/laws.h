@@ -12,9 +12,9 @@
 #include "pzs_loop.h"
 
 /*
- * Tables of a control law for comparison, such as clipped least squares, which is a block of the
- * control tick (pzs_block). Each loop needs its own tables, because they contain the memory of the
- * block.
+ * Tables of a control law for comparison, such as clipped least squares, which computes the
+ * voltages as a stage (pzs_block) of the control tick. Each loop needs its own tables, because they
+ * contain the memory of the block.
  */
 typedef struct law {
     pzs_problem problem; /* least-squares problem whose solution is the voltages; first

@@ -455,7 +455,7 @@ static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
         emit_reals(emitter, "precision", tables->precision, sensors,
                    "relative inverse variance of the noise of each reading");
     emit_reals(emitter, "modal", tables->modal, modes * inputs,
-               "static coordinate of each mode (row) per volt of each amplifier (column)");
+               "coordinate of each mode in equilibrium (row) per volt of each amplifier (column)");
     emit_reals(emitter, "turn", tables->turn, 4 * modes, "propagator of each mode over one tick");
     emit_reals(emitter, "observer", tables->observer, 3 * modes * modes,
                "observer gains for position, velocity and load of each mode");

@@ -103,22 +103,23 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiring_test *pulses);
 
 /*
- * Write the blocks of a control loop as C source: their tables, the list PREFIX_blocks and the
- * macro PREFIX_LOOP_BYTES (memory of the loop). The tables of the estimator, the feed-forward and
- * the voltage optimisation problem must be written before.
+ * Write the blocks (stages) of a control loop as C source: their tables, the list PREFIX_blocks and
+ * the macro PREFIX_LOOP_BYTES (memory of the loop). The tables of the estimator, the feed-forward
+ * and the least-squares problem for the voltages must be written before.
  */
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
- * Return the memory of a control loop with given blocks (bytes): the value of PREFIX_LOOP_BYTES in
- * the generated header, in single or in double precision. In single precision the value is an upper
- * bound, because pointers and the reals in structs count as on this computer.
+ * Return the memory of a control loop with given blocks (stages of a tick) (bytes): the value of
+ * PREFIX_LOOP_BYTES in the generated header, in single or in double precision. In single precision
+ * the value is an upper bound, because pointers and the reals in structs count as on this computer.
  */
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
 
 /*
  * Return the largest number of multiply-adds of the optimiser in one tick of a control loop with
- * given blocks: what the processor clock of the scene file allows, or the default of the library.
+ * given blocks (stages): what the processor clock of the scene file allows, or the default of the
+ * library.
  */
 uint64_t loop_blocks_work_limit(const loop_blocks *blocks);
 
