@@ -46,6 +46,20 @@ extern "C" {
 extern const struct pzs_dual_calls pzs_dual_method;
 
 /*
+ * Sparse influence matrix, of which only chosen entries are stored. It gives the voltages of the
+ * full matrix to the last bit, if all entries that are not stored are zero, in fewer multiply-adds.
+ */
+typedef struct pzs_sparse_influence {
+    const struct pzs_sparse_calls *call; /* pointer to the functions that implement sparse influence
+                                            matrices: always &pzs_sparse_influence_calls */
+    pzs_rows rows; /* entries of the influence matrix (m/V): one row for each output, whose columns
+                      `dof` are inputs in ascending order */
+} pzs_sparse_influence;
+
+/* Functions that implement sparse influence matrices. */
+extern const struct pzs_sparse_calls pzs_sparse_influence_calls;
+
+/*
  * Tables of the voltage optimisation problem, which the controller solves in each tick to find the
  * voltages that give a target shape: influence matrix, weights and limits. All arrays may stay in
  * flash.
@@ -57,7 +71,8 @@ typedef struct pzs_problem {
                    */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output
-                                  per volt on each input (m/V); NULL: given to pzs_control_init */
+                                  per volt on each input (m/V); NULL: given to pzs_control_init,
+                                  or in `sparse` */
     const pzs_real *hessian;   /* [inputs][inputs] Hessian B'W^2 B of the influence matrix B and the
                                   output weights W (m2/V2); NULL: pzs_control_init computes it */
     const pzs_real *weight;    /* [outputs] weight of each output in the objective (1) */
@@ -76,6 +91,9 @@ typedef struct pzs_problem {
                                                  for at least PZS_DUAL_INPUTS inputs, else NULL;
                                                  without them the optimisation of many inputs takes
                                                  more time */
+    const pzs_sparse_influence *sparse; /* sparse influence matrix, with `hessian` and in the place
+                                           of `influence`, which is NULL; NULL: none. Blocks of the
+                                           loop that read single entries of the matrix refuse it */
 } pzs_problem;
 
 /*
@@ -173,10 +191,12 @@ size_t pzs_control_bytes(const pzs_problem *problem);
  *   work                        in  memory of the caller, aligned for pzs_real; the controller uses
  *                                   it from now on
  *   bytes                       in  size of the workspace, at least PZS_CONTROL_BYTES, with limits
- * of sums of voltages also PZS_LIMIT_ROW_BYTES Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC,
- * PZS_E_WORKSPACE, PZS_E_LIMITS (also for a negative step limit; for limit row k, info.where is the
- * number of inputs plus k), PZS_E_NONFINITE. After an error the controller cannot be used, even if
- * it was valid before.
+ *                                   of sums of voltages also PZS_LIMIT_ROW_BYTES
+ * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS (also for a
+ * negative step limit; for limit row k, info.where is the number of inputs plus k),
+ * PZS_E_NONFINITE. For a sparse influence matrix whose columns are not ascending or not below the
+ * number of inputs, PZS_E_ARGUMENT with the output in info.where. After an error the controller
+ * cannot be used, even if it was valid before.
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
                             const pzs_real *influence, void *work, size_t bytes);

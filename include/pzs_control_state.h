@@ -18,6 +18,7 @@ struct pzs_block;
 struct pzs_limit_row_calls;
 struct pzs_dual_calls;
 struct pzs_absolute_row_calls;
+struct pzs_sparse_calls;
 
 /*
  * Value of pzs_problem.dual_method for a number of inputs (voltages): the optimiser's method for
@@ -295,7 +296,8 @@ typedef enum pzs_control_behind {
 typedef struct pzs_control_state {
     const struct pzs_problem *problem;
     const pzs_real *influence; /* [outputs][inputs] influence matrix in use: the one passed to
-                                  pzs_control_init, or that of pzs_problem (m/V) */
+                                  pzs_control_init, or that of pzs_problem (m/V); NULL: the sparse
+                                  influence matrix of pzs_problem is in use */
     pzs_optimiser optimiser;
     pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of pzs_problem; for an input
                                 that pzs_hold keeps at a voltage, both limits are this voltage (V)

@@ -193,19 +193,44 @@ void print_selftest_plan(const analysis *analysis)
 }
 
 /*
- * Print the memory that a firmware needs with one part of the library (image: control, linear or
- * nonlinear) as a row of a table, under the given name.
+ * Print how the tables of the control image hold a measured influence matrix with many zeros: as
+ * sparse rows or as a full matrix, with the reason and the numbers.
  */
-static void print_image(const analysis *analysis, tables_image image, const char *name)
+static void print_sparse(const sparse_facts *facts)
+{
+    const double all = (double)facts->all, entries = (double)facts->entries;
+    if (facts->entries == 0 || entries > 0.5 * all)
+        return;
+    printf("  influence matrix: %.3g%% of its %zu entries are not zero; tables hold it as %s,\n  ",
+           100 * entries / all, facts->all, facts->is_used ? "sparse rows" : "a full matrix");
+    if (facts->is_used)
+        printf("%.1f instead of %.1f KB of flash in float, %.3g instead of %.3g multiply-adds with "
+               "it in a tick\n\n",
+               ((double)facts->reals * 4 + (double)facts->bytes) / 1024,
+               (double)facts->full_reals * 4 / 1024, 2 * entries, 2 * all);
+    else if (facts->are_entries_read)
+        puts("because a block of the loop reads single entries: fault detection, self-test or late "
+             "readings\n");
+    else
+        printf("because sparse rows pay up to %.3g%%\n\n", 100.0 / SPARSE_PAYS);
+}
+
+/*
+ * Print the memory that a firmware needs with one part of the library (image: control, linear or
+ * nonlinear) as a row of a table, under the given name. Returns how its tables hold the influence
+ * matrix.
+ */
+static sparse_facts print_image(const analysis *analysis, tables_image image, const char *name)
 {
     tables_size size;
     tables_memory need;
     if (image_size(analysis, image, &size, &need) != 0)
-        return;
+        return (sparse_facts){0};
     printf("  %-10s %11.1f %10.1f %11.1f %10.1f %11.1f %10.1f\n", name,
            (double)(size.bytes + size.reals * 4) / 1024,
            (double)(size.bytes + size.reals * 8) / 1024, (double)need.work[0] / 1024,
            (double)need.work[1] / 1024, (double)need.stack[0] / 1024, (double)need.stack[1] / 1024);
+    return size.influence;
 }
 
 /* Return the analysis with the option that makes its tables compact. */
@@ -236,17 +261,19 @@ static void print_images(const analysis *from)
 {
     const bool is_compact = tables_are_compact(from);
     const analysis compact = compact_analysis(from);
+    sparse_facts influence[TABLES_IMAGES];
     printf("\n  %-10s %22s %22s %22s\n  %-10s %11s %10s %11s %10s %11s %10s\n", "image",
            "tables, flash (KB)", "workspace, RAM (KB)", "stack, at most (KB)", "", "float",
            "double", "float", "double", "float", "double");
     for (tables_image image = 0; image < TABLES_IMAGES; image++) {
-        print_image(from, image, tables_image_name[image]);
+        influence[image] = print_image(from, image, tables_image_name[image]);
         if (is_compact && image != TABLES_CONTROL)
-            print_image(&compact, image, "  compact");
+            (void)print_image(&compact, image, "  compact");
     }
     puts("  RAM: with the whole control loop and all its blocks (PREFIX_LOOP_BYTES)");
     print_compact_cost(from);
     puts("");
+    print_sparse(&influence[TABLES_CONTROL]);
 }
 
 void print_check(const analysis *analysis, const work_report *work)
@@ -283,6 +310,10 @@ static void json_image(json *json, const analysis *analysis, tables_image image,
               (double)(size.bytes + size.reals * 8));
     json_pair(json, "ram", (double)need.work[0], (double)need.work[1]);
     json_pair(json, "stack", (double)need.stack[0], (double)need.stack[1]);
+    if (size.influence.entries > 0) {
+        json_number(json, "influence_entries", (double)size.influence.entries);
+        json_bool(json, "influence_is_sparse", size.influence.is_used);
+    }
     json_close(json, '}');
 }
 

@@ -40,6 +40,33 @@ static void json_modes(json *json, const design *design)
     }
 }
 
+/*
+ * Print how many entries of a measured influence matrix count as zero in the controller, and the
+ * largest error that this causes.
+ */
+static void print_dropped(const design *design)
+{
+    const scene_influence *influence = &design->measured;
+    const design_dropped *dropped = &design->dropped;
+    const double rms = design->targets > 0 ? design_target_rms(design) : 0;
+    if (!(influence->drop_below > 0) || design->influence == NULL)
+        return;
+    printf("  drop_below %g: %zu of %zu entries count as zero in the controller",
+           influence->drop_below, dropped->entries,
+           (size_t)design->targets * (size_t)design->amplifiers);
+    if (dropped->entries > 0) {
+        const int row = design_row(design, dropped->output);
+        char number[32];
+        snprintf(number, sizeof number, "%d", row + 1);
+        printf(";\n  with all voltages at their limits they move output %s by %.3g %s",
+               influence->output_name ? influence->output_name[row] : number, dropped->error,
+               design->units.length);
+        if (rms > 0)
+            printf(", %.3g of the target's root mean square", dropped->error / rms);
+    }
+    putchar('\n');
+}
+
 void print_matrix(const analysis *analysis)
 {
     const design *design = &analysis->design;
@@ -60,6 +87,7 @@ void print_matrix(const analysis *analysis)
         printf("; rank %d, singular values %.3g to %.3g (ratio %.3g)", facts.rank, facts.most,
                facts.least, facts.most / facts.least);
     putchar('\n');
+    print_dropped(design);
     print_matrix_modes(design);
 }
 
@@ -74,6 +102,10 @@ void print_matrix_json(json *json, const analysis *analysis)
     if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;
     json_number(json, "largest_entry", facts.entry);
+    if (design->measured.drop_below > 0) {
+        json_number(json, "dropped_entries", (double)design->dropped.entries);
+        json_number(json, "dropped_error", design->dropped.error);
+    }
     if (facts.rank < 0)
         return;
     json_number(json, "rank", facts.rank);

@@ -54,6 +54,17 @@ typedef struct design_rows {
 } design_rows;
 
 /*
+ * Small entries of a measured influence matrix that count as zero in the controller, and the error
+ * that this causes.
+ */
+typedef struct design_dropped {
+    size_t entries; /* number of entries of the influence matrix that count as zero */
+    double error;   /* largest displacement of an output by the effects that are left out, with all
+                       voltages at their limits; infinite without limits (length unit) */
+    int output;     /* number of the output (target row) with this displacement, counted from 0 */
+} design_dropped;
+
+/*
  * Numerical model of a scene. The members after `problem` are what later stages (analysis, control,
  * reports) need of the scene file, copied by design_build; their texts and lists belong to the
  * scene, which outlives the design.
@@ -108,6 +119,7 @@ typedef struct design {
     double *lower, *upper, *step_limit, *reference_voltage; /* [amplifiers] voltage limits (V), step
                                                                limits (V a tick) and reference
                                                                voltages (V) */
+    design_dropped dropped;
     double *park; /* [amplifiers] park voltages: voltages of rest, to which the supervisor ramps by
                      command or after a fault (V) */
     pzs_problem problem;
@@ -341,6 +353,14 @@ void design_take_free(const design *design, double *shape);
  */
 void design_influence_free(const design *design, const double *influence, size_t stride,
                            double *column, double *out);
+
+/*
+ * Set the small entries of a measured influence matrix to zero in the controller, as the scene file
+ * asks for, and compute the largest error that this causes (design.dropped). The voltage limits
+ * must be computed before.
+ *   error [targets] in/out  work array, all zero (length unit)
+ */
+void design_drop(design *design, double *error);
 
 /*
  * Find the controlled displacements (target rows) on constrained dof, orthonormalise the free

@@ -12,20 +12,36 @@
 #include "../../lib/core/guard.h"
 
 /*
- * Compute the Hessian B'W^2 B of half the squared error, with influence matrix B and weights W.
+ * Add a factor times the entries from index `first` on of one vector to those of another. A factor
+ * of zero, as from an entry of a sparse influence matrix, changes nothing.
+ *   sum, row [count]
+ */
+static void add_products(double *sum, double factor, const double *row, size_t first, size_t count)
+{
+    if (!(fabs(factor) > 0))
+        return;
+    for (size_t k = first; k < count; k++)
+        sum[k] += factor * row[k];
+}
+
+/*
+ * Compute the Hessian B'W^2 B of half the squared error, with influence matrix B and weights W. It
+ * is symmetric to the last bit, and has the bits of the Hessian that a device computes in double.
  * Returns the weight of the regularisation term of the voltages (m2/V2).
  */
 static double build_hessian(design *design)
 {
     const size_t amplifiers = (size_t)design->amplifiers;
     double trace = 0;
-    for (int i = 0; i < design->targets; i++)
+    for (size_t i = 0; i < (size_t)design->targets; i++) {
+        const double square = design->weight[i] * design->weight[i];
+        const double *row = design->influence + i * amplifiers;
         for (size_t j = 0; j < amplifiers; j++)
-            for (size_t k = 0; k < amplifiers; k++)
-                design->hessian[j * amplifiers + k] +=
-                    design->weight[i] * design->weight[i] *
-                    design->influence[(size_t)i * amplifiers + j] *
-                    design->influence[(size_t)i * amplifiers + k];
+            add_products(design->hessian + j * amplifiers, square * row[j], row, j, amplifiers);
+    }
+    for (size_t j = 0; j < amplifiers; j++)
+        for (size_t k = 0; k < j; k++)
+            design->hessian[j * amplifiers + k] = design->hessian[k * amplifiers + j];
     for (size_t j = 0; j < amplifiers; j++)
         trace += design->hessian[j * amplifiers + j];
     return design->scene->limits.regularisation_is_relative
@@ -263,6 +279,21 @@ static int build_park(design *design, char *error)
     return 0;
 }
 
+/*
+ * Let small entries of a measured influence matrix count as zero, if the scene file asks for it.
+ * Returns 0, or -1 with error filled.
+ */
+static int drop_entries(design *design, char *error)
+{
+    double *sum = calloc((size_t)design->targets, sizeof *sum);
+    if (!sum)
+        return scene_fault(design->scene->limits.at, error, "%d outputs do not fit into memory",
+                           design->targets);
+    design_drop(design, sum);
+    free(sum);
+    return 0;
+}
+
 int design_control(design *design, const double *influence, char *error)
 {
     const size_t amplifiers = (size_t)design->amplifiers, inputs = design->structure.input.count;
@@ -289,9 +320,9 @@ int design_control(design *design, const double *influence, char *error)
     design_take_free(design, design->wanted);
     for (int i = 0; i < design->targets; i++)
         design->wanted[i] = design->target[i] - design->wanted[i];
-    problem->regularisation = build_hessian(design);
-    if (build_limits(design, error) < 0)
+    if (build_limits(design, error) < 0 || drop_entries(design, error) < 0)
         return -1;
+    problem->regularisation = build_hessian(design);
     problem->format = PZS_TABLE_FORMAT;
     problem->scene = design->scene->hash;
     problem->inputs = (uint16_t)amplifiers;

@@ -807,6 +807,8 @@ typedef struct scene_influence {
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
+    double drop_below;  /* entries of the influence matrix smaller than this part of the largest
+                           entry of their column count as zero in the controller (1) */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
                            file gives none */
     char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's

@@ -23,7 +23,7 @@ typedef struct influence_text {
     int file, coordinates, actuators, outputs, ignore, mask,
         modes; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
     bool rows_are_actuators;
-    double scale;
+    double scale, drop_below;
     number_table table;
     int coordinate_column[AXES]; /* numbers of the columns that hold the coordinates x, y and z of
                                     the outputs in the table of a measured influence matrix; -1
@@ -427,6 +427,7 @@ static int build(reader *reader, influence_text *text)
         check_size(reader, text) != 0)
         return -1;
     reader->s->influence.rows_are_actuators = text->rows_are_actuators;
+    reader->s->influence.drop_below = text->drop_below;
     reader->s->influence.file_outputs = outputs_of(text);
     if (make_actuators(reader, text) != 0 || name_outputs(reader, text) != 0 ||
         list_rows(reader, text) != 0 || take_coordinates(reader, text) != 0)
@@ -438,6 +439,8 @@ static int build(reader *reader, influence_text *text)
 
 static const choice row_meanings[] = {{"outputs", 0}, {"actuators", 1}, {NULL, 0}};
 
+static const range below_half = {0, 0.5, 0, "must be from 0 to 0.5"};
+
 static const field influence_fields[] = {
     {"file", read_node, offsetof(influence_text, file), .required = 1, .form = &label_form,
      .help = "File of the matrix, beside the scene file: displacement per volt, a row for each "
@@ -446,6 +449,10 @@ static const field influence_fields[] = {
      .help = "Meaning of the rows of the file; default outputs."},
     {"scale", read_real, offsetof(influence_text, scale), &above_zero, .of = OF_NUMBER,
      .help = "Factor of the entries; default 1."},
+    {"drop_below", read_real, offsetof(influence_text, drop_below), &below_half, .of = OF_NUMBER,
+     .help = "Entries smaller than this part of the largest entry of their actuator count as zero "
+             "in the controller, so that its tables may be sparse; default 0. `check` prints the "
+             "largest error that this causes."},
     {"actuators", read_node, offsetof(influence_text, actuators), .form = &labels_form,
      .help = "Names of the actuators in the order of the file; default those of the file, or v1, "
              "v2 ..."},

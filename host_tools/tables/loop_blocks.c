@@ -4,6 +4,7 @@
  * (loop_blocks.h). A block does one task in every tick of the loop, such as estimating the shape.
  */
 #include "loop_blocks.h"
+#include "sparse_tables.h"
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
@@ -660,8 +661,17 @@ static size_t count_blocks(const loop_blocks *blocks)
     return present;
 }
 
+bool loop_blocks_read_entries(const loop_blocks *blocks)
+{
+    const bool has_own_matrix = loop_estimates(blocks->design);
+    return has_detector(blocks) || has_pulse_detector(blocks) ||
+           (!has_own_matrix && (has_selftest(blocks) || has_delay(blocks)));
+}
+
 static block_counts count(const loop_blocks *blocks)
 {
+    const sparse_facts sparse =
+        sparse_tables_count(blocks->design, loop_blocks_read_entries(blocks));
     const block_counts of = {
         .inputs = blocks->design->problem.inputs,
         .outputs = blocks->design->problem.outputs,
@@ -671,6 +681,7 @@ static block_counts count(const loop_blocks *blocks)
         .plays = blocks->compensation.tables.plays,
         .creeps = blocks->compensation.tables.creeps,
         .loads = loop_feeds(blocks->design) ? blocks->estimator->shape_table.inputs : 0,
+        .entries = sparse.is_used ? sparse.entries : 0,
         .blocks = count_blocks(blocks),
         .delay = (size_t)blocks->design->simulate.delay,
         .damper_delay = blocks->damper->tables.delay,

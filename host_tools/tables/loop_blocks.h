@@ -110,6 +110,13 @@ void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiri
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
+ * Return whether a block of the control loop reads single entries of the influence matrix, which
+ * its tables must then hold as a full matrix: the fault detectors, and, where outputs are the
+ * sensors, the self-test and the correction of late readings.
+ */
+bool loop_blocks_read_entries(const loop_blocks *blocks);
+
+/*
  * Return the memory of a control loop with given blocks (stages of a tick) (bytes): the value of
  * PREFIX_LOOP_BYTES in the generated header, in single or in double precision. In single precision
  * the value is an upper bound, because pointers and the reals in structs count as on this computer.

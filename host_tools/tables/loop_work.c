@@ -5,8 +5,8 @@
 #include "pzs_loop.h"
 
 const loop_processor loop_processor_table[LOOP_PROCESSORS] = {
-    {"Cortex-M4F, float, -Os", "cortex_m4f", 1, 6, 15, 6.0, 1},
-    {"Cortex-M7, double, -O2", "cortex_m7", 2.4, 12, 12, 6.0, 1.05},
+    {"Cortex-M4F, float, -Os", "cortex_m4f", 1, 6, 15, 16, 6.0, 1},
+    {"Cortex-M7, double, -O2", "cortex_m7", 2.4, 12, 12, 16, 6.0, 1.05},
 };
 
 /*
@@ -30,12 +30,23 @@ static double loops(const block_counts *of, const loop_processor *on, double per
 }
 
 /*
+ * Number of instructions of the product of the influence matrix with a vector, on the left or on
+ * the right.
+ */
+static double influence_product(const block_counts *of, const loop_processor *on)
+{
+    if (of->entries == 0)
+        return product(on, of->outputs, of->inputs);
+    return on->sparse * (double)of->entries + loops(of, on, 110, 4, 100);
+}
+
+/*
  * Return the number of instructions that predict the shape in a control tick, after the voltages
  * have changed.
  */
 static double prediction(const block_counts *of, const loop_processor *on)
 {
-    return product(on, of->outputs, of->inputs) + loops(of, on, 6, 30, 100);
+    return influence_product(of, on) + loops(of, on, 6, 30, 100);
 }
 
 /*
@@ -105,8 +116,7 @@ static double optimisation(const block_counts *of, const loop_processor *on)
  */
 double loop_work_governor(const block_counts *of, const loop_processor *on)
 {
-    return 3 * product(on, of->outputs, of->inputs) + loops(of, on, 75, 300, 2500) +
-           optimisation(of, on);
+    return 3 * influence_product(of, on) + loops(of, on, 75, 300, 2500) + optimisation(of, on);
 }
 
 double loop_work_vibration(const block_counts *of, const loop_processor *on)
@@ -141,7 +151,7 @@ double loop_work_inverse(const block_counts *of, const loop_processor *on)
  */
 double loop_work_step(const block_counts *of, const loop_processor *on)
 {
-    return product(on, of->outputs, of->inputs) + prediction(of, on) + optimisation(of, on) +
+    return influence_product(of, on) + prediction(of, on) + optimisation(of, on) +
            loops(of, on, of->is_damped ? 29 : 85, 0, 0) +
            (of->is_damped ? 0 : second_prediction(of, on));
 }

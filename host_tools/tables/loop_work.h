@@ -24,7 +24,9 @@
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps, loads;
-    size_t blocks;              /* number of blocks (stages) of a control tick */
+    size_t entries; /* number of entries of the influence matrix in the tables, if it is stored as
+                       sparse rows; 0: it is stored as a full matrix */
+    size_t blocks;  /* number of blocks (stages) of a control tick */
     size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
                                    (ticks); damper_delay: age that the stage of the tick that damps
                                    vibration assumes (ticks) */
@@ -49,6 +51,8 @@ typedef struct loop_processor {
                      and vector, in addition to those for each entry */
     double columns;   /* number of matrix columns that a product of matrix and vector processes
                          together */
+    double sparse;    /* number of instructions for each entry in a product of sparse rows and
+                         vector, with more inputs than PRODUCT_LONG_ROW */
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
     double other; /* instructions of program loops that are neither products of matrix and vector
                      nor the optimiser: ratio of their number on this processor to that on a

@@ -371,17 +371,21 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 
 /* ---- voltage optimisation problem -------------------------------------------------- */
 
-/* Write the influence matrix and the Hessian of the voltage optimisation problem. */
-static void write_influence(emitter *emitter, const design *design)
+/*
+ * Write the influence matrix, unless the tables hold it as sparse rows, and the Hessian of the
+ * voltage optimisation problem.
+ */
+static void write_influence(emitter *emitter, const design *design, const pzs_problem *problem)
 {
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
-    emit_reals(emitter, "influence", design->problem.influence, targets * amplifiers,
-               design->free_functions > 0
-                   ? "influence matrix: displacement of each target node (row) per volt of each "
-                     "amplifier (column), without the free functions of the target"
-                   : "influence matrix: displacement of each target node (row) per volt of each "
-                     "amplifier (column)");
-    if (design->problem.hessian)
+    if (problem->influence)
+        emit_reals(emitter, "influence", problem->influence, targets * amplifiers,
+                   design->free_functions > 0
+                       ? "influence matrix: displacement of each target node (row) per volt of "
+                         "each amplifier (column), without the free functions of the target"
+                       : "influence matrix: displacement of each target node (row) per volt of "
+                         "each amplifier (column)");
+    if (problem->hessian)
         emit_reals(emitter, "hessian", design->problem.hessian, amplifiers * amplifiers,
                    "Hessian B'W^2 B of the voltage optimisation problem, with influence matrix B "
                    "and weights W");
@@ -440,54 +444,100 @@ static void write_limit_rows(emitter *emitter, const design *design)
  * it points. */
 static void write_problem_struct(const emitter *emitter, const pzs_problem *problem)
 {
-    char influence_name[128], hessian_name[128], rows_name[128];
+    char influence_name[128], hessian_name[128], rows_name[128], sparse_name[128];
     name_or_null(emitter, problem->limit_rows != NULL, "limit_rows", rows_name);
     name_or_null(emitter, problem->influence != NULL, "influence", influence_name);
     name_or_null(emitter, problem->hessian != NULL, "hessian", hessian_name);
+    name_or_null(emitter, problem->sparse != NULL, "sparse_influence", sparse_name);
     emit_comment(
         emitter,
         "voltage optimisation problem: least squares for the voltages within their limits; "
-        "its third last member limits the work of the optimiser in a tick (multiply-adds; "
+        "its fourth last member limits the work of the optimiser in a tick (multiply-adds; "
         "0: default)");
     emit_begin(emitter, "problem", "problem", problem->scene, pzs_problem_crc(problem));
     fprintf(emitter->file,
             " %u, %u,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n"
-            "    %lluu, %s%s, PZS_DUAL_METHOD(%u),\n};\n\n",
+            "    %lluu, %s%s, PZS_DUAL_METHOD(%u), %s%s,\n};\n\n",
             problem->inputs, problem->outputs, influence_name, hessian_name, emitter->prefix,
             emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
             problem->regularisation, (unsigned long long)problem->work_limit,
-            problem->limit_rows ? "&" : "", rows_name, problem->inputs);
+            problem->limit_rows ? "&" : "", rows_name, problem->inputs, problem->sparse ? "&" : "",
+            sparse_name);
+}
+
+/*
+ * Write the sparse influence matrix of the voltage problem, if its tables hold one, after all other
+ * arrays that the checksum of the voltage problem covers.
+ */
+static void write_sparse(emitter *emitter, const pzs_sparse_influence *sparse)
+{
+    if (sparse == NULL)
+        return;
+    write_rows(emitter, "influence", &sparse->rows, sparse->rows.count,
+               "influence matrix: displacement of each target node (row) per volt of each "
+               "amplifier (column), sparse rows of the entries that are not zero");
+    fprintf(emitter->file,
+            "static const pzs_sparse_influence %s_sparse_influence = {\n"
+            "    &pzs_sparse_influence_calls,\n",
+            emitter->prefix);
+    name_rows(emitter, "influence", sparse->rows.count);
+    fputs("};\n\n", emitter->file);
+}
+
+/*
+ * Write the arrays and the C struct of the voltage problem.
+ *   problem in  voltage problem with the arrays that the tables are to hold
+ */
+static void write_voltage_problem(emitter *emitter, const design *design,
+                                  const pzs_problem *problem)
+{
+    const uint16_t counts[2] = {problem->inputs, problem->outputs};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    write_influence(emitter, design, problem);
+    write_limits(emitter, design);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &problem->regularisation, 1);
+    emitter->crc32 =
+        pzs_guard_crc(emitter->crc32, &problem->work_limit, sizeof problem->work_limit);
+    write_limit_rows(emitter, design);
+    write_sparse(emitter, problem->sparse);
+    write_problem_struct(emitter, problem);
 }
 
 /*
  * Write the voltage optimisation problem and its target.
- *   given in  problem to be written, with the limit of the optimiser's work in a tick
+ *   blocks in  blocks (stages) of the control tick, with the problem to be written and the limit of
+ *              the optimiser's work in a tick
+ *   facts  out entries of a measured influence matrix, for the control image
+ * Returns 0, or -1 where memory runs out.
  */
-static void write_problem(emitter *emitter, const analysis *analysis, tables_image image,
-                          const pzs_problem *given)
+static int write_problem(emitter *emitter, const analysis *analysis, tables_image image,
+                         const loop_blocks *blocks, sparse_facts *facts)
 {
     const design *design = &analysis->design;
-    pzs_problem problem = *given;
-    const uint16_t counts[2] = {problem.inputs, problem.outputs};
-    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    if (image == TABLES_CONTROL) {
-        write_influence(emitter, design);
-    } else {
-        problem.influence = NULL;
-        problem.hessian = NULL;
+    pzs_problem problem = blocks->problem;
+    pzs_sparse_influence sparse = {0};
+    int failed = 0;
+    if (image == TABLES_CONTROL)
+        *facts = sparse_tables_count(design, loop_blocks_read_entries(blocks));
+    if (facts->is_used) {
+        failed = sparse_tables_make(&sparse, design);
+        problem.sparse = &sparse;
     }
-    write_limits(emitter, design);
-    emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
-    emitter->crc32 = pzs_guard_crc(emitter->crc32, &problem.work_limit, sizeof problem.work_limit);
-    write_limit_rows(emitter, design);
-    write_problem_struct(emitter, &problem);
+    if (facts->is_used || image != TABLES_CONTROL)
+        problem.influence = NULL;
+    if (image != TABLES_CONTROL)
+        problem.hessian = NULL;
+    if (!failed)
+        write_voltage_problem(emitter, design, &problem);
+    sparse_tables_free(&sparse);
     if (image == TABLES_NONLINEAR)
         emit_reals(emitter, "target", design->target, (size_t)design->targets,
                    "target displacement of each target node, the effect of the loads included");
     else
         emit_reals(emitter, "target", design->wanted, (size_t)design->targets,
                    "displacement of each target node that the voltages must cause");
+    return failed;
 }
 
 /* ---- memory of the device --------------------------------------------- */
@@ -677,10 +727,10 @@ static int write_loop(emitter *emitter, const analysis *analysis, tables_image i
     char error[SCENE_ERROR];
     if (loop_parts_open(&parts, analysis, error) < 0)
         return -1;
-    write_problem(emitter, analysis, image, &parts.blocks.problem);
+    const int failed = write_problem(emitter, analysis, image, &parts.blocks, &size->influence);
     write_blocks(emitter, analysis, &parts, size);
     loop_parts_close(&parts);
-    return 0;
+    return failed;
 }
 
 /* ---- the generated header --------------------------------------------- */

@@ -8,6 +8,7 @@
 
 #include <stdio.h>
 #include "../model/analysis.h"
+#include "sparse_tables.h"
 
 typedef enum tables_image {
     TABLES_CONTROL,
@@ -30,6 +31,8 @@ typedef struct tables_size {
     size_t reals, bytes;
     size_t loop[2]; /* memory of the control loop on the device, in single [0] and in double [1]
                        precision (bytes); 0 where the firmware has no controller */
+    sparse_facts influence; /* entries of a measured influence matrix, and whether the tables hold
+                               it as sparse rows */
 } tables_size;
 
 /*

@@ -162,6 +162,9 @@ pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem 
         .state.problem = problem,
         .state.influence = influence != NULL ? influence : problem->influence};
     int32_t where = -1;
+    if (calibration->state.influence == NULL) /* a sparse influence matrix lacks the entries that a
+                                                 calibration could find */
+        return finish(calibration, PZS_E_ARGUMENT, where);
     const pzs_status status =
         pzs_control_check_problem(problem, calibration->state.influence, &where);
     if (status != PZS_OK)

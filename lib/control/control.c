@@ -27,6 +27,7 @@
 #include "../core/product.h"
 #include "limit_rows.h"
 #include "sensor_check.h"
+#include "sparse_influence.h"
 #include "step_bounds.h"
 
 /*
@@ -108,9 +109,23 @@ static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const 
                    inputs = control->state.problem->inputs;
     const pzs_real square = pzs_product_weigh(
         control->state.weighted, control->state.problem->weight, wanted, shape, outputs);
-    pzs_product_sum_rows(out, control->state.influence, inputs, control->state.weighted, outputs,
-                         inputs);
+    if (control->state.influence != NULL)
+        pzs_product_sum_rows(out, control->state.influence, inputs, control->state.weighted,
+                             outputs, inputs);
+    else
+        control->state.problem->sparse->call->project(control->state.problem, out,
+                                                      control->state.weighted);
     return square;
+}
+
+void pzs_control_multiply(const pzs_control *control, pzs_real *product, const pzs_real *voltage)
+{
+    const pzs_problem *problem = control->state.problem;
+    if (control->state.influence != NULL)
+        pzs_product_matrix(product, control->state.influence, voltage, problem->outputs,
+                           problem->inputs);
+    else
+        problem->sparse->call->multiply(problem, product, voltage);
 }
 
 /*
@@ -141,8 +156,7 @@ static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *cont
 static void rebase(pzs_optimiser *optimiser, pzs_control *control)
 {
     const pzs_real regularisation = control->state.problem->regularisation;
-    pzs_product_matrix(control->state.predicted, control->state.influence, optimiser->voltage,
-                       control->state.problem->outputs, optimiser->inputs);
+    pzs_control_multiply(control, control->state.predicted, optimiser->voltage);
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
         optimiser->regularisation_gradient[i] = optimiser->model_gradient[i] =
             regularisation * (optimiser->voltage[i] - control->state.problem->reference_voltage[i]);
@@ -482,12 +496,31 @@ static int32_t bad_limit(const pzs_problem *problem)
     return -1;
 }
 
+/*
+ * Check the influence matrix of a voltage problem after its checksum.
+ *   influence [outputs][inputs] in  full influence matrix that is used (m/V); NULL: the sparse one
+ *   bad                         in  index of the first number of the tables that is not finite, or
+ *                                   -1
+ * Returns PZS_OK, or an error with *where as pzs_control_init states them.
+ */
+static pzs_status check_influence(const pzs_problem *problem, const pzs_real *influence,
+                                  int32_t bad, int32_t *where)
+{
+    if (bad < 0 && influence != problem->influence)
+        bad = pzs_guard_nonfinite(influence, (uint32_t)problem->outputs * problem->inputs);
+    *where = bad;
+    if (bad >= 0)
+        return PZS_E_NONFINITE;
+    return influence == NULL ? problem->sparse->call->check(problem, where) : PZS_OK;
+}
+
 pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real *influence,
                                      int32_t *where)
 {
-    const int missing = problem->weight == NULL || problem->lower == NULL ||
-                        problem->upper == NULL || problem->step_limit == NULL ||
-                        problem->reference_voltage == NULL || influence == NULL;
+    const int missing =
+        problem->weight == NULL || problem->lower == NULL || problem->upper == NULL ||
+        problem->step_limit == NULL || problem->reference_voltage == NULL ||
+        (influence == NULL && (problem->sparse == NULL || problem->sparse->call == NULL));
     int32_t bad;
     *where = -1;
     if (problem->format != PZS_TABLE_FORMAT)
@@ -498,16 +531,13 @@ pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real 
         return PZS_E_ARGUMENT;
     if (pzs_problem_check(problem, &bad) != problem->crc)
         return PZS_E_CRC;
-    if (bad < 0 && influence != problem->influence)
-        bad = pzs_guard_nonfinite(influence, (uint32_t)problem->outputs * problem->inputs);
     *where = bad_limit(problem);
     if (*where >= 0)
         return PZS_E_LIMITS;
-    *where = bad;
-    if (bad >= 0)
-        return PZS_E_NONFINITE;
-    return problem->limit_rows != NULL ? problem->limit_rows->call->check_rows(problem, where)
-                                       : PZS_OK;
+    const pzs_status status = check_influence(problem, influence, bad, where);
+    if (status != PZS_OK || problem->limit_rows == NULL)
+        return status;
+    return problem->limit_rows->call->check_rows(problem, where);
 }
 
 void pzs_control_place(pzs_control *control, void *work)
@@ -713,8 +743,7 @@ pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *r
         most = number_absolute(optimiser->next_voltage[i]) > most
                    ? number_absolute(optimiser->next_voltage[i])
                    : most;
-    pzs_product_matrix(shape, control->state.influence, optimiser->voltage, outputs,
-                       optimiser->inputs);
+    pzs_control_multiply(control, shape, optimiser->voltage);
     const pzs_real left = PZS_SQRT(project_misfit(control, optimiser->next_voltage, error, shape));
     if (!number_is_finite(all + left))
         return finish(control, PZS_E_NONFINITE, pzs_guard_nonfinite(error, outputs));

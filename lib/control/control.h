@@ -33,6 +33,12 @@ uint32_t pzs_problem_check(const pzs_problem *problem, int32_t *bad);
 pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real *influence,
                                      int32_t *where);
 
+/*
+ * product [outputs] = influence matrix in use, full or sparse, times voltages [inputs]. The memory
+ * of the voltages must be readable up to the next multiple of four entries.
+ */
+void pzs_control_multiply(const pzs_control *control, pzs_real *product, const pzs_real *voltage);
+
 /* Predict the shape of the present voltages if they have changed since the last tick. */
 void pzs_control_predict(pzs_control *control);
 

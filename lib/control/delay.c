@@ -173,6 +173,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = check(delay, problem, signals->sensors);
     if (status != PZS_OK)
         return status;
+    if (delay->direct == NULL && signals->control->state.influence == NULL)
+        return PZS_E_ARGUMENT; /* a sparse influence matrix has no columns that the block could read
+                                */
     memset(state, 0, block_bytes(tables, problem));
     place(state, delay, signals->control);
     for (uint32_t i = 0; i <= delay->delay; i++)

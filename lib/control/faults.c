@@ -254,6 +254,9 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     if (problem->limit_rows != NULL) /* a test signal changes the voltage of one input alone and
                                         could violate a limit of a weighted sum of voltages */
         return finish(detector, PZS_E_ARGUMENT, -1);
+    if (control->state.influence == NULL) /* a sparse influence matrix has no columns that the fault
+                                             detector could read */
+        return finish(detector, PZS_E_ARGUMENT, -1);
     const size_t need = PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, delay);
     const int32_t missing = guard_missing_bytes(work, bytes, need);
     if (missing >= 0)

@@ -22,7 +22,6 @@
 #include "control.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
-#include "../core/product.h"
 
 /* ---- memory of the governor ------------------------------------------ */
 
@@ -188,8 +187,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
         find_optimum(state, signals->wanted);
     if (!state->has_target || !move_reference(state))
         return PZS_OK;
-    pzs_product_matrix(state->wanted, signals->control->state.influence, state->ahead,
-                       problem->outputs, problem->inputs);
+    pzs_control_multiply(signals->control, state->wanted, state->ahead);
     for (uint32_t i = 0; i < problem->outputs; i++)
         state->wanted[i] = signals->wanted[i] - state->wanted[i];
     signals->wanted = state->wanted;

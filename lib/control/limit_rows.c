@@ -9,6 +9,7 @@
  * ends of the line do, except by rounding errors, which are checked.
  */
 #include "limit_rows.h"
+#include "scrub.h"
 #include "boxls.h"
 #include "step_bounds.h"
 #include "../core/guard.h"
@@ -140,6 +141,23 @@ static pzs_status check_rows(const pzs_problem *problem, int32_t *where)
     }
     *where = -1;
     return is_safe(problem) ? PZS_OK : PZS_E_LIMITS;
+}
+
+static void list_parts(const pzs_problem *problem, pzs_table_part part[LIMIT_ROW_PARTS])
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    if (rows->sums.start == NULL || !pzs_guard_rows_fit(&rows->sums, problem->inputs))
+        return;
+    const size_t count = rows->sums.count, entries = rows->sums.start[count];
+    const size_t dof_bytes = rows->sums.dof != NULL ? entries * sizeof *rows->sums.dof : 0;
+    part[0] = (pzs_table_part){&rows->sums.count, sizeof rows->sums.count};
+    part[1] = (pzs_table_part){rows->sums.start, (count + 1u) * sizeof *rows->sums.start};
+    part[2] = (pzs_table_part){rows->sums.dof, dof_bytes};
+    part[3] = scrub_reals(rows->sums.value, entries);
+    part[4] = scrub_reals(rows->lower, count);
+    part[5] = scrub_reals(rows->upper, count);
+    part[6] = scrub_reals(rows->safe, problem->inputs);
+    part[7] = (pzs_table_part){&rows->absolute_count, sizeof rows->absolute_count};
 }
 
 static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
@@ -310,6 +328,6 @@ static bool bring_inside(pzs_control *control, int32_t *where)
 }
 
 const struct pzs_limit_row_calls pzs_limit_rows_calls = {
-    check_rows,        pzs_satisfy_rows, pzs_arrange_rows,   pzs_prepare_rows,    pzs_repair_rows,
-    pzs_optimise_rows, bring_inside,     pzs_violation_rows, pzs_scale_back_rows, take_back,
-    add_row_limits,    least_work,       usual_work};
+    list_parts,      check_rows,        pzs_satisfy_rows, pzs_arrange_rows,   pzs_prepare_rows,
+    pzs_repair_rows, pzs_optimise_rows, bring_inside,     pzs_violation_rows, pzs_scale_back_rows,
+    take_back,       add_row_limits,    least_work,       usual_work};

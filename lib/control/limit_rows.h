@@ -17,6 +17,11 @@
 
 struct pzs_limit_row_calls {
     /*
+     * List the arrays of the limits of weighted sums of voltages that the checksum of the
+     * controller's tables covers. Arrays that are missing or too large to be read are not listed.
+     */
+    void (*list_parts)(const pzs_problem *problem, pzs_table_part part[LIMIT_ROW_PARTS]);
+    /*
      * Check the tables of the limits of sums of voltages. Returns PZS_OK, or an error with *where
      * as pzs_control_init states them.
      */

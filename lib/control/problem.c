@@ -3,6 +3,7 @@
  * Checksum of the tables of the controller (pzs_problem), and order of their arrays in the
  * checksum.
  */
+#include <string.h>
 #include "control.h"
 #include "problem.h"
 #include "../core/guard.h"
@@ -14,38 +15,16 @@
 /*
  * Arrays and numbers in the tables of the controller that must be finite, one bit for the place of
  * each in the checksum: influence matrix, Hessian, output weights, reference voltages,
- * regularisation.
+ * regularisation, entries of the sparse influence matrix.
  */
-#define FINITE_PARTS (1u << 2 | 1u << 3 | 1u << 4 | 1u << 8 | 1u << 9)
-
-/*
- * List the arrays of the limits of weighted sums of voltages that the checksum of the controller's
- * tables covers. An array that is missing or too large to be read gets the size 0 bytes.
- */
-static void list_row_parts(const pzs_problem *problem, pzs_table_part part[LIMIT_ROW_PARTS])
-{
-    const pzs_limit_rows *rows = problem->limit_rows;
-    const bool fits = rows != NULL && rows->sums.start != NULL &&
-                      pzs_guard_rows_fit(&rows->sums, problem->inputs);
-    for (uint32_t k = 0; k < LIMIT_ROW_PARTS; k++)
-        part[k] = (pzs_table_part){NULL, 0};
-    if (!fits)
-        return;
-    const size_t count = rows->sums.count, entries = rows->sums.start[count];
-    const size_t dof_bytes = rows->sums.dof != NULL ? entries * sizeof *rows->sums.dof : 0;
-    part[0] = (pzs_table_part){&rows->sums.count, sizeof rows->sums.count};
-    part[1] = (pzs_table_part){rows->sums.start, (count + 1u) * sizeof *rows->sums.start};
-    part[2] = (pzs_table_part){rows->sums.dof, dof_bytes};
-    part[3] = scrub_reals(rows->sums.value, entries);
-    part[4] = scrub_reals(rows->lower, count);
-    part[5] = scrub_reals(rows->upper, count);
-    part[6] = scrub_reals(rows->safe, problem->inputs);
-    part[7] = (pzs_table_part){&rows->absolute_count, sizeof rows->absolute_count};
-}
+#define FINITE_PARTS (1u << 2 | 1u << 3 | 1u << 4 | 1u << 8 | 1u << 9 | 1u << (PROBLEM_PARTS - 1u))
 
 void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_PARTS])
 {
     const size_t inputs = problem->inputs, outputs = problem->outputs;
+    const pzs_sparse_influence *sparse = problem->sparse;
+    const pzs_limit_rows *rows = problem->limit_rows;
+    memset(part, 0, PROBLEM_PARTS * sizeof *part);
     part[0] = (pzs_table_part){&problem->inputs, sizeof problem->inputs};
     part[1] = (pzs_table_part){&problem->outputs, sizeof problem->outputs};
     part[2] = scrub_reals(problem->influence, outputs * inputs);
@@ -57,7 +36,10 @@ void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_P
     part[8] = scrub_reals(problem->reference_voltage, inputs);
     part[9] = scrub_reals(&problem->regularisation, 1);
     part[10] = (pzs_table_part){&problem->work_limit, sizeof problem->work_limit};
-    list_row_parts(problem, part + 11);
+    if (rows != NULL && rows->call != NULL)
+        rows->call->list_parts(problem, part + 11);
+    if (sparse != NULL && sparse->call != NULL)
+        sparse->call->list_parts(problem, part + 11 + LIMIT_ROW_PARTS);
 }
 
 /*

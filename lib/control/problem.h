@@ -9,8 +9,10 @@
 #include "pzs_control.h"
 #include "limit_rows.h"
 #include "scrub.h"
+#include "sparse_influence.h"
 
-#define PROBLEM_PARTS (11u + LIMIT_ROW_PARTS)
+/* Number of arrays and numbers of a voltage problem that its checksum covers. */
+#define PROBLEM_PARTS (11u + LIMIT_ROW_PARTS + SPARSE_PARTS)
 
 void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_PARTS]);
 

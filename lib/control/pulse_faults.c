@@ -1109,6 +1109,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
                                         applies, could violate the limit of a weighted sum of
                                         voltages */
         return PZS_E_ARGUMENT;
+    if (signals->control->state.influence == NULL) /* a sparse influence matrix has no columns that
+                                                      the fault detector could read */
+        return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;
     place(detector, signals);

@@ -113,9 +113,10 @@ pzs_status pzs_selftest_check(const pzs_selftest_tables *tables, const pzs_loop_
     pzs_table_part part[PZS_TABLE_PARTS];
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
         return PZS_E_FORMAT;
-    const bool has_sizes = tables->inputs == problem->inputs &&
-                           tables->sensors == signals->sensors &&
-                           (tables->direct != NULL || tables->sensors == problem->outputs);
+    const bool has_sizes =
+        tables->inputs == problem->inputs && tables->sensors == signals->sensors &&
+        (tables->direct != NULL ||
+         (tables->sensors == problem->outputs && signals->control->state.influence != NULL));
     if (!are_complete(tables) || !has_sizes)
         return PZS_E_ARGUMENT;
     if (pzs_scrub_crc(part, pzs_selftest_parts(tables, part)) != tables->crc)

@@ -19,7 +19,7 @@
 #define FEW PZS_BY_BITS(3, 2)
 #define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
 #define SOME PZS_BY_TILE(PZS_BY_BITS(3, 2), 4, 4)
-#define LANES 8u /* number of partial sums of a scalar product that are computed side by side */
+#define LANES PRODUCT_LANES
 
 #if !PZS_VFP
 
@@ -199,12 +199,6 @@ static void sum_rows(pzs_real *restrict product, const pzs_real *restrict table,
 
 /* ---- matrices ------------------------------------------------------------------- */
 
-/*
- * From this number of columns on, a row of a matrix is too long to be read in groups of columns.
- * Each row is then multiplied as a whole by the vector, as in a scalar product.
- */
-#define LONG_ROW 128u
-
 /* Whether all entries of a vector are zero, as voltages are at the start of many controllers. */
 static bool is_zero(const pzs_real *vector, size_t count)
 {
@@ -218,13 +212,13 @@ void pzs_product_matrix(pzs_real *restrict product, const pzs_real *restrict tab
                         const pzs_real *restrict vector, size_t rows, size_t cols)
 {
     static const pzs_real zero = 0;
-    if (cols < LONG_ROW)
+    if (cols < PRODUCT_LONG_ROW)
         multiply(product, &zero, 0, table, vector, rows, cols);
-    if (cols >= LONG_ROW && is_zero(vector, cols)) {
+    if (cols >= PRODUCT_LONG_ROW && is_zero(vector, cols)) {
         memset(product, 0, rows * sizeof *product);
         return;
     }
-    for (size_t i = 0; cols >= LONG_ROW && i < rows; i++)
+    for (size_t i = 0; cols >= PRODUCT_LONG_ROW && i < rows; i++)
         product[i] = pzs_product_dot(table + i * cols, vector, cols);
 }
 
@@ -296,8 +290,7 @@ void pzs_product_subtract_rows(pzs_real *restrict vector, const pzs_real *restri
 
 /* ---- of two vectors ------------------------------------------------------------- */
 
-#define ADD_LANES(sum)                                                                             \
-    (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
+#define ADD_LANES PRODUCT_ADD_LANES
 
 /*
  * On a host with wide vector loops (product_wide.h), add the first entries of a long scalar product

@@ -22,6 +22,31 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
                      size_t cols);
 
 /*
+ * Number of matrix columns from which on a row is too long to be read in groups of columns. Each
+ * row is then multiplied as a whole by the vector, as in a scalar product.
+ */
+#define PRODUCT_LONG_ROW 128u
+
+/*
+ * Number of partial sums of a scalar product that are computed side by side, and their sum
+ * PRODUCT_ADD_LANES.
+ */
+#define PRODUCT_LANES 8u
+#define PRODUCT_ADD_LANES(sum)                                                                     \
+    (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
+
+/*
+ * product [rows.count] = sparse rows with `cols` columns times vector [cols], and product [cols] =
+ * sum over the sparse rows i of vector_i times row i. The columns of the entries of each row are in
+ * ascending order. The results have the bits of pzs_product_matrix and pzs_product_sum_rows with
+ * the same rows as a full table, for finite vectors.
+ */
+void pzs_product_sparse(pzs_real *restrict product, const pzs_rows *rows,
+                        const pzs_real *restrict vector, size_t cols);
+void pzs_product_sum_sparse(pzs_real *restrict product, const pzs_rows *rows,
+                            const pzs_real *restrict vector, size_t cols);
+
+/*
  * product [cols] = sum over the rows i of vector_i times row i of the table, whose rows are
  * `stride` reals apart.
  */

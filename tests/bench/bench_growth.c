@@ -10,7 +10,10 @@
  *           against the symmetric product B'B and the factor
  *   warm    pzs_tick on a slowly moving target       against one product with the influence matrix
  *   jump    pzs_step on a target that jumps          (mean and worst; frames out of work)
- * and, below, the exponents of a power of n fitted from one row to the next.
+ *   sparse  pzs_tick on a slowly moving target, on a mirror whose influence functions end at 1e-3
+ * of their peak: sparse influence matrix (and full matrix), against one product of the peer with
+ * the full matrix; the part of the entries that is not zero and, below, the exponents of a power of
+ * n fitted from one row to the next.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -27,18 +30,21 @@ void dpotrf_(const char *uplo, const int *n, double *a, const int *stride, int *
 #include "clock.h"
 
 #define WIDTH 1.2      /* of an influence function, in actuator pitches */
+#define WIDE 200.0     /* exponent at which an influence function ends, to save no underflow */
+#define NARROW 6.9     /* exponent at which an influence function ends, 1e-3 of its peak */
 #define LIMIT 0.6      /* voltage limit (V); targets have the size 1 */
 #define FRAMES 12      /* frames of the jumping target */
 #define REPEATS 5      /* repetitions of a measurement, of which the median counts */
 #define SOFTENING 1e-6 /* regularisation over the mean diagonal of the Hessian */
 
-enum { START, CHOLESKY, FORMED, FORM, WARM, PRODUCT, JUMP, WORST, TIMES };
+enum { START, CHOLESKY, FORMED, FORM, WARM, PRODUCT, JUMP, WORST, FULL, SPARSE, TIMES };
 
 typedef struct mirror {
     int n, m;
     double *influence, *hessian, *weight, *lower, *upper, *step_limit, *reference, *wanted;
     void *work;
     size_t bytes;
+    pzs_sparse_influence sparse;
     pzs_problem problem;
     pzs_control control;
 } mirror;
@@ -59,7 +65,11 @@ static double *reals(size_t count)
     return memset(memory, 0, (count + 8) * sizeof(double));
 }
 
-static void fill_influence(mirror *a)
+/*
+ * Fill the influence matrix with Gaussian functions exp(-far), which end at an exponent `end`: zero
+ * farther away.
+ */
+static void fill_influence(mirror *a, double end)
 {
     const int side = (int)ceil(sqrt(a->n));
     for (int i = 0; i < a->m; i++) {
@@ -70,12 +80,12 @@ static void fill_influence(mirror *a)
             const double dy = y - (j / side - (side - 1) / 2.0);
             const double far = (dx * dx + dy * dy) / (WIDTH * WIDTH);
             /* Products of numbers that far from the actuator would underflow, which takes time. */
-            a->influence[(size_t)i * a->n + j] = far < 200 ? exp(-far) : 0;
+            a->influence[(size_t)i * a->n + j] = far < end ? exp(-far) : 0;
         }
     }
 }
 
-static void open_mirror(mirror *a, int n)
+static void open_mirror(mirror *a, int n, double end)
 {
     memset(a, 0, sizeof *a);
     a->n = n;
@@ -88,7 +98,7 @@ static void open_mirror(mirror *a, int n)
     a->step_limit = reals(n);
     a->reference = reals(n);
     a->wanted = reals(a->m);
-    fill_influence(a);
+    fill_influence(a, end);
     cblas_dsyrk(CblasRowMajor, CblasLower, CblasTrans, n, a->m, 1, a->influence, n, 0, a->hessian,
                 n);
     double trace = 0;
@@ -124,6 +134,33 @@ static void close_mirror(mirror *a)
                        a->step_limit, a->reference, a->wanted, a->work};
     for (size_t k = 0; k < sizeof array / sizeof *array; k++)
         free(array[k]);
+}
+
+/* Store the entries of the influence matrix that are not zero as sparse rows. */
+static void compress(mirror *a)
+{
+    const size_t most = (size_t)a->n * (size_t)a->m;
+    uint32_t *start = calloc((size_t)a->m + 1, sizeof *start), entries = 0;
+    uint16_t *dof = calloc(most, sizeof *dof);
+    double *value = reals(most);
+    if (start == NULL || dof == NULL)
+        exit(1);
+    for (int i = 0; i < a->m; i++) {
+        for (int j = 0; j < a->n; j++) {
+            const double entry = a->influence[(size_t)i * a->n + j];
+            if (entry == 0)
+                continue;
+            dof[entries] = (uint16_t)j;
+            value[entries++] = entry;
+        }
+        start[i + 1] = entries;
+    }
+    a->sparse =
+        (pzs_sparse_influence){&pzs_sparse_influence_calls, {(uint16_t)a->m, start, dof, value}};
+    a->problem.influence = NULL;
+    a->problem.sparse = &a->sparse;
+    if (pzs_problem_seal(&a->problem) != PZS_OK)
+        exit(1);
 }
 
 static double time_start(mirror *a)
@@ -244,19 +281,45 @@ static int time_jumps(mirror *a, double *mean, double *worst)
     return cut;
 }
 
+/*
+ * Time ticks with the full and with the sparse matrix of narrow influence functions, whose voltages
+ * must have the same bits. Returns the part of the entries that is not zero.
+ */
+static double time_sparse(int n, double time[TIMES])
+{
+    mirror a;
+    open_mirror(&a, n, NARROW);
+    double *voltage = reals(n);
+    (void)time_start(&a);
+    time[FULL] = time_warm(&a);
+    memcpy(voltage, a.control.info.voltage, (size_t)n * sizeof *voltage);
+    compress(&a);
+    (void)time_start(&a);
+    time[SPARSE] = time_warm(&a);
+    if (memcmp(voltage, a.control.info.voltage, (size_t)n * sizeof *voltage) != 0)
+        exit(3);
+    const double density = (double)a.sparse.rows.start[a.m] / ((double)n * a.m);
+    free((void *)a.sparse.rows.start);
+    free((void *)a.sparse.rows.dof);
+    free((void *)a.sparse.rows.value);
+    free(voltage);
+    close_mirror(&a);
+    return density;
+}
+
 int main(void)
 {
-    static const char *const name[TIMES] = {"start", "potrf", "formed", "syrk",
-                                            "warm",  "gemv",  "jump",   "worst"};
+    static const char *const name[TIMES] = {"start", "potrf", "formed", "syrk", "warm",
+                                            "gemv",  "jump",  "worst",  "full", "sparse"};
     double time[2][TIMES];
     int failed = 0;
     puts("   n     m      start (potrf)     formed (syrk, potrf)   warm (gemv)        jump: mean, "
-         "worst, most, cut");
+         "worst, most, cut    sparse (full) (gemv), entries");
     for (int n = 16, k = 0; n <= 1024; n *= 2, k++) {
         mirror a;
         double *now_time = time[k % 2];
         const double *before = time[(k + 1) % 2];
-        open_mirror(&a, n);
+        open_mirror(&a, n, WIDE);
         now_time[FORMED] = time_formed(&a);
         now_time[FORM] = time_symmetric_product(&a);
         now_time[START] = time_start(&a);
@@ -264,11 +327,15 @@ int main(void)
         now_time[PRODUCT] = time_product(&a);
         now_time[WARM] = time_warm(&a);
         const int cut = time_jumps(&a, &now_time[JUMP], &now_time[WORST]);
+        const double density = time_sparse(n, now_time);
         const double peer = now_time[FORM] + now_time[CHOLESKY];
-        printf("%4d %5d %10.1f (%5.2f) %10.1f (%5.2f) %10.2f (%5.2f) %10.1f %10.1f %6d %3d\n", n,
-               a.m, now_time[START], now_time[START] / now_time[CHOLESKY], now_time[FORMED],
+        printf("%4d %5d %10.1f (%5.2f) %10.1f (%5.2f) %10.2f (%5.2f) %10.1f %10.1f %6d %3d "
+               "%10.2f (%5.2f) (%5.2f) %5.1f %%\n",
+               n, a.m, now_time[START], now_time[START] / now_time[CHOLESKY], now_time[FORMED],
                now_time[FORMED] / peer, now_time[WARM], now_time[WARM] / now_time[PRODUCT],
-               now_time[JUMP], now_time[WORST], a.control.info.iterations_most, cut);
+               now_time[JUMP], now_time[WORST], a.control.info.iterations_most, cut,
+               now_time[SPARSE], now_time[SPARSE] / now_time[FULL],
+               now_time[SPARSE] / now_time[PRODUCT], 100 * density);
         failed |= cut > 0;
         for (int j = 0; k > 0 && j < TIMES; j++)
             printf("%s%s %.2f", j == 0 ? "            exponents: " : ", ", name[j],

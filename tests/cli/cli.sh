@@ -124,6 +124,10 @@ done
 run 0 new && cmp -s "$dir/out" "$dir/plate.yaml"; check 'new without an argument is a plate' $?
 run 0 new measured-matrix && mv "$dir/out" "$dir/measured-matrix.csv" && run 0 new measured && mv "$dir/out" "$dir/measured.yaml" &&
     run 0 check "$dir/measured.yaml" --strict && grep -qF 'rank 7' "$dir/out"; check 'new measured is valid with its matrix' $?
+run 0 check "$dir/measured.yaml" --set influence.drop_below=0.2 && grep -qF 'entries count as zero in the controller' "$dir/out" &&
+    grep -qE 'they move output .* by [0-9.e-]+ mm, [0-9.]+ of the target' "$dir/out" && run 0 check "$dir/measured.yaml" --set influence.drop_below=0.2 --json && json "j['dropped_error'] > 0" &&
+    run 2 check "$dir/measured.yaml" --set influence.drop_below=0.7 && says 'must be from 0 to 0.5'
+check 'drop_below leaves out small entries with the largest error, and is refused above 0.5' $?
 run 2 solve "$dir/measured.yaml" && says 'needs a structure'; check 'solve of a measured matrix is refused by name' $?
 run 2 modes "$dir/measured.yaml" && says 'need a structure'; check 'modes of a measured matrix are refused by name' $?
 for image in linear nonlinear; do

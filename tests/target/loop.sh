@@ -71,6 +71,23 @@ loop_rows() {
             --device netduinoplus2 --json --csv "$scratch/rows.csv" >"$scratch/rows.json" 2>"$scratch/found"
 }
 
+# loop_sparse NAME ARGUMENTS: a measured mirror of 36 actuators, each of which moves few of 100 outputs
+loop_sparse() {
+    name=$1
+    shift
+    awk 'BEGIN {
+        for (i = 0; i < 100; i++)
+            for (k = 0; k < 36; k++) {
+                x = i % 10 / 1.8 - k % 6; y = int(i / 10) / 1.8 - int(k / 6)
+                printf "%.9g%s", 1e-6 * exp(-3 * (x * x + y * y)), k < 35 ? "," : "\n"
+            }
+    }' >"$scratch/narrow.csv"
+    printf '%s\n' 'name: narrow' 'units: {length: m, force: N, voltage: V, temperature: K}' \
+        'influence: {file: narrow.csv, drop_below: 0.02}' 'limits: {voltage: [-40, 40], step_limit: 20}' \
+        'target: {value: 3e-5}' 'simulate: {ticks: 60, plant: {gain: 0.9}, events: [{at: 30, target: -1}]}' >"$scratch/narrow.yaml"
+    "$PZS" simulate "$scratch/narrow.yaml" --json --csv "$scratch/$name.csv" "$@" >"$scratch/$name.json" 2>"$scratch/found"
+}
+
 if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     loop double
     tap $? 'the loop in double'
@@ -93,6 +110,12 @@ if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     loop_rows && [ "$(count "$scratch/rows.json" device_same)" = 100 ] &&
         awk -F, 'NR > 1 { for (k = 10; k <= NF; k++) if ($k - $(k - 1) > 10 || $(k - 1) - $k > 10) exit 1 }' "$scratch/rows.csv"
     tap $? 'netduinoplus2: neighbours within 10 V, 100 ticks with the bits of the same C here'
+    loop_sparse sparse-double && loop_sparse sparse-m7 --device mps2-an500 && "$PZS" tables "$scratch/narrow.yaml" -o "$scratch/narrow.h" >/dev/null &&
+        grep -q 'pzs_sparse_influence_calls' "$scratch/narrow.h" && [ "$(count "$scratch/sparse-m7.json" device_same)" = 60 ] &&
+        cmp "$scratch/sparse-double.csv" "$scratch/sparse-m7.csv" >"$scratch/found" 2>&1
+    tap $? 'mps2-an500: sparse influence matrix, 60 ticks with the bits of the full matrix on this computer'
+    loop_sparse sparse-m4 --device netduinoplus2 && [ "$(count "$scratch/sparse-m4.json" device_same)" = 60 ]
+    tap $? 'netduinoplus2: sparse influence matrix, 60 ticks with the bits of the same C here'
     ! cmp -s "$scratch/double.csv" "$scratch/netduinoplus2.csv"
     tap $? 'float and double differ'
     ARM_CC=false

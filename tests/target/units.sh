@@ -47,6 +47,7 @@ if tap_needs "$ARM_CC" 'unit tests' && tap_needs "$QEMU" 'unit tests'; then
     if sh tests/target/cmocka.sh >"$scratch/found" 2>&1; then
         check linalg
         check control
+        check sparse
         check tick
         check faults
         check estimate

@@ -79,6 +79,7 @@ static void make_tables(rig *r)
                                0,
                                0,
                                NULL,
+                               NULL,
                                NULL};
     r->estimator = (pzs_estimator){0, SCENE, 0, N, M, K, r->direct, r->gain};
     r->on_shape = (pzs_feed_forward_table){0, SCENE, 0, LOADS, M, r->by_load};

@@ -21,6 +21,7 @@
 #include "../../host_tools/model/vibration.h"
 #include "../../host_tools/simulate/simulate_loop.h"
 #include "../../host_tools/simulate/simulation.h"
+#include "../../host_tools/tables/sparse_tables.h"
 #include "../rigs/scene_assert.h"
 
 enum { PATH = 128 };
@@ -791,6 +792,102 @@ static void test_dependent(void **state)
     }
 }
 
+enum { COLUMNS = 8, LINES = 40 };
+
+/* Entry of a banded matrix with small numbers beside the band. */
+static double banded(int output, int actuator)
+{
+    const bool is_near = output / 5 == actuator;
+    return (is_near ? 1e-6 : 1e-9) * (1 + 0.1 * ((output * 7 + actuator * 3) % 11));
+}
+
+static void write_banded(void)
+{
+    FILE *file = fopen(path_of("matrix.csv"), "w");
+    assert_non_null(file);
+    for (int i = 0; i < LINES; i++)
+        for (int k = 0; k < COLUMNS; k++)
+            fprintf(file, "%.17g%c", banded(i, k), k + 1 < COLUMNS ? ',' : '\n');
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Assert that sparse rows hold the matrix of a design, and nothing else. */
+static void assert_rows_are(const pzs_rows *rows, const design *design)
+{
+    uint32_t at = 0;
+    for (int i = 0; i < LINES; i++) {
+        assert_int_equal(rows->start[i], at);
+        for (int k = 0; k < COLUMNS; k++) {
+            const double entry = design->influence[i * COLUMNS + k];
+            if (entry == 0)
+                continue;
+            assert_int_equal(rows->dof[at], k);
+            assert_true(rows->value[at] == entry);
+            at++;
+        }
+    }
+    assert_int_equal(rows->start[LINES], at);
+}
+
+/*
+ * Law: entries below drop_below times the largest entry of their column are zero in the controller
+ * alone, and the error is the largest sum of what is left out times the voltage limits. The tables
+ * hold the rest as sparse rows where it is an eighth of all entries, and the sparse matrix is
+ * refused by no check.
+ */
+static void test_dropped(void **state)
+{
+    (void)state;
+    scene_run m;
+    write_banded();
+    write_text("scene.yaml", "name: m\nunits: {length: m, force: N, voltage: V, temperature: K}\n"
+                             "influence: {file: matrix.csv, drop_below: 0.01}\n"
+                             "limits: {voltage: [-30, 50]}\n"
+                             "target: {value: 1e-6}\n");
+    open_measured(&m, "");
+    const design *design = &m.analysis.design;
+    double worst = 0;
+    for (int i = 0; i < LINES; i++) {
+        double error = 0;
+        for (int k = 0; k < COLUMNS; k++) {
+            const bool is_kept = i / 5 == k;
+            error += is_kept ? 0 : 50 * banded(i, k);
+            assert_true(design->influence[i * COLUMNS + k] == (is_kept ? banded(i, k) : 0));
+            assert_true(entry(&m.analysis, i, k) == banded(i, k));
+        }
+        worst = fmax(worst, error);
+    }
+    assert_int_equal(design->dropped.entries, LINES * (COLUMNS - 1));
+    assert_true(fabs(design->dropped.error - worst) <= 2 * COLUMNS * DBL_EPSILON * worst);
+    const sparse_facts facts = sparse_tables_count(design, false);
+    assert_int_equal(facts.entries, LINES);
+    assert_true(facts.is_used);
+    assert_false(sparse_tables_count(design, true).is_used);
+    pzs_sparse_influence sparse;
+    assert_int_equal(sparse_tables_make(&sparse, design), 0);
+    assert_rows_are(&sparse.rows, design);
+    sparse_tables_free(&sparse);
+    scene_run_close(&m);
+}
+
+/* Law: without drop_below nothing is left out, and a full matrix stays full. */
+static void test_nothing_dropped(void **state)
+{
+    (void)state;
+    scene_run m;
+    write_banded();
+    write_text("scene.yaml", "name: m\nunits: {length: m, force: N, voltage: V, temperature: K}\n"
+                             "influence: {file: matrix.csv}\n"
+                             "limits: {voltage: [-30, 50]}\n"
+                             "target: {value: 1e-6}\n");
+    open_measured(&m, "");
+    assert_int_equal(m.analysis.design.dropped.entries, 0);
+    assert_true(m.analysis.design.dropped.error == 0);
+    assert_int_equal(sparse_tables_count(&m.analysis.design, false).entries, LINES * COLUMNS);
+    assert_false(sparse_tables_count(&m.analysis.design, false).is_used);
+    scene_run_close(&m);
+}
+
 /* Law: what needs a structure says so, and that this scene has none. */
 static void test_without_structure(void **state)
 {
@@ -818,6 +915,7 @@ int main(void)
         cmocka_unit_test(test_faults),         cmocka_unit_test(test_warnings),
         cmocka_unit_test(test_dead_actuators), cmocka_unit_test(test_without_structure),
         cmocka_unit_test(test_dependent),      cmocka_unit_test(test_units_of_columns),
+        cmocka_unit_test(test_dropped),        cmocka_unit_test(test_nothing_dropped),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
