@@ -14,6 +14,7 @@
 #include "design_build.h"
 #include "electrodes.h"
 #include "mass.h"
+#include "ramp.h"
 #include "stress_output.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/core/linalg.h"
@@ -327,7 +328,8 @@ static pzs_status reach_nonlinear(analysis *analysis, const double *value, int w
     const double begin = analysis_now();
     if (!warm)
         pzs_solver_reset(run);
-    analysis->status = pzs_equilibrium(run, value);
+    analysis->status =
+        warm ? pzs_equilibrium(run, value) : ramp_equilibrium(&analysis->equilibrium, value);
     analysis->seconds.solve = analysis_now() - begin;
     memcpy(displacement, run->info.displacement,
            (size_t)analysis->design.mesh.free_dof * sizeof *displacement);

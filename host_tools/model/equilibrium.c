@@ -540,7 +540,8 @@ pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_
     equilibrium->solver.settings.tolerance = choice->tolerance;
     equilibrium->solver.settings.extrapolated_iterations =
         (uint16_t)choice->extrapolated_iterations;
-    equilibrium->solver.settings.ramp_solves = (uint16_t)choice->ramp_solves;
+    if (choice->ramp_solves > 0)
+        equilibrium->solver.settings.ramp_solves = (uint16_t)choice->ramp_solves;
     equilibrium->solver.settings.solve_limit = (uint32_t)choice->linear_solves;
     return PZS_OK;
 }

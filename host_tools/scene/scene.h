@@ -79,7 +79,7 @@ typedef struct scene_equilibrium {
                                     0: Newton's method throughout */
     int ramp_solves;   /* number of linear solves at the start of a load step over which the loads
                           rise in equal parts to those of its end; 1: the first linear solve has the
-                          loads of the end */
+                          loads of the end; 0: the program chooses */
     int linear_solves; /* largest number of systems of linear equations that are solved for one
                           nonlinear equilibrium */
     scene_at at;

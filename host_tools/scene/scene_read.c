@@ -285,7 +285,6 @@ static void set_defaults(scene *scene)
     scene->equilibrium.load_steps = 1;
     scene->equilibrium.tolerance = 1e-4;
     scene->equilibrium.extrapolated_iterations = 12;
-    scene->equilibrium.ramp_solves = 1;
     scene->equilibrium.linear_solves = 400;
     scene->reference_is_middle = true;
     scene->dynamics.damping = 0.005;

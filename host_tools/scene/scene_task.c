@@ -31,7 +31,7 @@ static const field equilibrium_fields[] = {
              "resultants are used; default 12; 0: plain Newton method."},
     {"ramp_solves", read_int, offsetof(scene_equilibrium, ramp_solves), &ramp, .of = OF_NUMBER,
      .help = "Number of linear solves over which the loads of a load step rise in equal parts; "
-             "default 1. Where one load step fails or is slow, try 2 or 6."},
+             "default: 1, and 8 where a load step would have to be shortened otherwise."},
     {"linear_solves", read_int, offsetof(scene_equilibrium, linear_solves), &solve_count,
      .of = OF_NUMBER, .help = "Largest number of linear solves; default 400."},
     {.key = NULL}};

@@ -850,7 +850,7 @@ static void test_nonlinear_words(void **state)
                 !scene.contact.given && scene.load[0].follower == FOLLOWER_NONE);
     assert_true(scene.equilibrium.load_steps == 1 && scene.equilibrium.tolerance == 1e-4 &&
                 scene.equilibrium.extrapolated_iterations == 12 &&
-                scene.equilibrium.ramp_solves == 1 && scene.equilibrium.linear_solves == 400);
+                scene.equilibrium.ramp_solves == 0 && scene.equilibrium.linear_solves == 400);
     scene_free(&scene);
 }
 

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Nonlinear equilibrium with an automatic choice of how slowly the loads of a load step rise
+ * (ramp.h).
+ */
+#include "ramp.h"
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/nonlinear/nonlinear.h"
+
+/*
+ * Number of linear solves over which the loads rise in the second try, with which the hyperboloid
+ * with soft ends converges in one load step on every mesh; and largest number of linear solves of
+ * the second try for each load step that the scene asks for, three times what it takes there.
+ */
+enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
+
+/* Relative distance up to which two displacements belong to the same equilibrium. */
+static const double same_within = 1e-3;
+
+/*
+ * Whether a second try with slower loads may help: load steps were shortened or have failed, and
+ * not because of a contact, which limits load steps by itself, or of a limit point, beyond which
+ * there may be no equilibrium that the loads lead to.
+ */
+static bool may_help(const equilibrium *equilibrium, pzs_status status)
+{
+    const pzs_solver *solver = &equilibrium->solver;
+    const scene_equilibrium *choice = &equilibrium->design->equilibrium;
+    const bool has_failed = status == PZS_E_DIVERGED || status == PZS_E_SOLVES;
+    return choice->ramp_solves == 0 && solver->settings.ramp_solves < LONG_RAMP &&
+           solver->settings.extrapolated_iterations > 0 && !equilibrium->design->contact.given &&
+           (has_failed ||
+            (!PZS_IS_ERROR(status) && solver->info.load_steps > solver->settings.load_steps));
+}
+
+/*
+ * Solve from the reference state with loads that rise over LONG_RAMP linear solves. Returns whether
+ * this has led to an equilibrium in no more load steps than the scene asks for.
+ */
+static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *status)
+{
+    const uint32_t solve_limit = solver->settings.solve_limit,
+                   enough = (uint32_t)SOLVES_PER_STEP * solver->settings.load_steps;
+    solver->settings.ramp_solves = LONG_RAMP;
+    solver->settings.solve_limit = enough < solve_limit ? enough : solve_limit;
+    pzs_solver_reset(solver);
+    *status = pzs_equilibrium(solver, value);
+    solver->settings.solve_limit = solve_limit;
+    return !PZS_IS_ERROR(*status) && solver->info.load_steps == solver->settings.load_steps;
+}
+
+/*
+ * Try once more with slower loads after a first try with the given status.
+ *   first [free_dof] in  displacement of the first try
+ *   state            in  state of the equilibrium solver after the first try
+ * Returns the status of the try that counts, whose state is left in the solver.
+ */
+static pzs_status second_try(equilibrium *equilibrium, const double *value, pzs_status status,
+                             const double *first, const void *state)
+{
+    pzs_solver *solver = &equilibrium->solver;
+    pzs_status ramped;
+    if (try_long_ramp(solver, value, &ramped)) {
+        const double *displacement = solver->info.displacement;
+        if ((PZS_IS_ERROR(status) && ramped == PZS_OK) ||
+            pzs_nonlinear_norm2(solver, displacement, first) <=
+                same_within * same_within * pzs_nonlinear_norm2(solver, first, NULL))
+            return ramped;
+    }
+    equilibrium_restore(equilibrium, state);
+    if (PZS_IS_ERROR(status))
+        return status;
+    /* The state does not contain the factors of the tangent stiffness, which are needed at an
+     * equilibrium; the same solves again give the same bits. */
+    pzs_solver_reset(solver);
+    return pzs_equilibrium(solver, value);
+}
+
+pzs_status ramp_equilibrium(equilibrium *equilibrium, const double *value)
+{
+    const size_t bytes =
+        (size_t)equilibrium->design->mesh.free_dof * sizeof *equilibrium->solver.info.displacement;
+    pzs_status status = pzs_equilibrium(&equilibrium->solver, value);
+    if (!may_help(equilibrium, status))
+        return status;
+    double *first = malloc(bytes);
+    void *state = malloc(equilibrium_state_bytes(equilibrium));
+    if (first && state) {
+        memcpy(first, equilibrium->solver.info.displacement, bytes);
+        equilibrium_save(equilibrium, state);
+        status = second_try(equilibrium, value, status, first, state);
+    }
+    free(first);
+    free(state);
+    return status;
+}
