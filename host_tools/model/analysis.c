@@ -110,7 +110,8 @@ static pzs_status open_electrodes(analysis *analysis)
     analysis->input_value = calloc(inputs + 1u, sizeof *analysis->input_value);
     analysis->charge = calloc(tables->count + 1u, sizeof *analysis->charge);
     analysis->electric_work = malloc(bytes);
-    if (!analysis->input_value || !analysis->charge || !analysis->electric_work)
+    analysis->modes = calloc(1, sizeof *analysis->modes);
+    if (!analysis->modes || !analysis->input_value || !analysis->charge || !analysis->electric_work)
         return PZS_E_WORKSPACE;
     return tables->count > 0 ? pzs_electric_init(&analysis->electric, &analysis->model, tables,
                                                  analysis->electric_work, bytes)
@@ -602,12 +603,32 @@ static bool is_loaded(const design *design)
            design->kinematics != KINEMATICS_LINEAR;
 }
 
-int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error)
+/*
+ * Compute the lowest vibration modes about the reference state, or copy them where as many were
+ * computed before.
+ */
+static int reference_modes(const analysis *analysis, vibration *result, int number, char *error)
 {
     const design *design = &analysis->design;
+    const int most = vibration_most(design), wanted = number < most ? number : most;
+    vibration *kept = analysis->modes;
+    if (kept && wanted > 0 && kept->count == wanted && vibration_copy(result, kept, design))
+        return 0;
+    if (vibration_solve(result, design, number, MASS_LUMPED, error) < 0)
+        return -1;
+    if (kept && result->count > kept->count) {
+        vibration_free(kept);
+        vibration_copy(kept, result, design);
+    }
+    return 0;
+}
+
+int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error)
+{
     return analysis->about.tangent
-               ? vibration_solve_at(vibration, design, &analysis->about, number, MASS_LUMPED, error)
-               : vibration_solve(vibration, design, number, MASS_LUMPED, error);
+               ? vibration_solve_at(vibration, &analysis->design, &analysis->about, number,
+                                    MASS_LUMPED, error)
+               : reference_modes(analysis, vibration, number, error);
 }
 
 int analysis_influence(analysis *analysis, char *error)
@@ -712,5 +733,8 @@ void analysis_free(analysis *analysis)
     free(analysis->recovered);
     reactions_free(&analysis->reactions);
     linearised_free(&analysis->about);
+    if (analysis->modes)
+        vibration_free(analysis->modes);
+    free(analysis->modes);
     memset(analysis, 0, sizeof *analysis);
 }

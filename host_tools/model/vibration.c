@@ -667,6 +667,26 @@ bool vibration_allocate(vibration *vibration, const design *design, size_t count
            vibration->response && vibration->effective;
 }
 
+bool vibration_copy(vibration *to, const vibration *from, const design *design)
+{
+    const size_t count = (size_t)from->count, dof = (size_t)design->mesh.free_dof,
+                 inputs = design->structure.input.count;
+    if (!vibration_allocate(to, design, count)) {
+        vibration_free(to);
+        return false;
+    }
+    to->rigid = from->rigid;
+    to->solves = from->solves;
+    to->mass = from->mass;
+    memcpy(to->frequency, from->frequency, count * sizeof *to->frequency);
+    memcpy(to->square, from->square, count * sizeof *to->square);
+    memcpy(to->largest, from->largest, count * sizeof *to->largest);
+    memcpy(to->shape, from->shape, count * dof * sizeof *to->shape);
+    memcpy(to->response, from->response, count * inputs * sizeof *to->response);
+    memcpy(to->effective, from->effective, count * sizeof *to->effective);
+    return true;
+}
+
 /* ---- memory and result ------------------------------------------------- */
 
 static int allocate_search(search *search, size_t number)

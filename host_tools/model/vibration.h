@@ -49,6 +49,9 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
                     char *error);
 void vibration_free(vibration *vibration);
 
+/* Copy the vibration modes of a design. Returns whether memory sufficed; if not, `to` is empty. */
+bool vibration_copy(vibration *to, const vibration *from, const design *design);
+
 /*
  * Allocate the arrays of frequencies, mode shapes and responses for a number of vibration modes,
  * filled with zeros. Returns whether memory sufficed; call vibration_free in either case.
