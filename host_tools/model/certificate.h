@@ -21,7 +21,7 @@
 
 enum {
     CERTIFICATE_TEXT = 2000
-}; /* largest length of the text that describes a certificate of stability (characters) */
+}; /* largest length of the text that describes the result of the stability tests (characters) */
 
 /*
  * Largest distance from the best shape that the voltage limits allow (that of the smallest shape
@@ -65,7 +65,9 @@ typedef struct certificate_target {
 
 /*
  * Certificate of a control loop with a vibration model (result of simulations that test whether it
- * is stable; simulate/certify.h). The loop is simulated
+ * is stable; simulate/certify.h). The loop is simulated with structures that differ from the model.
+ * The members describe the growth of small vibrations, the result of storms (simulations with fast
+ * jumps of the target), and the largest deviations from the model with which the loop is stable.
  */
 typedef struct certificate_loop {
     bool is_made;
@@ -128,7 +130,7 @@ typedef struct certificate_loop {
 } certificate_loop;
 
 typedef struct certificate {
-    bool is_made;   /* true after the certificate of stability has been computed */
+    bool is_made;   /* true after the stability of the control loop has been computed */
     bool has_modes; /* true where the vibration modes could be computed, which needs all densities
                      */
     char reason[SCENE_ERROR]; /* reason why the vibration modes are unknown or the loop was not

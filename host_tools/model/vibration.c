@@ -264,8 +264,11 @@ static void append(search *search, double *column)
             first += count;
         }
     }
-    /* The mass matrix times w before the second iteration serves for the norm after it: what this
-     * iteration removed is orthogonal to what is left. */
+    /*
+     * The product of the mass matrix and `next` was computed before the second iteration, and is
+     * still right for the norm of `next`: the part that the second iteration has removed is
+     * orthogonal to what is left.
+     */
     const double norm = sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)
         return;

@@ -2,8 +2,8 @@
 /*
  * Vibration modes of a structure that is known by its measured influence matrix (vibration.h). The
  * dof are the outputs of the matrix. The static response of the structure is the sum over the
- * vibration modes of mode shape times static modal coordinate, plus a residual of all vibration
- * modes that are left out.
+ * vibration modes of mode shape times modal coordinate in equilibrium, plus a residual of all
+ * vibration modes that are left out.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -32,8 +32,9 @@ static void fill_modes(vibration *vibration, const design *design)
 /* ---- static response from the influence matrix --------------------------- */
 
 /*
- * Fit, by least squares, the static modal coordinates of all vibration modes under 1 V at each
- * amplifier to the columns of the measured influence matrix. Returns 0, or -1 with error filled.
+ * Fit, by least squares, the modal coordinates of all vibration modes in equilibrium under 1 V at
+ * each amplifier to the columns of the measured influence matrix. Returns 0, or -1 with error
+ * filled.
  */
 static int fit_responses(vibration *vibration, const design *design, char *error)
 {

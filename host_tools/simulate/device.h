@@ -15,8 +15,8 @@ typedef struct device_board {
     const char *machine; /* QEMU's name of the board; NULL: the firmware is a program on this
                             computer */
     int bits;            /* bits of a floating-point number of the firmware: 32 or 64 */
-    const char *twin;    /* name of the board table row of its twin, a program on this computer that
-                            runs the C code of the firmware in the precision of the board */
+    const char *twin; /* name of the board's twin, such as host-32: a program on this computer that
+                         runs the C code of the firmware in the precision of the board */
 } device_board;
 
 /*

@@ -98,7 +98,8 @@ typedef struct loop {
     double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin (the
                                             firmware's C code on this computer); voltages before the
                                             tick (V) */
-    electrode *electrode;                /* [amplifiers] state of the electrode of each amplifier */
+    electrode *electrode; /* [amplifiers] state of the electrode of each amplifier: faults, outputs
+                             of amplifier lag, hysteresis and creep */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
                        section */
     sensor *sensor; /* [sensors] state of each sensor: its faults and its drift */

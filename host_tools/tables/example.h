@@ -86,7 +86,7 @@ static const pzs_real example_target[9] = {
 #define EXAMPLE_DELAY 0
 static const pzs_block example_blocks[EXAMPLE_BLOCKS] = {
     /* Cortex-M4F, float, -Os: at most 142128 instructions in a tick, of which 4250 outside the blocks (stages of the tick) */
-    {&pzs_step_block, &example_problem}, /* at most 137878 instructions in a tick */
+    {&pzs_step_block, &example_problem}, /* at most 137878 instructions of this stage in a tick */
 };
 #define EXAMPLE_LOOP_BYTES \
     (PZS_LOOP_BYTES(0, EXAMPLE_INPUTS) + \

@@ -809,7 +809,8 @@ static void write_list(const emitter *emitter, const loop_blocks *blocks)
     for (int k = 0, i = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].is_present(blocks))
             fprintf(emitter->file,
-                    "    {&pzs_%s_block, &%s_%s}, /* at most %.0f instructions in a tick */\n",
+                    "    {&pzs_%s_block, &%s_%s}, /* at most %.0f instructions of this stage in a "
+                    "tick */\n",
                     block_types[k].type_name, emitter->prefix, block_types[k].tables_name,
                     bounds.block[i++].most);
 }
