@@ -21,48 +21,123 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Fill the matrix that advances the vibration of the structure under the control loop by one tick.
- * Its states are, for each vibration mode just before the tick, the deviation e of the modal
- * coordinate from its static equilibrium and the modal velocity p divided by the angular frequency,
- * then the measured coordinates in equilibrium, h, of past ticks. L is the loop matrix (see
- * `loop`), k the response of the structure to voltages relative to the controller's model, and r[0]
- * to r[3] are the entries 11, 12, 21 and 22 of the matrix that advances e and p of one mode by the
- * free vibration of one tick. The voltages of the tick at time t have the equilibrium -h(t - delay)
- * in the model. The controller measures h(t) = L e(t) + (1 - k) h(t - delay - 1): the vibration,
- * and what the voltages do more or less than the model says. With the change of the equilibrium g =
- * k (h(t - delay) - h(t - delay - 1)), so that delay + 1 past measurements are needed:
- *   e' = r[0] (e + g) + r[1] p
- *   p' = r[2] (e + g) + r[3] p
- *   loop [modes][stride] in  loop matrix L; the first `modes` columns are used. Entry (i, j) is the
- *       static coordinate of mode i under the voltages that the controller subtracts per unit of
- *       mode j
+ * Transition matrix of a loop while it is filled. Its states are, for each vibration mode just
+ * before the tick, the deviation e of the modal coordinate from its static equilibrium and the
+ * modal velocity p divided by the angular frequency, then the measured static coordinates h of
+ * delay + 1 past ticks; with amplifiers that lag also the static coordinates of their output
+ * voltages at the tick and of their mean over the interval before it. The voltages of tick t have
+ * the static coordinates -h(t - delay) in the model.
  */
-static void fill_loop(const double *loop, int stride, const double *square, int modes,
-                      const double *damping, double gain, int delay, double interval,
-                      double *matrix)
+typedef struct transition {
+    const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the static coordinate of
+                           mode i under the voltages that the controller subtracts per unit of mode
+                           j */
+    size_t stride, modes, order;
+    const certificate_conditions *conditions;
+    double kept, behind; /* share of the distance between command and output of an amplifier that is
+                            left after an interval, and its mean over the interval */
+    double *matrix;      /* [order][order] */
+} transition;
+
+/* Number of states of the transition matrix for each vibration mode. */
+static size_t states_of(const certificate_conditions *conditions)
 {
-    const size_t m = (size_t)modes, order = m * (size_t)(delay + 3);
-    const size_t late = m * (size_t)(delay + 1), later = m * (size_t)(delay + 2);
-    memset(matrix, 0, order * order * sizeof *matrix);
-    for (size_t i = 0; i < m; i++) {
-        double r[4];
-        const double *measured = loop + i * (size_t)stride;
-        modal_propagator(sqrt(square[i]), damping[i], interval, r);
-        for (size_t half = 0; half < 2; half++) {
-            double *row = matrix + (half * m + i) * order;
-            const double moved = r[2 * half] * gain;
-            row[i] += r[2 * half];
-            row[m + i] += r[2 * half + 1];
-            for (size_t j = 0; j < m && delay == 0; j++)
-                row[j] += moved * measured[j];
-            row[later + i] -= delay == 0 ? moved * gain : moved;
-            if (delay > 0)
-                row[late + i] += moved;
-        }
-        memcpy(matrix + (2 * m + i) * order, measured, m * sizeof *measured);
-        matrix[(2 * m + i) * order + later + i] += 1 - gain;
-        for (size_t k = 3; k < (size_t)delay + 3; k++)
-            matrix[(k * m + i) * order + (k - 1) * m + i] = 1;
+    return (size_t)conditions->delay + (conditions->lag > 0 ? 5 : 3);
+}
+
+/*
+ * Add to a row of the transition matrix a multiple of what the controller measures at the tick: the
+ * vibration of all modes as static coordinate i, and how much more than the model says the voltages
+ * before have moved this coordinate.
+ */
+static void add_measured(const transition *transition, double *row, size_t i, double factor)
+{
+    const size_t m = transition->modes, delay = (size_t)transition->conditions->delay;
+    const double gain = transition->conditions->gain;
+    const bool lags = transition->conditions->lag > 0;
+    for (size_t j = 0; j < m; j++)
+        row[j] += factor * transition->loop[i * transition->stride + j];
+    row[m * (delay + 2) + i] += lags ? factor : factor * (1 - gain);
+    if (lags)
+        row[m * (delay + 4) + i] += factor * gain;
+}
+
+/* Add to a row of the transition matrix a multiple of static coordinate i under the commands. */
+static void add_command(const transition *transition, double *row, size_t i, double factor)
+{
+    const size_t delay = (size_t)transition->conditions->delay;
+    if (delay == 0)
+        add_measured(transition, row, i, -factor);
+    else
+        row[transition->modes * (delay + 1) + i] -= factor;
+}
+
+/*
+ * Add to a row of the transition matrix a multiple of the mean static coordinate i in the coming
+ * interval, under the voltages of the amplifiers.
+ */
+static void add_driven(const transition *transition, double *row, size_t i, double factor)
+{
+    const size_t output = transition->modes * ((size_t)transition->conditions->delay + 3);
+    add_command(transition, row, i, factor * (1 - transition->behind));
+    if (transition->conditions->lag > 0)
+        row[output + i] += factor * transition->behind;
+}
+
+/*
+ * Fill the rows of a vibration mode. The equilibrium moves by the change of the mean voltages, and
+ * deviation and velocity turn about it:
+ *   e' = turn[0] (e - change) + turn[1] p
+ *   p' = turn[2] (e - change) + turn[3] p
+ */
+static void fill_vibration(const transition *transition, size_t i, const double turn[4])
+{
+    const size_t m = transition->modes, delay = (size_t)transition->conditions->delay;
+    for (size_t half = 0; half < 2; half++) {
+        double *row = transition->matrix + (half * m + i) * transition->order;
+        const double moved = turn[2 * half] * transition->conditions->gain;
+        row[i] += turn[2 * half];
+        row[m + i] += turn[2 * half + 1];
+        add_driven(transition, row, i, -moved);
+        if (transition->conditions->lag > 0)
+            row[m * (delay + 4) + i] += moved;
+        else
+            row[m * (delay + 2) + i] -= moved;
+    }
+}
+
+/* Fill the rows of the past measurements and of the amplifiers for static coordinate i. */
+static void fill_memory(const transition *transition, size_t i)
+{
+    const size_t m = transition->modes, order = transition->order,
+                 delay = (size_t)transition->conditions->delay;
+    double *row = transition->matrix + i * order;
+    add_measured(transition, row + 2 * m * order, i, 1);
+    for (size_t k = 3; k < delay + 3; k++)
+        row[k * m * order + (k - 1) * m + i] = 1;
+    if (!(transition->conditions->lag > 0))
+        return;
+    double *output = row + (delay + 3) * m * order;
+    add_command(transition, output, i, 1 - transition->kept);
+    output[(delay + 3) * m + i] += transition->kept;
+    add_driven(transition, row + (delay + 4) * m * order, i, 1);
+}
+
+/* Fill the transition matrix of the loop over one tick. */
+static void fill_loop(transition *transition, const double *square, const double *damping)
+{
+    const certificate_conditions *conditions = transition->conditions;
+    memset(transition->matrix, 0, transition->order * transition->order * sizeof(double));
+    if (conditions->lag > 0) {
+        const double times = conditions->interval / conditions->lag;
+        transition->kept = exp(-times);
+        transition->behind = -expm1(-times) / times;
+    }
+    for (size_t i = 0; i < transition->modes; i++) {
+        double turn[4];
+        modal_propagator(sqrt(square[i]), damping[i], conditions->interval, turn);
+        fill_vibration(transition, i, turn);
+        fill_memory(transition, i);
     }
 }
 
@@ -79,17 +154,24 @@ static int lasting_modes(const double *square, int modes, const double *damping,
 }
 
 double certificate_radius(const double *loop, const double *square, int modes,
-                          const double *damping, double gain, int delay, double interval,
+                          const double *damping, const certificate_conditions *conditions,
                           int squarings)
 {
-    const int count = lasting_modes(square, modes, damping, interval);
-    const size_t order = (size_t)count * (size_t)(delay + 3);
-    double *matrix = malloc((2 * order * order + 1) * sizeof *matrix), radius = (double)NAN;
-    if (matrix) {
-        fill_loop(loop, modes, square, count, damping, gain, delay, interval, matrix);
-        radius = eigen_radius(matrix, matrix + order * order, order, squarings);
+    const int count = lasting_modes(square, modes, damping, conditions->interval);
+    transition transition = {.loop = loop,
+                             .stride = (size_t)modes,
+                             .modes = (size_t)count,
+                             .order = (size_t)count * states_of(conditions),
+                             .conditions = conditions};
+    const size_t order = transition.order;
+    double radius = (double)NAN;
+    transition.matrix = malloc((2 * order * order + 1) * sizeof *transition.matrix);
+    if (transition.matrix) {
+        fill_loop(&transition, square, damping);
+        radius =
+            eigen_radius(transition.matrix, transition.matrix + order * order, order, squarings);
     }
-    free(matrix);
+    free(transition.matrix);
     return radius;
 }
 
@@ -348,6 +430,9 @@ void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT
     if (certificate->rate > 0)
         rate_text(certificate, verdict);
     range_text(certificate, range);
+    if (certificate->bandwidth > 0)
+        text_append(text, CERTIFICATE_TEXT, "The amplifiers lag, with a corner of %g Hz.\n",
+                    certificate->bandwidth);
     text_append(text, CERTIFICATE_TEXT, "%s%s%s", verdict, range,
                 certificate->assumes_measured ? "\nJudged as if every target node were measured."
                                               : "");

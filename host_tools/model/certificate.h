@@ -150,9 +150,11 @@ typedef struct certificate {
     double damping; /* damping ratio of the structure's first vibration mode */
     bool has_own_damping; /* true where the scene file gives the damping ratio; false where it is an
                              assumption */
-    double rate;          /* tick rate of the scene (1/s); 0 where the scene file gives none */
-    double radius; /* spectral radius of the loop at the scene's tick rate, the growth factor of
-                      vibrations per tick; NAN without a rate */
+    double bandwidth; /* corner frequency of the first-order lag of the amplifiers that the scene
+                         file states (Hz); 0: no lag */
+    double rate;      /* tick rate of the scene (1/s); 0 where the scene file gives none */
+    double radius;    /* spectral radius of the loop at the scene's tick rate, the growth factor of
+                         vibrations per tick; NAN without a rate */
     double gain; /* approximately the largest fraction of the change from the present to the optimal
                     voltages that one tick of a stable control loop can make: 2 x damping ratio x
                     angular frequency of the first vibration mode x tick interval; NAN without a
@@ -199,22 +201,27 @@ bool certificate_is_prestressed(const certificate *certificate);
  */
 double certificate_first(const certificate *certificate);
 
+/* Conditions under which the spectral radius of a control loop is computed. */
+typedef struct certificate_conditions {
+    double gain;     /* static response of the structure to voltages, relative to the model */
+    int delay;       /* delay of the measurements (ticks) */
+    double interval; /* time between ticks (s) */
+    double lag;      /* time constant of the first-order lag of the amplifiers (s); 0: none */
+} certificate_conditions;
+
 /*
  * Spectral radius of the control loop on the vibration modes of a structure.
  *   loop [modes][modes] in loop matrix: entry (i, j) is the coordinate of mode i in equilibrium
  *       under the voltages that the controller subtracts per unit of mode j
  *   square  [modes]        in  squares of the angular frequencies (rad^2/s^2)
  *   damping [modes]        in  damping ratios
- *   gain                   in  static response of the structure to voltages, relative to the
- *       controller's model
- *   delay                  in  delay of the measurements (ticks)
- *   interval               in  time between ticks (s)
+ *   conditions             in  response of the structure, delay, interval and lag
  *   squarings              in  number of matrix squarings from which the spectral radius is
  *       computed
  * Returns NAN where memory runs out.
  */
 double certificate_radius(const double *loop, const double *square, int modes,
-                          const double *damping, double gain, int delay, double interval,
+                          const double *damping, const certificate_conditions *conditions,
                           int squarings);
 
 /*

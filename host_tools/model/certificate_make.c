@@ -49,6 +49,13 @@ static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
 
 /*
+ * Natural frequencies, relative to the model's, of the structures on which a loop whose amplifiers
+ * lag must be stable. The lag does not change with the frequencies, so that a lower tick rate does
+ * not stand for higher frequencies.
+ */
+static const double frequencies[] = {1, 0.9, 1.1};
+
+/*
  * Smallest regularisation of the voltage optimisation problem (least squares for the voltages)
  * relative to the mean diagonal entry of its Hessian. The regularisation keeps the Hessian positive
  * definite where amplifiers have equal effects.
@@ -264,12 +271,45 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 /*
  * Control loop whose stability is assessed: loop matrix (coordinates of the vibration modes in
  * equilibrium under the controller's reaction to a unit of each mode), squared angular frequencies
- * and damping ratios of the vibration modes, and delay of the measurements.
+ * and damping ratios of the vibration modes, delay of the measurements, and time constant of the
+ * amplifiers (s; 0: they do not lag).
  */
 typedef struct assessed_loop {
     const double *matrix, *square, *damping;
     int modes, delay;
+    double lag;
 } assessed_loop;
+
+/*
+ * Spectral radius of a control loop on a structure whose response to voltages and whose frequencies
+ * differ from the model's by the given factors. With time counted in units of 1/frequency only
+ * interval and lag depend on the frequencies.
+ */
+static double radius_at(const assessed_loop *loop, double gain, double frequency, double interval,
+                        int squarings)
+{
+    const certificate_conditions conditions = {.gain = gain,
+                                               .delay = loop->delay,
+                                               .interval = interval * frequency,
+                                               .lag = loop->lag * frequency};
+    return certificate_radius(loop->matrix, loop->square, loop->modes, loop->damping, &conditions,
+                              squarings);
+}
+
+/*
+ * Whether the control loop is stable at an interval between ticks on structures with each of the
+ * responses in `responses`, and, where its amplifiers lag, with each of the frequencies in
+ * `frequencies`.
+ */
+static bool is_stable_at(const assessed_loop *loop, double interval)
+{
+    const size_t count = loop->lag > 0 ? sizeof frequencies / sizeof *frequencies : 1;
+    for (size_t k = 0; k < count; k++)
+        for (size_t i = 0; i < sizeof responses / sizeof *responses; i++)
+            if (!(radius_at(loop, responses[i], frequencies[k], interval, QUICK) < 1))
+                return false;
+    return true;
+}
 
 /*
  * Whether the control loop is stable at a tick rate, on structures with each of the responses to
@@ -281,13 +321,9 @@ static bool is_stable(const assessed_loop *loop, double rate)
 {
     const double period = two_pi / sqrt(loop->square[0]), interval = 1 / rate;
     const int phases = interval > 4 * period ? PHASES : 1;
-    for (int k = 0; k < phases; k++) {
-        const double longer = interval + period * k / PHASES;
-        for (size_t i = 0; i < sizeof responses / sizeof *responses; i++)
-            if (!(certificate_radius(loop->matrix, loop->square, loop->modes, loop->damping,
-                                     responses[i], loop->delay, longer, QUICK) < 1))
-                return false;
-    }
+    for (int k = 0; k < phases; k++)
+        if (!is_stable_at(loop, interval + period * k / PHASES))
+            return false;
     return true;
 }
 
@@ -328,7 +364,8 @@ static void assess(certificate *certificate, const analysis *analysis)
 {
     const design *design = &analysis->design;
     const int first = vibration_first(&certificate->vibration), delay = design->simulate.delay,
-              most = STATE_LIMIT / (delay + 3);
+              most = STATE_LIMIT / (delay + (certificate->bandwidth > 0 ? 5 : 3));
+    const double lag = certificate->bandwidth > 0 ? 1 / (two_pi * certificate->bandwidth) : 0;
     const double *square = certificate->vibration.square + first;
     certificate->modes = certificate->vibration.count - first;
     certificate->modes = certificate->modes < most ? certificate->modes : most;
@@ -361,15 +398,14 @@ static void assess(certificate *certificate, const analysis *analysis)
         free(loop);
         return;
     }
+    const assessed_loop assessed = {loop, square, damping, certificate->modes, delay, lag};
     certificate->is_assessed = true;
     certificate->damping = damping[0];
     if (certificate->rate > 0) {
-        certificate->radius = certificate_radius(loop, square, certificate->modes, damping, 1,
-                                                 delay, 1 / certificate->rate, EXACT);
+        certificate->radius = radius_at(&assessed, 1, 1, 1 / certificate->rate, EXACT);
         certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
     }
-    const assessed_loop assessed = {loop, square, damping, certificate->modes, delay};
-    certificate->stable_rate = lowest_frequency * scan_rates(&assessed);
+    certificate->stable_rate = (lag > 0 ? 1 : lowest_frequency) * scan_rates(&assessed);
     free(damping);
     free(loop);
 }
@@ -384,6 +420,7 @@ void certificate_make(certificate *certificate, const analysis *analysis)
     certificate->damping = design->dynamics.damping;
     certificate->has_own_damping = design->dynamics.damping_given;
     certificate->rate = design->control.rate;
+    certificate->bandwidth = design->simulate.imperfections.bandwidth;
     certificate->radius = certificate->gain = certificate->stable_rate = (double)NAN;
     certificate->has_modes = analysis_vibration(analysis, &certificate->vibration,
                                                 design->dynamics.modes, certificate->reason) == 0;
