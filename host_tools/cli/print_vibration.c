@@ -203,10 +203,10 @@ void print_vibration_summary(const certificate *certificate, bool is_quasi_stati
 {
     const certificate_loop *loop = &certificate->loop;
     if (loop->is_made && loop->observed > 0)
-        printf(
-            "the tick damps %d modes from %.4g to %.4g Hz; %d of %d storms (stress tests) settle\n",
-            loop->observed, loop->observed_from, loop->observed_to, loop->storms - loop->failed,
-            loop->storms);
+        printf("the tick damps %d mode%s from %.4g to %.4g Hz; "
+               "%d of %d storms (stress tests) settle\n",
+               loop->observed, loop->observed == 1 ? "" : "s", loop->observed_from,
+               loop->observed_to, loop->storms - loop->failed, loop->storms);
     else if (loop->is_made)
         printf("the tick damps no mode, %s; %d of %d storms (stress tests) settle\n",
                loop->has_slow_mode ? "none moves the target enough" : "all are too fast",

@@ -485,8 +485,8 @@ void damper_text(const damper *damper, char text[SCENE_ERROR])
                                        : "every mode is too fast to be observed");
     else
         snprintf(text, SCENE_ERROR,
-                 "The tick observes and damps vibration: %d modes from %.4g to %.4g Hz, at %g "
+                 "The tick observes and damps vibration: %d mode%s from %.4g to %.4g Hz, at %g "
                  "ticks a second with readings taken to be %u ticks old.",
-                 modes, damper->frequency[0], damper->frequency[modes - 1], damper->rate,
-                 damper->tables.delay);
+                 modes, modes == 1 ? "" : "s", damper->frequency[0], damper->frequency[modes - 1],
+                 damper->rate, damper->tables.delay);
 }
