@@ -65,14 +65,14 @@ extern const struct pzs_sparse_calls pzs_sparse_influence_calls;
  * flash.
  */
 typedef struct pzs_problem {
-    uint32_t format; /* format number of these tables, PZS_TABLE_FORMAT */
+    uint32_t format; /* format number of the controller's tables, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc; /* checksum of the members below and of their arrays, computed by pzs_problem_seal
-                   */
+    uint32_t crc;    /* checksum of the tables and their arrays, computed by pzs_problem_seal
+                      */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output
-                                  per volt on each input (m/V); NULL: given to pzs_control_init,
-                                  or in `sparse` */
+                                  per volt on each input (m/V); NULL: the matrix is in `sparse`, or
+                                  is passed to pzs_control_init */
     const pzs_real *hessian;   /* [inputs][inputs] Hessian B'W^2 B of the influence matrix B and the
                                   output weights W (m2/V2); NULL: pzs_control_init computes it */
     const pzs_real *weight;    /* [outputs] weight of each output in the objective (1) */
@@ -193,7 +193,7 @@ size_t pzs_control_bytes(const pzs_problem *problem);
  *   bytes                       in  size of the workspace, at least PZS_CONTROL_BYTES, with limits
  *                                   of sums of voltages also PZS_LIMIT_ROW_BYTES
  * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS (also for a
- * negative step limit; for limit row k, info.where is the number of inputs plus k),
+ * negative step limit; for the limit of sum k, info.where is the number of inputs plus k),
  * PZS_E_NONFINITE. For a sparse influence matrix whose columns are not ascending or not below the
  * number of inputs, PZS_E_ARGUMENT with the output in info.where. After an error the controller
  * cannot be used, even if it was valid before.
@@ -204,7 +204,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
 /*
  * Set the present voltages of a controller to those that the amplifiers already give, so that no
  * voltage jumps after a reset or a new pzs_control_init. The voltages are clamped to the limits in
- * force. Inputs that pzs_hold held before the reset must be held again.
+ * force. Voltages that pzs_hold had fixed before the reset must be fixed again.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE; after an error nothing has changed.
  */
@@ -269,11 +269,11 @@ typedef struct pzs_report {
 } pzs_report;
 
 /*
- * Assess the present voltages from the influence matrix alone, independently of the optimiser. The
- * call takes 3 inputs*outputs multiply-adds and is not needed in a control loop. The voltage limits
- * are those in force; where step limits bind, the limits of the last step are used.
+ * Assess the present voltages of a controller from the influence matrix alone, independently of the
+ * optimiser. The call takes 3 inputs*outputs multiply-adds and is not needed in a control loop. The
+ * voltage limits are those in force, narrowed by the step limits of the last tick.
  *   error  [outputs] in   error passed to the last pzs_step, or, after pzs_tick, target minus
- *          info.disturbance (m)
+ *                         info.disturbance (m)
  *   report           out  unchanged after an error
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */

@@ -1,8 +1,7 @@
 /*
- * Internal state of the controller and of the blocks of the control loop. The types are public only
- * so that a program can reserve memory for them; the library alone uses their members, which may
- * change in every version.
- * SPDX-License-Identifier: BSD-2-Clause
+ * Internal state of the controller and of the blocks (stages of a tick) of the control loop. The
+ * types are public only so that a program can reserve memory for them; the library alone uses their
+ * members, which may change in every version. SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef PZS_CONTROL_STATE_H
 #define PZS_CONTROL_STATE_H
@@ -822,7 +821,8 @@ typedef struct pzs_loop_core {
                                    passed to pzs_loop_know, or NULL */
     const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, as
                                    passed to pzs_loop_know, or NULL */
-    uint32_t limit_sum;     /* checksum of the voltage limits and the step limits in the tables */
+    uint32_t limit_sum; /* checksum of the voltage limits and the step limits in the controller's
+                           tables */
     uint32_t influence_crc; /* checksum of the influence matrix, where the device has computed this
                                matrix */
     uint16_t sensors;       /* number of sensor readings in a tick */

@@ -12,15 +12,16 @@ extern "C" {
 #endif
 
 /*
- * Limits of weighted sums of voltages, in addition to the limits of each voltage: for example the
- * largest difference of two neighbouring voltages. A limit row is one such limit; row k demands
- *   lower_k <= sum over the entries of row k of (`value` * voltage of input `dof`) <=
- *   upper_k.
+ * Tables of limits of weighted sums of voltages, in addition to the limits of each voltage: for
+ * example the largest difference of two neighbouring voltages. A limit row is one such limit; row k
+ * demands
+ *   lower[k] <= sum over the inputs of (coefficient in row k of `sums` * voltage) <= upper[k].
  * The last absolute_count rows limit weighted sums of absolute values of voltages, for example the
  * current that a common supply gives: there the absolute value takes the place of the voltage.
- * All voltages that the controller gives obey the limit rows without any rounding error: the
- * optimiser narrows each row by the rounding error of its sum. A program whose voltage optimisation
- * problem has no limit rows does not link their code.
+ *
+ * All voltages that the controller gives obey these limits without any rounding error: the
+ * optimiser narrows each limit by the rounding error of the sum. A program without such limits does
+ * not link their code.
  */
 typedef struct pzs_limit_rows {
     const struct pzs_limit_row_calls *call; /* functions that implement limits of sums of voltages:

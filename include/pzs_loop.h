@@ -73,8 +73,8 @@ typedef struct pzs_loop_signals {
     const pzs_real *readings;  /* [sensors] sensor readings (unit of each sensor); NULL: no readings
                                   arrived in this tick */
     const pzs_real *measured;  /* [outputs] measured shape (m); NULL: no readings arrived in this
-                                  tick. This member points to the readings until they are converted
-                                  to a shape (by a block of PZS_PHASE_SHAPE) */
+                                  tick. This member points to the readings until a stage of the tick
+                                  (of PZS_PHASE_SHAPE) has computed the shape */
     const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken, as
                                   multiples of the loads in the scene file; NULL: no load is known
                                 */
@@ -106,9 +106,8 @@ typedef struct pzs_loop_signals {
 } pzs_loop_signals;
 
 /*
- * A type of block (stage of computation) of the control loop: a constant table, in flash, of the
- * functions that initialise, run and check such a block. The functions return the statuses of the
- * library.
+ * A type of block (stage of the control tick): a constant table, in flash, of the functions that
+ * initialise, run and check such a block. The functions return the statuses of the library.
  */
 typedef struct pzs_block_type {
     const char *name; /* name of this type of block (stage of the control tick) in messages to users
@@ -207,7 +206,7 @@ pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
 /*
  * Set the present voltages of a control loop to those that the amplifiers already give, clamped to
  * the limits, so that no voltage jumps after a reset. All other stages of the tick are initialised
- * again, and electrodes that pzs_hold held must be held again.
+ * again, and voltages that pzs_hold had fixed must be fixed again.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE; after an error nothing has changed.
  */
@@ -295,15 +294,14 @@ extern const pzs_block_type pzs_step_block;
 /* ---- estimator: the shape from a few sensors (lib/control/estimate.c) -- */
 
 /*
- * Tables of the shape estimator, which the host computes from the expected disturbances. All arrays
- * are const and may stay in flash.
+ * Tables of the shape estimator, which computes the shape from a few sensors; the host computes the
+ * tables from the loads and faults that it expects. All arrays are const and may stay in flash.
  */
 typedef struct pzs_estimator {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_estimator_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
     const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
                                C/V or m/V) */
@@ -369,8 +367,7 @@ typedef struct pzs_reading_delay {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_reading_delay_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_reading_delay_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
                                PZS_DELAY_LIMIT */
@@ -508,8 +505,7 @@ typedef struct pzs_supervision {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_supervision_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_supervision_seal */
     uint16_t inputs;
     /*
      * number of consecutive ticks without usable readings after which the supervisor ends control
@@ -608,8 +604,7 @@ typedef struct pzs_vibration {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_vibration_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_vibration_seal */
     uint16_t inputs, outputs, sensors, modes;
     uint16_t delay;          /* age of the sensor readings when a tick uses them (ticks) */
     const pzs_real *shape;   /* [outputs][modes] displacement of each output per coordinate of each
@@ -716,8 +711,9 @@ pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_v
  *                           arrived
  *   shape    [outputs] out  estimated static shape (m)
  * A reading that is stuck, not finite, or off by more than 1e12 is replaced by its prediction plus
- * its low-passed residual. Without a usable reading the modes are only predicted. Warnings:
- * PZS_W_SENSOR, PZS_W_HELD (no reading is usable). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * the low-passed difference of earlier readings from their predictions. Without a usable reading
+ * the modes are only predicted. Warnings: PZS_W_SENSOR, PZS_W_HELD (no reading is usable). Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape);
 
@@ -781,7 +777,8 @@ typedef struct pzs_governor_state {
      * divided by pzs_governor.share
      */
     pzs_real *ahead;
-    pzs_real *target; /* [outputs] target shape for which the static optimum was computed (m) */
+    pzs_real *target; /* [outputs] target shape for which the voltages that are optimal in static
+                         equilibrium were computed (m) */
     pzs_real *wanted; /* [outputs] target shape that the governor has slowed down for the vibration
                          damper (m) */
     bool has_target;  /* whether the optimal voltages belong to the target shape in the array
@@ -810,8 +807,7 @@ typedef struct pzs_feed_forward_table {
     uint32_t format, scene; /* format: format number of the table; scene: hash of the scene file
                                from which `pzs tables` generated the table, which the caller
                                compares with that in its other tables */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_feed_forward_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_feed_forward_seal */
     uint16_t inputs, outputs;
     const pzs_real *sensitivity; /* [outputs][inputs] change of the shape per unit of each known
                                     load or temperature (m/N, m/Pa or m/K) */
@@ -894,8 +890,7 @@ typedef struct pzs_hysteresis {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_hysteresis_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_hysteresis_seal */
     uint16_t inputs;
     uint16_t sets; /* number of sets of hysteresis parameters: 1 for all electrodes together,
                       otherwise one for each input */
@@ -1204,8 +1199,7 @@ typedef struct pzs_selftest_tables {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_selftest_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_selftest_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
                                PZS_DELAY_LIMIT */
@@ -1386,7 +1380,7 @@ extern const pzs_block_type pzs_selftest_block;
  */
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
-    PZS_FAULT_DEAD,  /* electrode fault: the electrode has lost its voltage */
+    PZS_FAULT_DEAD,  /* electrode fault: the electrode is at 0 V, whatever its amplifier gives */
     PZS_FAULT_STUCK, /* electrode fault: the electrode keeps a voltage, whatever its amplifier does
                       */
     PZS_FAULT_REVERSED /* electrode fault: the electrode responds with the wrong sign */

@@ -109,8 +109,7 @@ typedef struct pzs_compact_type {
 typedef struct pzs_structure {
     uint32_t format; /* format number of the tables of the structure, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc;    /* checksum of the members below and of their arrays, computed by
-                        pzs_structure_seal */
+    uint32_t crc;    /* checksum of the tables and their arrays, computed by pzs_structure_seal */
     uint16_t nodes, elements, types;
     /*
      * number of degrees of freedom of a node, 6 or 7: displacement u1 u2 u3, mean of both faces of
@@ -240,8 +239,8 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
  * Assemble the stiffness matrix of the structure from the matrices of its elements (equations 10-16
  * of Plotnikova 2013) and the springs.
  *   stiffness_factor [types]    in  factor of the matrix of each element type; NULL: all 1
- *   constrained      [free_dof] in  nonzero: this degree of freedom is held at zero in addition to
- *                                   the supports; NULL: none
+ *   constrained      [free_dof] in  nonzero: this degree of freedom is kept at zero in addition to
+ *                                   those of the supports; NULL: none
  * Both arrays must outlive the following solves. Errors: PZS_E_ARGUMENT (also for a negative
  * factor), PZS_E_STAGE, PZS_E_NONFINITE.
  */
@@ -300,8 +299,7 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 typedef struct pzs_electrodes {
     uint32_t format, scene; /* format number of the electrode tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_electrodes_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_electrodes_seal */
     uint16_t count;
     const uint16_t *input; /* [count] index of the input whose value is the voltage of the electrode
                             */

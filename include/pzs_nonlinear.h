@@ -60,8 +60,7 @@ typedef struct pzs_prescribed_motion {
 typedef struct pzs_nonlinear {
     uint32_t format, scene; /* format number of the nonlinear tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_nonlinear_seal */
+    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_nonlinear_seal */
     pzs_prescribed_resultants resultants;
     pzs_prescribed_motion prescribed;
 } pzs_nonlinear;
@@ -93,8 +92,9 @@ typedef struct pzs_solver_settings {
     uint16_t load_steps; /* number of load steps into which the equilibrium solver first divides the
                             way from the present input values to the wanted ones; default 1 */
     /*
-     * number of iterations of a load step that use extrapolated stress resultants before those of
-     * the present displacement are used; default 12; 0: plain Newton method
+     * number of iterations of a load step in which Newton's method extrapolates the stress
+     * resultants along the last increment of the displacement; later iterations use those of the
+     * present displacement; default 12; 0: plain Newton method
      */
     uint16_t extrapolated_iterations;
     uint16_t ramp_solves; /* number of linear solves at the start of a load step in which the input
@@ -232,8 +232,7 @@ pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
 typedef struct pzs_follower {
     uint32_t format, scene; /* format number of the follower-load tables and hash of their scene
                                file, which must be those of the structure */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_follower_seal */
+    uint32_t crc;   /* checksum of the tables and their arrays, computed by pzs_follower_seal */
     uint16_t input; /* index of the input whose value scales the follower pressure; the force vector
                        of this input is empty */
     uint8_t load_face; /* face of the shell on which the follower pressure acts: 0 inner, 1 outer, 2
@@ -384,9 +383,8 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
 typedef struct pzs_contact_face {
     uint32_t format, scene; /* format number of the contact tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc;           /* checksum of the members below and of their arrays, computed by
-                               pzs_contact_face_seal */
-    uint8_t face;           /* face of the shell that may come into contact: 0 inner, 1 outer */
+    uint32_t crc;   /* checksum of the tables and their arrays, computed by pzs_contact_face_seal */
+    uint8_t face;   /* face of the shell that may come into contact: 0 inner, 1 outer */
     uint16_t input; /* index of the input that moves the contact body by its value times `motion`,
                        with an empty force vector; 0xFFFF: the body does not move */
     pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */
@@ -504,11 +502,11 @@ typedef struct pzs_contact {
  *   - Nodes: every node of both faces must lie outside the body, up to twice the closed gap.
  *   - Points between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
  *     side. A flat element whose nodes touch a body of radius R enters it by length^2 / (8 R),
- * which is an error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the
- * largest found. A body smaller than the diagonals of an element may enter it only if a node is in
- *     contact.
+ *     which is an error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the
+ *     largest found. A body smaller than the diagonals of an element may enter it only if a node is
+ *     in contact.
  *   - Motion: no point of an element may have passed through the body since the last equilibrium,
- * on a straight way relative to the body.
+ *     on a straight way relative to the body.
  *   - Length of a load step: the body moves freely until its distance from a node is half of the
  *     longest diagonal of an element, and then by at most half of its smallest radius of curvature
  *     (or half of pzs_contact_face.size, if that is smaller). solver->info.shortened_steps counts

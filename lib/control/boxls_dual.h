@@ -64,9 +64,9 @@ void pzs_dual_free_all(pzs_optimiser *optimiser);
 void pzs_dual_free(pzs_optimiser *optimiser, uint32_t i);
 
 /*
- * Make free input i active at a bound, with the multiplier zero, if it does not depend linearly on
- * the active inputs.
- *   side in  -1 for its lower bound, +1 for its upper one
+ * Keep the voltage of input i, which is free, at a bound from now on (active input), with the
+ * multiplier zero, unless it depends linearly on those of the active inputs.
+ *   side in  -1 for the lower bound, +1 for the upper one
  */
 void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
 

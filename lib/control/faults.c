@@ -55,9 +55,8 @@
  * volt for it.
  */
 #define OBSERVABLE PZS_R(0.75)
-#define TEST_MOVES                                                                                 \
-    8u /* number of voltage changes by which the fault detector tests an electrode                 \
-        */
+/* Number of voltage changes by which the fault detector tests an electrode. */
+#define TEST_MOVES 8u
 /*
  * Largest number of measured shapes in a test of an electrode, after which the test ends even if
  * not all its voltage changes were made.

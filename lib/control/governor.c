@@ -3,11 +3,11 @@
  * Reference governor: slows a moving target shape down, so that a control tick that also damps
  * vibration can follow it without lag.
  *
- * A tick that damps vibration goes only the part `share` of the way from the last voltages to the
- * static optimum. Whenever the target changes, the governor computes the voltages v_t within the
- * limits that are optimal for the target without disturbances. It moves its reference voltages
- * v_ref towards v_t, by dr in a tick, which is at most a fixed part of the step limits. It replaces
- * the target shape z by
+ * A tick that damps vibration goes only the part `share` of the way from the last voltages to those
+ * that are optimal in static equilibrium. Whenever the target changes, the governor computes the
+ * voltages v_t within the limits that are optimal for the target without disturbances. It moves its
+ * reference voltages v_ref towards v_t, by dr in a tick, which is at most a fixed part of the step
+ * limits. It replaces the target shape z by
  *
  *   z - B (v_t - v_ref) + B dr / share
  *

@@ -9,9 +9,10 @@
 #include "../core/product.h"
 #include "../core/product_wide.h"
 
-#define TOGETHER                                                                                   \
-    64u /* largest number of rows of the influence matrix whose products are added to the Hessian  \
-           together */
+/*
+ * Largest number of rows of the influence matrix whose products are added to the Hessian together.
+ */
+#define TOGETHER 64u
 
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
 {

@@ -313,8 +313,8 @@ static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_re
 }
 
 /*
- * Move the creep terms of an electrode by some ticks under a voltage. Returns the sum of their
- * changes (V).
+ * Move the creep terms in the hysteresis model of an electrode by some ticks under a voltage.
+ * Returns the sum of their changes (V).
  *   creep [creeps] in/out  creep terms before and after these ticks (V)
  *   rate  [creeps] in      fraction of the way to its final value that each creep term goes (1)
  */
@@ -731,9 +731,9 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 }
 
 /*
- * Largest difference between the effect (voltage without hysteresis) of an input and that of the
- * last prediction that counts as a rounding error: this multiple of the machine epsilon, relative
- * to the largest voltage.
+ * A change of the effect (voltage without hysteresis) of an input since the controller last
+ * predicted the shape counts as a rounding error if it is at most this multiple of the machine
+ * epsilon times the largest voltage.
  */
 #define ROUNDING 256
 

@@ -22,8 +22,8 @@ uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables);
 typedef struct hysteresis_memory {
     pzs_real *play; /* [plays] position of each play (element with backlash), relative to the middle
                        of the voltage range (V) */
-    pzs_real *creep; /* [creeps] present value of each creep term in the effect of the electrode (V)
-                      */
+    pzs_real *creep; /* [creeps] present value of each creep term in the effect of the electrode
+                        (voltage without hysteresis) (V) */
 } hysteresis_memory;
 
 /*

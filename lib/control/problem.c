@@ -8,9 +8,8 @@
 #include "problem.h"
 #include "../core/guard.h"
 
-#define SLICE                                                                                      \
-    4096u /* number of reals of an array that enter the checksum and are searched for NaN at a     \
-             time */
+/* Number of reals of an array that enter the checksum and are searched for NaN at a time. */
+#define SLICE 4096u
 
 /*
  * Arrays and numbers in the tables of the controller that must be finite, one bit for the place of

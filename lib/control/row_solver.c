@@ -544,8 +544,8 @@ static bool is_away_from_bound(const rows_run *run)
 }
 
 /*
- * Whether the sums of all limit rows (limits of sums of voltages), as load_values has computed
- * them, are inside their narrowed limits, or outside by at most half of the margin by which the
+ * Whether the sums of all limit rows (limits of sums of voltages), which pzs_rows_load_values has
+ * computed, are inside their narrowed limits, or outside by at most half of the margin by which the
  * limits are narrowed. The sums are then inside their true limits.
  */
 static bool are_rows_inside(const rows_run *run)

@@ -270,8 +270,8 @@ static void find_noise_responses(pzs_selftest_state *state)
 
 /*
  * Mark an amplifier (or sensor) whose modelled response is too small, compared with noise and
- * vibration, to be compared with the measured one. If it is an amplifier, the self-test is
- * disturbed.
+ * vibration, to be compared with the measured one. If it is an amplifier, the self-test cannot pass
+ * and ends with the verdict PZS_SELFTEST_DISTURBED.
  */
 static void find_hidden(pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {

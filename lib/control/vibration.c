@@ -292,8 +292,8 @@ static void find_residuals(pzs_damper *damper, pzs_real *rest)
 
 /*
  * Replace the innovations (reading minus predicted reading) of unusable readings by the residuals
- * of their sensors. Returns the number of unusable readings; *where receives the index of the first
- * one.
+ * of their sensors, the low-passed part of earlier innovations that the vibration modes do not
+ * explain. Returns the number of unusable readings; *where receives the index of the first one.
  */
 static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
@@ -335,7 +335,7 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
 
 /*
  * Project the innovations (readings minus predicted readings), each multiplied by the precision of
- * its sensor, onto the vibration modes.
+ * its sensor (inverse variance of the noise), onto the vibration modes.
  *   fit [modes] out  products of innovations and mode shapes at the sensors
  */
 static void project_innovation(pzs_damper *damper, pzs_real *fit)

@@ -8,10 +8,10 @@
 
 #include "pzs_base.h"
 
-#define CRC_BLOCK                                                                                  \
-    64u /* number of bytes that one step of the CRC-32 with polynomial products processes */
-#define CRC_REST                                                                                   \
-    16u /* number of bytes to which the CRC-32 with polynomial products reduces a long array */
+/* Number of bytes that one step of the CRC-32 with polynomial products processes. */
+#define CRC_BLOCK 64u
+/* Number of bytes to which the CRC-32 with polynomial products reduces a long array. */
+#define CRC_REST 16u
 
 #define FINITE_BLOCK 8u /* number of reals of which pzs_wide_is_finite reads a multiple */
 

@@ -41,8 +41,7 @@ void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pz
 
 /*
  * Nodal force of prescribed stress resultants (of actuation or temperature) that are constant over
- * an element (strain mode 00), in the undeformed state: minus the internal force of these
- * resultants.
+ * an element, in the undeformed state: minus the internal force of these resultants.
  *   h0    [10]             in   resultants times the area of the element (N m), in the strain order
  *                               of pzs_element_type.d
  *   force [4 dof_per_node] out  nodal force (N and N m)

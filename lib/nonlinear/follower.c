@@ -187,11 +187,12 @@ static unsigned share_index(unsigned loaded_corner, unsigned corner)
 }
 
 /*
- * Compute the forces of a follower load on one element at the present displacement, in the frames
- * of its corners.
+ * Compute the forces of a follower load (pressure that turns with the shell) on one element at the
+ * present displacement, in the frames of its corners.
  *   load_value     in   input value that scales the load
  *   force [24]     out  forces (N and N m)
- *   slope [24][24] out  derivatives of the forces; NULL: not computed
+ *   slope [24][24] out  derivatives of the forces with respect to the displacement; NULL: not
+ *                       computed
  */
 static void element_forces(const pzs_follower *load, const pzs_solver *solver, uint32_t element,
                            pzs_real load_value, pzs_real *force, pzs_real (*slope)[FACE_DOF])
