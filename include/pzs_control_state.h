@@ -219,7 +219,7 @@ typedef struct pzs_optimiser {
     bool is_verified; /* whether the optimiser has found an optimum with the present tableau
                          (pivoted Hessian) */
     bool is_dual; /* whether the optimiser uses the dual active-set method, for which the tableau
-                     stays the negative inverse of the whole Hessian */
+                     (pivoted Hessian) stays the negative inverse of the whole Hessian */
     bool is_optimal;
 } pzs_optimiser;
 

@@ -85,7 +85,10 @@ void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work)
     optimiser->active_most = optimiser->inputs;
 }
 
-/* Return the bound at which the voltage of active input i is kept (V). */
+/*
+ * Return the bound (V) at which the optimiser keeps the voltage of input i, which is active (at a
+ * bound).
+ */
 static pzs_real bound_of(const pzs_optimiser *optimiser, uint32_t i)
 {
     return optimiser->side[i] < 0 ? optimiser->lower[i] : optimiser->upper[i];

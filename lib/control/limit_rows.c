@@ -106,8 +106,8 @@ static bool is_absolute_usable(const pzs_problem *problem, uint32_t k)
 }
 
 /*
- * Whether the safe voltages in the tables are inside the limits of all voltages and of all their
- * sums.
+ * Whether the safe voltages, to which the controller can always return, are inside the limits of
+ * all voltages and of all their sums.
  */
 static bool is_safe(const pzs_problem *problem)
 {

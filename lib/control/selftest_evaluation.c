@@ -628,9 +628,9 @@ static uint16_t count_findings(const selftest_axis *axis)
 }
 
 /*
- * Mark an amplifier (or sensor) that seems silent as swapped if the self-test has found the other
- * one of the pair to be swapped with it. If the cables of a strong and a weak electrode are
- * exchanged, the amplifier of the strong electrode seems to be silent.
+ * Mark an amplifier (or sensor) that seems silent as swapped if the self-test has found that the
+ * cable of another one is exchanged with its cable. If the cables of a strong and a weak electrode
+ * are exchanged, the amplifier of the strong electrode seems to be silent.
  */
 static void complete_swaps(const selftest_axis *axis)
 {
