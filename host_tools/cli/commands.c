@@ -249,8 +249,8 @@ const option_entry option_table[OPTIONS] = {
                        "--report also their fields"},
     [OPTION_PATH] = {"--path", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_SOLVE),
                      "follow the load path from the reference state by the arc-length method, "
-                     "through limit points, and name limit points and bifurcations; with contact "
-                     "or prescribed displacements in equal load steps"},
+                     "through limit points, and name limit points and bifurcations; with a moved "
+                     "contact body or prescribed displacements in equal load steps"},
     [OPTION_REPORT] = {"--report", NULL, "FILE.html", ARGUMENT_FILE, NULL,
                        BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
                        "pictures and tables in one page"},

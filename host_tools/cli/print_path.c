@@ -38,12 +38,14 @@ static void print_head_of_points(const analysis *analysis)
 
 /*
  * Name the cause of the critical points of a load path that has reached the full load, where the
- * law of the material has softened before the first of them.
+ * law of the material has softened or the seventh dof of a node has lost its stiffness.
  */
 static void print_cause(const analysis *analysis, const load_path *path)
 {
+    const bool is_known =
+        path_is_softened(path) || path_has_lost_normal(path, &analysis->design.mesh);
     char cause[PATH_CAUSE_BYTES];
-    if (!path->is_complete || path->events == 0 || path->has_equal_steps || !path_is_softened(path))
+    if (!path->is_complete || path->events == 0 || path->has_equal_steps || !is_known)
         return;
     path_cause(path, analysis, cause);
     printf("  %s\n", cause);

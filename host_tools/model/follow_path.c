@@ -12,6 +12,7 @@
 #include "../../lib/model/electrode.h"
 #include "../../lib/model/model.h"
 #include "../../lib/nonlinear/nonlinear.h"
+#include "arc_contact.h"
 #include "path_cause.h"
 #include "path_points.h"
 #include "stepped_path.h"
@@ -51,6 +52,7 @@ typedef struct arc_search {
     double load_factor; /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
+    arc_contact contact; /* contact with a fixed rigid body; empty where the scene has none */
 } arc_search;
 
 static double scalar_product(const arc_search *arc_search, const double *first,
@@ -95,10 +97,20 @@ static int arc_open(arc_search *arc_search, analysis *analysis)
     arc_search->memory = calloc(vectors * arc_search->entries, sizeof *arc_search->memory);
     if (!arc_search->memory)
         return -1;
+    if (arc_contact_open(&arc_search->contact, analysis) < 0) {
+        free(arc_search->memory);
+        return -1;
+    }
     for (size_t i = 0; i < vectors; i++)
         *vector[i] = arc_search->memory + i * arc_search->entries;
     fill_metric(arc_search);
     return 0;
+}
+
+static void arc_close(arc_search *arc_search)
+{
+    arc_contact_close(&arc_search->contact);
+    free(arc_search->memory);
 }
 
 /* ---- one linear solve ------------------------------------------------- */
@@ -255,6 +267,7 @@ static double add_changes(arc_search *arc_search, double change)
     }
     arc_search->load_factor += change;
     set_inputs(arc_search);
+    arc_contact_predict(&arc_search->contact, arc_search->by_residual);
     pzs_nonlinear_extrapolate(arc_search->solver, arc_search->by_residual);
     return scalar_product(arc_search, arc_search->by_residual, arc_search->by_residual);
 }
@@ -266,9 +279,13 @@ static double add_changes(arc_search *arc_search, double change)
  */
 static bool correct_increment(arc_search *arc_search, double arc)
 {
-    enum { CORRECTIONS = 12 };
+    enum { CORRECTIONS = 12, CORRECTIONS_IN_CONTACT = 40 };
+    const int most = arc_search->contact.contact ? CORRECTIONS_IN_CONTACT : CORRECTIONS;
     const double tolerance = 1e-8;
-    for (int i = 0; i < CORRECTIONS; i++) {
+    double relative = 1;
+    for (int i = 0; i < most; i++) {
+        set_point(arc_search);
+        arc_contact_prepare(&arc_search->contact, i, relative);
         if (!solve_both(arc_search, false))
             return false;
         const double change = arc > 0 ? constrained_change(arc_search, arc) : 0;
@@ -277,7 +294,11 @@ static bool correct_increment(arc_search *arc_search, double arc)
         const double moved2 = add_changes(arc_search, change);
         const double size2 =
             scalar_product(arc_search, arc_search->increment, arc_search->increment);
-        if (moved2 <= tolerance * tolerance * size2)
+        relative = size2 > 0 ? sqrt(moved2 / size2) : 0;
+        if (relative > tolerance)
+            continue;
+        set_point(arc_search);
+        if (arc_contact_has_converged(&arc_search->contact))
             return true;
     }
     return false;
@@ -300,6 +321,7 @@ static bool restore_start(arc_search *arc_search)
 {
     memset(arc_search->increment, 0, arc_search->entries * sizeof *arc_search->increment);
     arc_search->load_factor = arc_search->start_factor;
+    arc_contact_restore(&arc_search->contact);
     return solve_both(arc_search, true);
 }
 
@@ -317,8 +339,10 @@ static bool make_step(arc_search *arc_search, double change, double arc)
         arc_search->increment[i] = change * arc_search->by_load[i];
     arc_search->load_factor = arc_search->start_factor + change;
     set_inputs(arc_search);
+    arc_contact_predict(&arc_search->contact, arc_search->increment);
     pzs_nonlinear_extrapolate(arc_search->solver, arc_search->increment);
-    return correct_increment(arc_search, arc) && solve_both(arc_search, true) &&
+    return correct_increment(arc_search, arc) && arc_contact_accepts(&arc_search->contact) &&
+           solve_both(arc_search, true) &&
            scalar_product(arc_search, arc_search->direction, arc_search->increment) > 0;
 }
 
@@ -360,6 +384,7 @@ static void accept_point(arc_search *arc_search)
         arc_search->increment[i] = 0;
     }
     arc_search->start_factor = arc_search->load_factor;
+    arc_contact_save(&arc_search->contact);
 }
 
 /* ---- critical points -------------------------------------------------- */
@@ -433,6 +458,7 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
     if (!kept)
         return false;
     memcpy(kept, arc_search->increment, arc_search->entries * sizeof *kept);
+    arc_contact_keep(&arc_search->contact);
     if (is_limit)
         path_points_event(path, LOAD_PATH_LIMIT, path->points - 1,
                           locate_critical_point(arc_search, arc, before, LOAD_PATH_LIMIT));
@@ -441,6 +467,7 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
                           locate_critical_point(arc_search, arc, before, LOAD_PATH_BIFURCATION));
     memcpy(arc_search->increment, kept, arc_search->entries * sizeof *kept);
     free(kept);
+    arc_contact_take_back(&arc_search->contact);
     arc_search->load_factor = load_factor;
     return solve_both(arc_search, true);
 }
@@ -562,7 +589,7 @@ static int follow_arcs(load_path *path, analysis *analysis, double *reached, cha
         return refuse(analysis, ": out of memory", error);
     if (!solve_both(&arc_search, true) ||
         !(scalar_product(&arc_search, arc_search.by_load, arc_search.by_load) > 0)) {
-        free(arc_search.memory);
+        arc_close(&arc_search);
         return refuse(analysis, ": the scene has no load, or its reference state is not stiff",
                       error);
     }
@@ -570,7 +597,8 @@ static int follow_arcs(load_path *path, analysis *analysis, double *reached, cha
     take_steps(&arc_search, analysis, path);
     continue_from_end(&arc_search);
     *reached = arc_search.start_factor;
-    free(arc_search.memory);
+    path->status = arc_search.contact.refused;
+    arc_close(&arc_search);
     return 0;
 }
 
@@ -591,7 +619,7 @@ static void explain_end(const load_path *path, const analysis *analysis, double 
 int load_path_follow(load_path *path, analysis *analysis, char *error)
 {
     const design *design = &analysis->design;
-    const bool is_stepped = design->contact.given || design->mesh.prescribed_count > 0;
+    const bool is_stepped = design->mesh.prescribed_count > 0 || !arc_contact_fits(analysis);
     double reached = 0;
     memset(path, 0, sizeof *path);
     if (!analysis->equilibrium.full_input)

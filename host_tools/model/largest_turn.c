@@ -49,3 +49,19 @@ double largest_turn(const mesh *mesh, const double *displacement, int *element)
         }
     return most;
 }
+
+double largest_tilt(const mesh *mesh, const double *displacement, int *node)
+{
+    double most = 0;
+    *node = 0;
+    for (int k = 0; k < mesh->nodes; k++) {
+        double line[3];
+        deformed_line(mesh, displacement, k, line);
+        const double tilt = angle_between(line, mesh->point[k].triad[2]);
+        if (tilt > most) {
+            most = tilt;
+            *node = k;
+        }
+    }
+    return most;
+}

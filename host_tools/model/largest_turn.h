@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Place at which a deformed shell bends most sharply within an element. */
+/*
+ * Places at which a deformed shell bends most sharply within an element, and turns furthest from
+ * its undeformed normal.
+ */
 #ifndef LARGEST_TURN_H
 #define LARGEST_TURN_H
 
@@ -13,5 +16,14 @@
  *   element                 out  index of the element with that side
  */
 double largest_turn(const mesh *mesh, const double *displacement, int *element);
+
+/*
+ * Largest angle, over all nodes, between the line through the thickness of the deformed shell and
+ * the normal of the undeformed shell (degrees). The seventh degree of freedom of a node acts along
+ * this normal, and has no stiffness left where the angle is 90 degrees.
+ *   displacement [free_dof] in   displacement vector of the structure
+ *   node                    out  index of the node with that angle
+ */
+double largest_tilt(const mesh *mesh, const double *displacement, int *node);
 
 #endif

@@ -4,8 +4,9 @@
  * points, at which the load has to decrease. All input values of the scene are multiplied by one
  * load factor. The arc-length method with a spherical constraint (Crisfield 1981) computes the
  * curve: each step has a prescribed length of displacement, and the load factor is an unknown.
- * Where a scene has contact or prescribed displacements, equal steps of the load factor compute the
- * curve, up to the first limit point.
+ * Where a scene has prescribed displacements, a contact body that moves, or a shell that the
+ * contact alone holds, equal steps of the load factor compute the curve, up to the first limit
+ * point.
  */
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H
@@ -25,6 +26,9 @@ typedef struct load_path_point {
                     between the thickness directions at two neighbouring nodes (degrees) */
     int turn_element; /* index of the element within which the shell has bent by the largest angle
                        */
+    double tilt;   /* largest angle between the line through the thickness of the deformed shell and
+                      the normal of the undeformed shell (degrees) */
+    int tilt_node; /* index of the node with the angle `tilt` */
     face_strain compression; /* lowest principal Green's strain of both faces of the shell, and the
                                 element in which it occurs */
     double thickness_strain; /* Green's strain of the line through the thickness in that element */

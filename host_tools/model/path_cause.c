@@ -31,6 +31,26 @@ bool path_is_softened(const load_path *path)
     return path->points > 0 && path->point[critical_point(path)].compression.strain < soft_strain;
 }
 
+bool path_has_lost_normal(const load_path *path, const mesh *mesh)
+{
+    const double most = 70;
+    return mesh->dof_per_node == 7 && path->points > 0 && path->point[path->points - 1].tilt > most;
+}
+
+/*
+ * Name the turn of the shell at the last point of the load path as the cause, with the element that
+ * has no seventh degree of freedom at its nodes.
+ */
+static void name_tilt(const load_path_point *point, int index, const mesh *mesh, char *text)
+{
+    snprintf(text, PATH_CAUSE_BYTES,
+             "at point %d the shell has turned by %.3g degrees from its undeformed normal (%s), "
+             "along which the seventh dof of a node has lost its stiffness: use %s",
+             index + 1, point->tilt, mesh_node_text(mesh, point->tilt_node).text,
+             mesh->formulation.cartesian ? "dof_per_node: 6"
+                                         : "element: improved with dof_per_node: 6");
+}
+
 /*
  * Name the strongest compression of the shell at a point of the load path as the cause.
  *   index in  index of the point
@@ -71,17 +91,20 @@ static void name_status(const load_path *path, const analysis *analysis, char *t
         snprintf(text, PATH_CAUSE_BYTES, "%s: %s", pzs_status_text(path->status), where);
     } else
         snprintf(text, PATH_CAUSE_BYTES,
-                 "%s; with contact or prescribed displacements a path passes no limit point of a "
-                 "load: replace the load by a moved body (contact.move) or by a moved support "
-                 "(value), or raise equilibrium.load_steps",
+                 "%s; equal load steps, which prescribed displacements, a moved body and a shell "
+                 "held by contact alone need, pass no limit point of a load: replace the load by a "
+                 "moved body (contact.move) or by a moved support (value), or raise "
+                 "equilibrium.load_steps",
                  pzs_status_text(path->status));
 }
 
 void path_cause(const load_path *path, const analysis *analysis, char text[PATH_CAUSE_BYTES])
 {
     const int index = critical_point(path);
-    if (path->has_equal_steps)
+    if (path->has_equal_steps || PZS_IS_ERROR(path->status))
         name_status(path, analysis, text);
+    else if (path_has_lost_normal(path, &analysis->design.mesh))
+        name_tilt(&path->point[path->points - 1], path->points - 1, &analysis->design.mesh, text);
     else if (path_is_softened(path))
         name_compression(&path->point[index], index, &analysis->design.mesh, text);
     else

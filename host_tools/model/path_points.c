@@ -25,14 +25,15 @@ static bool wants_reactions(const design *design)
 }
 
 /*
- * Record the largest bend and the strongest compression of the shell in a point of the load path.
- * Where memory runs out the compression stays zero.
+ * Record the largest bend and tilt and the strongest compression of the shell in a point of the
+ * load path. Where memory runs out the compression stays zero.
  */
 static void measure_shape(const mesh *mesh, const double *displacement, load_path_point *point)
 {
     face_strains strains = {.lowest = {0, 0, 0}};
     (void)face_strains_find(mesh, displacement, false, &strains);
     point->turn = largest_turn(mesh, displacement, &point->turn_element);
+    point->tilt = largest_tilt(mesh, displacement, &point->tilt_node);
     point->compression = strains.lowest;
     point->thickness_strain = face_strain_of_thickness(mesh, displacement, strains.lowest.element);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Computation of the load path of a scene in equal steps of the load factor, for scenes that the
- * arc-length method does not follow: with contact or prescribed displacements.
+ * arc-length method does not follow: with prescribed displacements, with a contact
+ * body that moves, or with a shell that contact alone holds.
  */
 #ifndef STEPPED_PATH_H
 #define STEPPED_PATH_H

@@ -303,8 +303,10 @@ static void test_pulled_cylinder(void **state)
 {
     (void)state;
     static const char *const mesh[] = {"mesh.theta1.elements=8;mesh.theta2.elements=12", "",
+                                       "mesh.theta1.elements=12;mesh.theta2.elements=16",
+                                       "mesh.theta1.elements=16;mesh.theta2.elements=16",
                                        "mesh.theta1.elements=24;mesh.theta2.elements=36"};
-    for (int i = 0; i < (SLOW_ROWS ? 3 : 2); i++) {
+    for (int i = 0; i < (SLOW_ROWS ? 5 : 2); i++) {
         scene_run run;
         load_path path;
         solve_run(&run, "pulled-cylinder", mesh[i]);
@@ -526,6 +528,86 @@ static void test_stepped_path_says_why(void **state)
     scene_run_close(&run);
 }
 
+/* Contact of the hinged roof with a sphere that lies `depth` (mm) below it beside its centre. */
+#define SPHERE(depth)                                                                              \
+    ROOF_8 ";contact={face: inner, body: {type: sphere, point: [127, 0, 2433.65-" depth            \
+           "], radius: 100}};outputs=[{name: centre, u3: middle, at: {theta1: 0, theta2: 0}}, "    \
+           "{name: force, contact: z}, {name: sum, reaction: z, at: nodes}]"
+
+/*
+ * With contact the arc-length path consists of the equilibria that load steps find: displacement
+ * and contact force. The body carries what the supports do not of the quarter of the force, 750 N.
+ */
+static void test_contact_on_arcs(void **state)
+{
+    (void)state;
+    scene_run run;
+    load_path path;
+    int touching = 0;
+    follow(&run, &path, "hinged-roof", SPHERE("3"));
+    assert_true(!path.has_equal_steps && path.events == 0);
+    for (int i = 1; i < path.points; i++) {
+        const double load_factor = path.point[i].load_factor;
+        if (value_at(&path, i, 1) > 0)
+            for (int k = 0; k < 2; k++, touching++) {
+                const double other =
+                    output_by_load_steps("hinged-roof", SPHERE("3"), load_factor, k);
+                assert_true(fabs(value_at(&path, i, k) / other - 1) < 1e-6);
+            }
+        assert_true(fabs(value_at(&path, i, 1) + value_at(&path, i, 2) - 750 * load_factor) <
+                    1e-6 * 750);
+    }
+    assert_true(touching >= 4);
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
+/*
+ * A body that the roof meets only behind its limit point leaves that limit point where it is
+ * without the body; the path passes it, and the body then stops the snap-through: the roof reaches
+ * the full load with the body in contact, and its centre stays above that of the roof without the
+ * body.
+ */
+static void test_limit_point_before_contact(void **state)
+{
+    (void)state;
+    scene_run run;
+    load_path path;
+    follow(&run, &path, "hinged-roof", ROOF_8);
+    const double limit = path.event[0].load_factor;
+    const double free_centre = output_at(&path, path.points - 1);
+    load_path_free(&path);
+    scene_run_close(&run);
+    follow(&run, &path, "hinged-roof", SPHERE("8"));
+    const int last = path.points - 1;
+    assert_int_equal(path.event[0].type, LOAD_PATH_LIMIT);
+    assert_true(fabs(path.event[0].load_factor / limit - 1) < 1e-6);
+    assert_int_equal(path.point[last].negative_pivots, 0);
+    assert_true(value_at(&path, last, 1) > 0);
+    assert_true(fabs(value_at(&path, last, 1) + value_at(&path, last, 2) - 750) < 1e-6 * 750);
+    assert_true(fabs(output_at(&path, last)) < 0.5 * fabs(free_centre));
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
+/*
+ * With seven dof a node the path of the pulled cylinder ends where the shell has turned by a right
+ * angle, and says so.
+ */
+static void test_lost_normal(void **state)
+{
+    (void)state;
+    scene_run run;
+    load_path path;
+    open_run(&run, "pulled-cylinder",
+             "dof_per_node=7;mesh.theta1.elements=12;mesh.theta2.elements=16");
+    assert_int_equal(load_path_follow(&path, &run.analysis, run.error), 0);
+    assert_false(path.is_complete);
+    assert_non_null(strstr(run.error, "use dof_per_node: 6"));
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
 /* Scenes that the method does not follow are refused by name, also one without a load. */
 static void test_refusals(void **state)
 {
@@ -559,6 +641,9 @@ int main(void)
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_material_softens),
         cmocka_unit_test(test_stepped_path_says_why),
+        cmocka_unit_test(test_contact_on_arcs),
+        cmocka_unit_test(test_limit_point_before_contact),
+        cmocka_unit_test(test_lost_normal),
         cmocka_unit_test(test_published_roofs),
         cmocka_unit_test(test_half_cylinder),
         cmocka_unit_test(test_pulled_cylinder),

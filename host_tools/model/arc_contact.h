@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Contact with a fixed rigid body on a load path of the arc-length method: the set of nodes that
+ * touch the body and their pressures follow the corrections of each step.
+ */
+#ifndef ARC_CONTACT_H
+#define ARC_CONTACT_H
+
+#include "analysis.h"
+
+/* Contact of a structure on a load path of the arc-length method. */
+typedef struct arc_contact {
+    pzs_contact *contact; /* contact of the equilibrium solver; NULL: none */
+    pzs_solver *solver;   /* equilibrium solver to which the contact is attached */
+    void *pressures;      /* copy of the pressures and of the set of nodes in contact */
+    size_t bytes;         /* size of this copy (bytes) */
+    pzs_status refused;   /* status for which the last converged step was refused, or PZS_OK */
+} arc_contact;
+
+/*
+ * Return whether the arc-length method follows the contact of a scene: its body is fixed, and the
+ * supports alone hold the shell.
+ */
+bool arc_contact_fits(const analysis *analysis);
+
+/* Refer to the contact of an analysis, if it has one. Returns 0, or -1 where memory runs out. */
+int arc_contact_open(arc_contact *contact, analysis *analysis);
+void arc_contact_close(arc_contact *contact);
+
+/*
+ * Choose the nodes in contact before a linear solve at the present displacement of the solver.
+ *   iteration in  number of the correction in its step, from 0
+ *   increment in  length of the last correction over that of the step
+ */
+void arc_contact_prepare(const arc_contact *contact, int iteration, double increment);
+
+/*
+ * Predict the contact pressures after a change du [free_dof] of the displacement, which the
+ * solver's displacement does not contain yet.
+ */
+void arc_contact_predict(const arc_contact *contact, const double *du);
+
+/* Return whether the contact has converged at the present displacement of the solver. */
+bool arc_contact_has_converged(const arc_contact *contact);
+
+/*
+ * Return whether the body does not enter the shell between the nodes at the converged displacement
+ * of the solver. Otherwise `refused` is the status that says so.
+ */
+bool arc_contact_accepts(arc_contact *contact);
+
+/*
+ * arc_contact_save makes the present contact that of the last converged point of the load path, to
+ * which arc_contact_restore returns.
+ */
+void arc_contact_save(const arc_contact *contact);
+void arc_contact_restore(const arc_contact *contact);
+
+/* Copy the present contact pressures aside, or back from this copy. */
+void arc_contact_keep(const arc_contact *contact);
+void arc_contact_take_back(const arc_contact *contact);
+
+#endif
