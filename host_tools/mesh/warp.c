@@ -198,7 +198,8 @@ int warp_fill(pzs_element_type *type, double share)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * factors[k]; /* subtracted from 0 rather than negated, so
-                                                       that a coefficient 0 has no sign */
+        type->warp[1 + k] = 0 - share * factors[k]; /* a coefficient of the warping correction is
+                                                       subtracted from 0 rather than negated, so
+                                                       that 0 has no sign */
     return 0;
 }

@@ -62,8 +62,8 @@ typedef struct analysis {
                             computed voltages of the open electrodes */
     double *charge;   /* [electrodes] charge of each electrode at the last computed displacement (C)
                        */
-    vibration *modes; /* vibration modes about the reference state that were computed last, empty
-                         before; storms and certificate ask for the same modes several times */
+    vibration *modes; /* vibration modes about the reference state that were computed last, kept
+                         because several stability tests ask for the same modes; empty before */
     linearised about; /* tangent stiffness matrix and forces of the inputs about the equilibrium to
                          which influence matrix and vibration modes belong; empty: they belong to
                          the reference state */

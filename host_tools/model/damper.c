@@ -226,8 +226,8 @@ static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 }
 
 /*
- * Compute the mode shapes at the outputs, the readings of the sensors and the static modal
- * coordinates per volt for all observed vibration modes. A unit of a modal coordinate displaces the
+ * Compute the mode shapes at the outputs, the readings of the sensors and the modal coordinates in
+ * equilibrium per volt for all observed vibration modes. A unit of a modal coordinate displaces the
  * outputs by a root mean square of 1.
  */
 static void fill_modes(builder *builder)

@@ -48,10 +48,12 @@ damper_options damper_options_of(const analysis *analysis);
 /*
  * Make the tables of a control tick that damps vibration for given options, whether the loop needs
  * them or not.
- *   analysis  in  analysis whose voltage optimisation problem and stability certificate are
- * computed; must outlive the damper estimator in  the controller's estimator of the shape; must
- * outlive the damper; NULL: every target node is measured options   in  tick rate, age of the
- * readings and settings Returns 0, or -1 with error filled and `damper` unchanged.
+ *   analysis   in  analysis with the least-squares problem for the voltages and the result of the
+ *              stability tests; must outlive the damper
+ *   estimator  in  the controller's estimator of the shape; must outlive the damper; NULL: every
+ *              target node is measured
+ *   options    in  tick rate, age of the readings and settings
+ * Returns 0, or -1 with error filled and `damper` unchanged.
  */
 int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
                 const damper_options *options, char *error);
@@ -60,10 +62,11 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
  * Make the tables of a control tick that damps vibration where the scene has a tick rate and
  * densities and its control step alone would be unstable (certificate_refuses). Otherwise, and with
  * the option `quasi_static` of the analysis, leave the damper unused.
- *   analysis  in  analysis whose voltage optimisation problem and stability certificate are
- * computed; must outlive the damper estimator in  the controller's estimator of the shape; must
- * outlive the damper; NULL: every target node is measured Returns 0, or -1 with error filled and
- * the damper unused.
+ *   analysis   in  analysis with the least-squares problem for the voltages and the result of the
+ *              stability tests; must outlive the damper
+ *   estimator  in  the controller's estimator of the shape; must outlive the damper; NULL: every
+ *              target node is measured
+ * Returns 0, or -1 with error filled and the damper unused.
  */
 int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error);
 void damper_close(damper *damper);

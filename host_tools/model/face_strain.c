@@ -76,8 +76,8 @@ static void principal_strains(const cell *cell, bool is_linear, double strain[2]
 }
 
 /*
- * Take the principal strains of one face of an element into the extreme strains of all.
- *   strain [2] in  the lower and the higher principal strain
+ * Include the principal strains of one face of an element in the extreme strains of the shell.
+ *   strain  [2] in  the lower and the higher principal strain
  */
 static void include_strains(face_strains *found, const double strain[2], int element, int face)
 {

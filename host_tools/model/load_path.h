@@ -31,7 +31,8 @@ typedef struct load_path_point {
     int tilt_node; /* index of the node with the angle `tilt` */
     face_strain compression; /* lowest principal Green's strain of both faces of the shell, and the
                                 element in which it occurs */
-    double thickness_strain; /* Green's strain of the line through the thickness in that element */
+    double thickness_strain; /* Green's strain of the lines through the thickness of the shell in
+                                the element whose face is compressed most */
 } load_path_point;
 
 typedef enum load_path_event_type {

@@ -4,11 +4,12 @@
 #include <stdio.h>
 
 /*
- * Green's strain in a face of the shell below which Hooke's law for Green's strains, whose stress
- * is linear in these strains, is taken to have softened. Under uniform compression the force is
- * largest at the strain -1/3. A strip of one material carries its largest bending moment where its
- * inner face is strained by -0.35. Strains are known at the centres of elements alone, where they
- * are smaller, so that the number is somewhat above these.
+ * Green's strain in a face of the shell below which the material is taken to have softened: Hooke's
+ * law for Green's strains makes the stress linear in these strains, so that the force under a
+ * compression has a maximum. Under uniform compression the force is largest at the strain -1/3. A
+ * strip of one material carries its largest bending moment where its inner face is strained by
+ * -0.35. Strains are known at the centres of elements alone, where they are smaller, so that the
+ * number is somewhat above these.
  */
 static const double soft_strain = -0.3;
 
@@ -52,8 +53,9 @@ static void name_tilt(const load_path_point *point, int index, const mesh *mesh,
 }
 
 /*
- * Name the strongest compression of the shell at a point of the load path as the cause.
- *   index in  index of the point
+ * Write the strongest compression of the shell at a point of the load path as the cause of its end
+ * or of its critical points.
+ *   index  in  index of the point
  */
 static void name_compression(const load_path_point *point, int index, const mesh *mesh, char *text)
 {
@@ -68,8 +70,9 @@ static void name_compression(const load_path_point *point, int index, const mesh
 }
 
 /*
- * Name the sharpest bend of the shell within an element at a point of the load path as the cause.
- *   index in  index of the point
+ * Write the sharpest bend of the shell within an element, at a point of the load path, as the cause
+ * of its end or of its critical points.
+ *   index  in  index of the point
  */
 static void name_bend(const load_path_point *point, int index, const mesh *mesh, char *text)
 {
@@ -80,8 +83,8 @@ static void name_bend(const load_path_point *point, int index, const mesh *mesh,
 }
 
 /*
- * Name the last status of the equilibrium solver as the cause, and what can be done, for a load
- * path of equal load steps.
+ * For a load path of equal load steps, write the last status of the equilibrium solver as the cause
+ * of its end, and what can be done.
  */
 static void name_status(const load_path *path, const analysis *analysis, char *text)
 {

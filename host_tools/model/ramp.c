@@ -9,9 +9,10 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * Number of linear solves over which the loads rise in the second try, with which the hyperboloid
- * with soft ends converges in one load step on every mesh; and largest number of linear solves of
- * the second try for each load step that the scene asks for, three times what it takes there.
+ * LONG_RAMP: number of linear solves over which the loads rise when the equilibrium is computed a
+ * second time; the scene `hyperboloid-soft` then converges in one load step on every mesh.
+ * SOLVES_PER_STEP: largest number of linear solves of this second try for each load step that the
+ * scene asks for, three times what that scene needs.
  */
 enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 
@@ -35,8 +36,9 @@ static bool may_help(const equilibrium *equilibrium, pzs_status status)
 }
 
 /*
- * Solve from the reference state with loads that rise over LONG_RAMP linear solves. Returns whether
- * this has led to an equilibrium in no more load steps than the scene asks for.
+ * Solve for the equilibrium from the reference state, with loads that rise over LONG_RAMP linear
+ * solves. Returns whether this has led to an equilibrium in no more load steps than the scene asks
+ * for.
  */
 static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *status)
 {
@@ -51,9 +53,10 @@ static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *s
 }
 
 /*
- * Try once more with slower loads after a first try with the given status.
- *   first [free_dof] in  displacement of the first try
- *   state            in  state of the equilibrium solver after the first try
+ * Compute the equilibrium once more with loads that rise more slowly, after a first try with the
+ * given status.
+ *   first  [free_dof] in  displacement of the first try
+ *   state  in  state of the equilibrium solver after the first try
  * Returns the status of the try that counts, whose state is left in the solver.
  */
 static pzs_status second_try(equilibrium *equilibrium, const double *value, pzs_status status,
@@ -71,8 +74,11 @@ static pzs_status second_try(equilibrium *equilibrium, const double *value, pzs_
     equilibrium_restore(equilibrium, state);
     if (PZS_IS_ERROR(status))
         return status;
-    /* The state does not contain the factors of the tangent stiffness, which are needed at an
-     * equilibrium; the same solves again give the same bits. */
+    /*
+     * The saved state of the solver does not contain the factors of the tangent stiffness, which
+     * are needed at an equilibrium. They are computed again by the same linear solves, which give
+     * the same bits.
+     */
     pzs_solver_reset(solver);
     return pzs_equilibrium(solver, value);
 }

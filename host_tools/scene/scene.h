@@ -209,7 +209,8 @@ typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on o
     char name[SCENE_NAME];
     int layer;
     double theta1[2], theta2[2]; /* ranges of the surface coordinates theta1 and theta2 that a grid
-                                    of patches covers */
+                                    of patches covers, both ends on mesh lines; default the whole
+                                    mesh */
     int grid[2]; /* number of patches along the surface coordinates theta1 and theta2, default 1 and
                     1; every edge of a patch must be a mesh line; on a mesh from a file: number of
                     element sets and 1 */
@@ -255,9 +256,11 @@ typedef struct scene_where {
     scene_edge edge;
     double theta[2]; /* surface coordinates theta1 and theta2 of the node of a place that is a point
                       */
-    double span[2][2]; /* start and end of a region along the surface coordinates theta1 and theta2
-                        */
-    int node[2]; /* indices of the mesh lines of the surface coordinates theta1 and theta2 on */
+    double span[2][2]; /* start and end of a region along the surface coordinates theta1 and theta2;
+                          infinite where the scene file gives no limit */
+    int node[2]; /* indices of the mesh lines of the surface coordinates theta1 and theta2 on which
+                    a point lies; on a mesh from a file, node[0] is the number of the node nearest
+                    to the point */
     char set[SCENE_NAME]; /* name of the set of nodes, edges or elements in the mesh file to which
                              an item of the scene file refers */
     double x[3]; /* coordinates x, y, z of a point in space, on a mesh from a file (length unit of
@@ -925,7 +928,7 @@ typedef struct scene {
     scene_equilibrium equilibrium;
     scene_surface surface;
     scene_line line[2]; /* mesh lines of the surface coordinates theta1 and theta2; without points
-                         */
+                           where the mesh comes from a file */
     scene_quads *quads; /* mesh that is read from a file, or NULL where the scene has mesh lines on
                            a surface */
     bool reference_is_middle;

@@ -19,8 +19,8 @@
     2 /* Number of missed ticks before a tick that the bounds of its instructions include. */
 
 /*
- * Numbers on which memory and work of the blocks of the control tick depend, such as the numbers of
- * inputs, sensors and vibration modes.
+ * Numbers on which memory and work of the blocks (stages) of the control tick depend, such as the
+ * numbers of inputs, sensors and vibration modes.
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps, loads;

@@ -467,8 +467,8 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
 }
 
 /*
- * Write the sparse influence matrix of the voltage problem, if its tables hold one, after all other
- * arrays that the checksum of the voltage problem covers.
+ * Write the sparse influence matrix of the least-squares problem for the voltages, if its tables
+ * hold one, after all other arrays that the checksum of the problem covers.
  */
 static void write_sparse(emitter *emitter, const pzs_sparse_influence *sparse)
 {
@@ -486,8 +486,8 @@ static void write_sparse(emitter *emitter, const pzs_sparse_influence *sparse)
 }
 
 /*
- * Write the arrays and the C struct of the voltage problem.
- *   problem in  voltage problem with the arrays that the tables are to hold
+ * Write the arrays and the C struct of the least-squares problem for the voltages.
+ *   problem  in  problem with the arrays that the tables are to hold
  */
 static void write_voltage_problem(emitter *emitter, const design *design,
                                   const pzs_problem *problem)
