@@ -46,12 +46,13 @@ extern "C" {
 extern const struct pzs_dual_calls pzs_dual_method;
 
 /*
- * Sparse influence matrix, of which only chosen entries are stored. It gives the voltages of the
- * full matrix to the last bit, if all entries that are not stored are zero, in fewer multiply-adds.
+ * Sparse influence matrix, of which only chosen entries are stored. If all other entries are zero,
+ * the controller finds the same voltages as with the full matrix, to the last bit, in fewer
+ * multiply-adds.
  */
 typedef struct pzs_sparse_influence {
-    const struct pzs_sparse_calls *call; /* pointer to the functions that implement sparse influence
-                                            matrices: always &pzs_sparse_influence_calls */
+    const struct pzs_sparse_calls *call; /* functions that implement sparse influence matrices:
+                                            always &pzs_sparse_influence_calls */
     pzs_rows rows; /* entries of the influence matrix (m/V): one row for each output, whose columns
                       `dof` are inputs in ascending order */
 } pzs_sparse_influence;
@@ -67,7 +68,8 @@ extern const struct pzs_sparse_calls pzs_sparse_influence_calls;
 typedef struct pzs_problem {
     uint32_t format; /* format number of the controller's tables, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc;    /* checksum of the tables and their arrays, computed by pzs_problem_seal
+    uint32_t crc;    /* checksum of the controller's tables and their arrays, computed by
+                      * pzs_problem_seal
                       */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output
@@ -91,9 +93,11 @@ typedef struct pzs_problem {
                                                  for at least PZS_DUAL_INPUTS inputs, else NULL;
                                                  without them the optimisation of many inputs takes
                                                  more time */
-    const pzs_sparse_influence *sparse; /* sparse influence matrix, with `hessian` and in the place
-                                           of `influence`, which is NULL; NULL: none. Blocks of the
-                                           loop that read single entries of the matrix refuse it */
+    const pzs_sparse_influence *sparse; /* sparse influence matrix, in place of the full matrix
+                                           `influence`, which is then NULL; `hessian` must be given;
+                                           NULL: the matrix is not sparse. Stages of the loop that
+                                           read single entries of the influence matrix refuse a
+                                           sparse one */
 } pzs_problem;
 
 /*

@@ -438,9 +438,9 @@ typedef struct pzs_pulse_detector_state {
     pzs_real *late_voltage; /* [inputs] sum over the present test pulse of the voltages minus those
                                of its first tick, each times a weight that is antisymmetric in time
                                about the middle of the pulse (V) */
-    pzs_real *effect; /* [inputs] effects of the voltages of the last tick by the identified model
-                         of hysteresis: the voltages that electrodes without hysteresis would need
-                         for the same displacement (V) */
+    pzs_real *effect; /* [inputs] effects of the voltages of the last tick by the hysteresis model
+                         as it was measured: the voltages that electrodes without hysteresis would
+                         need for the same displacement (V) */
     pzs_real *cleared_loss; /* [inputs] difference between the voltage given to each electrode and
                                the voltage that the readings showed, when the fault detector last
                                suspected the electrode (V) */
@@ -581,8 +581,8 @@ typedef struct pzs_compensator_state {
     pzs_real *play;  /* [inputs][plays] positions of the plays (elements with backlash, which model
                         the hysteresis), relative to the middle of the voltage range (V) */
     pzs_real *creep; /* [inputs][creeps] present values of the creep terms of the hysteresis model:
-                        the voltages by which creep changes the effect of a voltage on each
-                        electrode (V) */
+                        the voltages by which creep changes the effect of each electrode (voltage
+                        that an electrode without hysteresis would need) (V) */
 } pzs_compensator_state;
 
 typedef struct pzs_reading_delay_state {

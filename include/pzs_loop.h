@@ -301,7 +301,8 @@ typedef struct pzs_estimator {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_estimator_seal */
+    uint32_t crc; /* checksum of the shape estimator's tables and their arrays, computed by
+                     pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
     const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
                                C/V or m/V) */
@@ -367,7 +368,8 @@ typedef struct pzs_reading_delay {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_reading_delay_seal */
+    uint32_t crc; /* checksum of the tables of the correction of late readings and their arrays,
+                     computed by pzs_reading_delay_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
                                PZS_DELAY_LIMIT */
@@ -505,7 +507,8 @@ typedef struct pzs_supervision {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_supervision_seal */
+    uint32_t crc;           /* checksum of the supervisor's tables and their arrays, computed by
+                               pzs_supervision_seal */
     uint16_t inputs;
     /*
      * number of consecutive ticks without usable readings after which the supervisor ends control
@@ -604,7 +607,8 @@ typedef struct pzs_vibration {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_vibration_seal */
+    uint32_t crc; /* checksum of the vibration damper's tables and their arrays, computed by
+                     pzs_vibration_seal */
     uint16_t inputs, outputs, sensors, modes;
     uint16_t delay;          /* age of the sensor readings when a tick uses them (ticks) */
     const pzs_real *shape;   /* [outputs][modes] displacement of each output per coordinate of each
@@ -807,7 +811,8 @@ typedef struct pzs_feed_forward_table {
     uint32_t format, scene; /* format: format number of the table; scene: hash of the scene file
                                from which `pzs tables` generated the table, which the caller
                                compares with that in its other tables */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_feed_forward_seal */
+    uint32_t crc;           /* checksum of the feed-forward table and its array, computed by
+                               pzs_feed_forward_seal */
     uint16_t inputs, outputs;
     const pzs_real *sensitivity; /* [outputs][inputs] change of the shape per unit of each known
                                     load or temperature (m/N, m/Pa or m/K) */
@@ -890,7 +895,8 @@ typedef struct pzs_hysteresis {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_hysteresis_seal */
+    uint32_t crc;           /* checksum of the hysteresis tables and their arrays, computed by
+                               pzs_hysteresis_seal */
     uint16_t inputs;
     uint16_t sets; /* number of sets of hysteresis parameters: 1 for all electrodes together,
                       otherwise one for each input */
@@ -923,24 +929,24 @@ typedef struct pzs_hysteresis {
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
     /*
-     * The fault detector uses the parameters of the hysteresis model as they were identified:
-     * identified_offset, identified_slope, identified_above and identified_below. The compensation
-     * uses offset, slope, above and below, which may describe a ceramic with less hysteresis,
-     * because the inverse of that model is more robust. The identified arrays are NULL where both
-     * models are equal.
+     * Two hysteresis models of the electrodes may differ. The fault detector uses the parameters as
+     * they were measured: identified_offset, identified_slope, identified_above and
+     * identified_below. The compensation uses offset, slope, above and below, which may describe a
+     * ceramic with less hysteresis, because the inverse of that model is more robust. The
+     * identified arrays are NULL where both models are equal.
      */
     const pzs_real *identified_offset; /* [sets: 1 or inputs] effect of an electrode (voltage
                                           without hysteresis) in the middle of its voltage range, by
-                                          the identified model (V) */
+                                          the hysteresis model as it was measured (V) */
     const pzs_real *identified_slope;  /* [sets: 1 or inputs][4] slopes of the piecewise linear part
                                           of an electrode's effect (voltage without hysteresis), by
-                                          the identified model (1) */
+                                          the hysteresis model as it was measured (1) */
     const pzs_real *identified_above;  /* [sets: 1 or inputs][plays] weight of each play (element
                                           with backlash) of an electrode at positive positions, by
-                                          the identified hysteresis model (1) */
+                                          the hysteresis model as it was measured (1) */
     const pzs_real *identified_below;  /* [sets: 1 or inputs][plays] weight of each play (element
                                           with backlash) of an electrode at negative positions, by
-                                          the identified hysteresis model (1) */
+                                          the hysteresis model as it was measured (1) */
 } pzs_hysteresis;
 
 /*
@@ -1199,7 +1205,8 @@ typedef struct pzs_selftest_tables {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which `pzs tables` generated the tables, equal to that in the
                                controller's tables (pzs_problem) */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_selftest_seal */
+    uint32_t crc;           /* checksum of the self-test's tables and their arrays, computed by
+                               pzs_selftest_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
                                PZS_DELAY_LIMIT */
@@ -1373,7 +1380,7 @@ extern const pzs_block_type pzs_selftest_block;
  * The gain (measured divided by modelled response) of the suspected electrode is compared with that
  * of the other electrode, so that what hides both responses makes no healthy electrode a faulty
  * one. Where the loop compensates hysteresis, the readings are predicted by the model of hysteresis
- * as it was identified. Where both electrodes respond weakly, as with strong hysteresis, the pulses
+ * as it was measured. Where both electrodes respond weakly, as with strong hysteresis, the pulses
  * are repeated with up to four times their height, at most half the voltage range; with 30 %
  * hysteresis some faults are still not found, and without compensation most of them. A load that
  * jumps during a pulse is noticed, and the pulse is repeated.

@@ -109,7 +109,8 @@ typedef struct pzs_compact_type {
 typedef struct pzs_structure {
     uint32_t format; /* format number of the tables of the structure, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc;    /* checksum of the tables and their arrays, computed by pzs_structure_seal */
+    uint32_t crc;    /* checksum of the tables of the structure and their arrays, computed by
+                        pzs_structure_seal */
     uint16_t nodes, elements, types;
     /*
      * number of degrees of freedom of a node, 6 or 7: displacement u1 u2 u3, mean of both faces of
@@ -299,7 +300,8 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 typedef struct pzs_electrodes {
     uint32_t format, scene; /* format number of the electrode tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_electrodes_seal */
+    uint32_t crc;           /* checksum of the electrode tables and their arrays, computed by
+                               pzs_electrodes_seal */
     uint16_t count;
     const uint16_t *input; /* [count] index of the input whose value is the voltage of the electrode
                             */

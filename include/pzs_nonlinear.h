@@ -60,7 +60,8 @@ typedef struct pzs_prescribed_motion {
 typedef struct pzs_nonlinear {
     uint32_t format, scene; /* format number of the nonlinear tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc; /* checksum of the tables and their arrays, computed by pzs_nonlinear_seal */
+    uint32_t crc; /* checksum of the nonlinear solver's tables and their arrays, computed by
+                     pzs_nonlinear_seal */
     pzs_prescribed_resultants resultants;
     pzs_prescribed_motion prescribed;
 } pzs_nonlinear;
@@ -232,7 +233,8 @@ pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
 typedef struct pzs_follower {
     uint32_t format, scene; /* format number of the follower-load tables and hash of their scene
                                file, which must be those of the structure */
-    uint32_t crc;   /* checksum of the tables and their arrays, computed by pzs_follower_seal */
+    uint32_t crc;   /* checksum of the tables of the follower load and their arrays, computed by
+                       pzs_follower_seal */
     uint16_t input; /* index of the input whose value scales the follower pressure; the force vector
                        of this input is empty */
     uint8_t load_face; /* face of the shell on which the follower pressure acts: 0 inner, 1 outer, 2
@@ -383,8 +385,9 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
 typedef struct pzs_contact_face {
     uint32_t format, scene; /* format number of the contact tables and hash of their scene file,
                                which must be those of the structure */
-    uint32_t crc;   /* checksum of the tables and their arrays, computed by pzs_contact_face_seal */
-    uint8_t face;   /* face of the shell that may come into contact: 0 inner, 1 outer */
+    uint32_t crc;           /* checksum of the contact tables and their arrays, computed by
+                               pzs_contact_face_seal */
+    uint8_t face;           /* face of the shell that may come into contact: 0 inner, 1 outer */
     uint16_t input; /* index of the input that moves the contact body by its value times `motion`,
                        with an empty force vector; 0xFFFF: the body does not move */
     pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Dual active-set method of the voltage optimiser for many inputs (Goldfarb and Idnani 1983). The
- * tableau (pivoted Hessian) stays the negative inverse of the whole Hessian. An active input is
- * kept at a bound by its multiplier, which is the gradient of the objective there. The multipliers
- * follow from a Cholesky factor of the inverse of the Hessian restricted to the active set.
+ * tableau (pivoted Hessian) stays the negative inverse of the whole Hessian. An active input is one
+ * whose voltage is kept at a bound by its multiplier, which is the gradient of the objective there.
+ * The multipliers follow from a Cholesky factor of the inverse of the Hessian restricted to the
+ * active inputs.
  */
 #ifndef PZS_LIB_BOXLS_DUAL_H
 #define PZS_LIB_BOXLS_DUAL_H
@@ -40,7 +41,8 @@ void pzs_check_active_dual(pzs_optimiser *optimiser);
 uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 
 /*
- * Return whether the voltage of each active input is equal to the bound at which it is to be kept.
+ * Return whether the voltage of each active input (one that is kept at a bound) is equal to this
+ * bound.
  */
 bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
 
@@ -57,10 +59,10 @@ bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
  */
 uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
-/* Make all inputs free, so that no voltage is kept at a bound. */
+/* Make the voltages of all inputs free, so that none is kept at a bound. */
 void pzs_dual_free_all(pzs_optimiser *optimiser);
 
-/* Make input i free, so that its voltage is not kept at a bound, if it is active. */
+/* Make the voltage of input i free if it is kept at a bound. */
 void pzs_dual_free(pzs_optimiser *optimiser, uint32_t i);
 
 /*

@@ -98,9 +98,9 @@ static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
 }
 
 /*
- * Compute the gradient B'W^2 (wanted - shape) and return the square |W (wanted - shape)|^2, with
- * the influence matrix B and the output weights W.
- *   out [inputs] out  gradient (m2/V)
+ * Compute the part B'W^2 (wanted - shape) of the objective's gradient and return the square |W
+ * (wanted - shape)|^2, with the influence matrix B and the output weights W.
+ *   out [inputs] out  part of the gradient (m2/V)
  */
 static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const pzs_real *wanted,
                                const pzs_real *shape)
@@ -497,7 +497,7 @@ static int32_t bad_limit(const pzs_problem *problem)
 }
 
 /*
- * Check the influence matrix of a voltage problem after its checksum.
+ * Check the influence matrix in the controller's tables after the checksum of the tables.
  *   influence [outputs][inputs] in  full influence matrix that is used (m/V); NULL: the sparse one
  *   bad                         in  index of the first number of the tables that is not finite, or
  *                                   -1

@@ -34,8 +34,8 @@ pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real 
                                      int32_t *where);
 
 /*
- * product [outputs] = influence matrix in use, full or sparse, times voltages [inputs]. The memory
- * of the voltages must be readable up to the next multiple of four entries.
+ * Compute product [outputs] = influence matrix in use, full or sparse, times voltages [inputs]. The
+ * memory of the voltages must be readable up to the next multiple of four entries.
  */
 void pzs_control_multiply(const pzs_control *control, pzs_real *product, const pzs_real *voltage);
 

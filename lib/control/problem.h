@@ -11,7 +11,7 @@
 #include "scrub.h"
 #include "sparse_influence.h"
 
-/* Number of arrays and numbers of a voltage problem that its checksum covers. */
+/* Number of arrays and numbers in the controller's tables that their checksum covers. */
 #define PROBLEM_PARTS (11u + LIMIT_ROW_PARTS + SPARSE_PARTS)
 
 void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_PARTS]);

@@ -123,9 +123,9 @@ typedef struct selftest_axis {
                                        numbers, between the first entries of two columns or rows
                                        (model_line), and between two entries of a column or row
                                        (model_entry) */
-    pzs_wiring *line, *entry; /* [lines], [entries] results of the self-test (healthy or kind of
-                                 fault): `line` for the amplifiers and `entry` for the sensors if
-                                 `is_row` is false, otherwise the other way round */
+    pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault): `line` for all
+                                 amplifiers and `entry` for all sensors if `is_row` is false,
+                                 otherwise the other way round */
     bool has_gains; /* true: before the comparison of measured and modelled responses, each entry of
                        a modelled row (one sensor, all amplifiers) is multiplied by the measured
                        gain of its amplifier */
@@ -359,9 +359,9 @@ static void begin_evaluation(pzs_selftest *selftest)
 
 /*
  * Whether the self-test may report a fault of an amplifier or sensor whose measured response
- * differs from the model. If the modelled response to the amplifiers or sensors at which no fault
- * was found is too small to be compared, the measured response must be large. An amplifier or
- * sensor with a reported fault gets no second one.
+ * differs from the model. Entries of the response that belong to faulty sensors or amplifiers do
+ * not count; if the rest of the modelled response is too small to be compared, the measured
+ * response must be large. An amplifier or sensor with a reported fault gets no second one.
  */
 static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *sums)
 {

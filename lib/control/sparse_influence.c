@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sparse influence matrix of a voltage optimisation problem (sparse_influence.h). */
+/* Sparse influence matrix of the controller's tables (sparse_influence.h). */
 #include "sparse_influence.h"
 #include "scrub.h"
 #include "../core/guard.h"
@@ -27,7 +27,10 @@ static void list_parts(const pzs_problem *problem, pzs_table_part part[SPARSE_PA
     part[2] = scrub_reals(rows->value, entries);
 }
 
-/* Whether the columns of the entries of row i are ascending and below the number of inputs. */
+/*
+ * Whether the columns of the entries in row i of a sparse influence matrix are ascending and below
+ * the number of inputs.
+ */
 static bool is_row_usable(const pzs_problem *problem, uint32_t i)
 {
     const pzs_rows *rows = &problem->sparse->rows;

@@ -1,34 +1,35 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Sparse influence matrix of a voltage optimisation problem (pzs_sparse_influence). The controller
- * calls its functions through a table of pointers, so that a program with a full influence matrix
- * does not link them.
+ * Sparse influence matrix of the controller's tables (pzs_sparse_influence). The controller calls
+ * its functions through a table of pointers, so that a program with a full influence matrix does
+ * not link them.
  */
 #ifndef PZS_LIB_SPARSE_INFLUENCE_H
 #define PZS_LIB_SPARSE_INFLUENCE_H
 
 #include "pzs_control.h"
 
-/* Number of arrays of a sparse influence matrix in the checksum of a voltage optimisation problem.
+/*
+ * Number of arrays of a sparse influence matrix that enter the checksum of the controller's tables.
  */
 #define SPARSE_PARTS 3u
 
 struct pzs_sparse_calls {
     /*
-     * List the arrays of a sparse influence matrix that the checksum of a voltage optimisation
-     * problem covers, none where they are missing or too large to be read: starts of the rows,
-     * columns and values of the entries.
+     * List the arrays of a sparse influence matrix that the checksum of the controller's tables
+     * covers, none where they are missing or too large to be read: starts of the rows, columns and
+     * values of the entries.
      */
     void (*list_parts)(const pzs_problem *problem, pzs_table_part part[SPARSE_PARTS]);
     /*
-     * Check that the voltage optimisation problem has its Hessian, and that the columns of the
-     * entries of each row are ascending and below the number of inputs. Returns PZS_OK, or
-     * PZS_E_ARGUMENT with the row in *where, or -1 if an array is missing.
+     * Check, for a sparse influence matrix, that the controller's tables contain the Hessian, and
+     * that the columns of the entries of each row are ascending and below the number of inputs.
+     * Returns PZS_OK, or PZS_E_ARGUMENT with the row in *where, or -1 if an array is missing.
      */
     pzs_status (*check)(const pzs_problem *problem, int32_t *where);
-    /* product [outputs] = influence matrix times voltages [inputs] */
+    /* Compute product [outputs] = sparse influence matrix times voltages [inputs]. */
     void (*multiply)(const pzs_problem *problem, pzs_real *product, const pzs_real *voltage);
-    /* product [inputs] = transposed influence matrix times a vector [outputs] */
+    /* Compute product [inputs] = transposed sparse influence matrix times a vector [outputs]. */
     void (*project)(const pzs_problem *problem, pzs_real *product, const pzs_real *vector);
 };
 

@@ -243,15 +243,14 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Innermost loop of the factorisation: eliminate STRIP neighbouring columns (a strip) of a panel of
- * T matrix rows, left of the diagonal tile of the panel. For A = L D L^T and W = L D, each entry is
+ * Innermost loop of the factorisation A = L D L^T: eliminate STRIP neighbouring columns (a strip)
+ * of a panel of T matrix rows, left of the diagonal tile of the panel. With W = L D, each entry is
  * W_ij = A_ij - sum over k < j of W_ik L_jk. T is PZS_TILE.
  *   strip [STRIP][T] in/out  in: columns of A; out: columns of W; the columns of W before the strip
  *                            precede them in memory
- *   lower [STRIP][T] in      entries L_jk for the rows j of the strip's columns, column by column,
- *                            beginning with the columns of the strip; the entry of the first of
- *                            these rows comes first; those in the columns before the strip precede
- *                            them in memory
+ *   lower [STRIP][T] in      entries L_jk of the columns k of the strip, column by column, from the
+ *                            row j of the first column of the strip on; the entries of the columns
+ *                            k before the strip precede them in memory
  *   count            in      number of columns before the strip that are subtracted
  * The terms with k inside the strip use columns of the strip that have just been finished.
  */

@@ -6,16 +6,16 @@
 #include "pzs_base.h"
 
 /*
- * product [rows] = table [rows][cols] times vector [cols]; each sum runs in ascending order. The
- * memory of the vector must be readable up to the next multiple of four entries.
+ * Compute product [rows] = table [rows][cols] times vector [cols]; each sum runs in ascending
+ * order. The memory of the vector must be readable up to the next multiple of four entries.
  */
 void pzs_product_matrix(pzs_real *restrict product, const pzs_real *restrict table,
                         const pzs_real *restrict vector, size_t rows, size_t cols);
 
 /*
- * product [rows] = from [rows] + table [rows][cols] times vector [cols]; each sum runs in ascending
- * order. `from` and `product` must be different arrays. The memory of the vector must be readable
- * up to the next multiple of four entries.
+ * Compute product [rows] = from [rows] + table [rows][cols] times vector [cols]; each sum runs in
+ * ascending order. `from` and `product` must be different arrays. The memory of the vector must be
+ * readable up to the next multiple of four entries.
  */
 void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
                      const pzs_real *restrict table, const pzs_real *restrict vector, size_t rows,
@@ -36,10 +36,11 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
     (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
 
 /*
- * product [rows.count] = sparse rows with `cols` columns times vector [cols], and product [cols] =
- * sum over the sparse rows i of vector_i times row i. The columns of the entries of each row are in
- * ascending order. The results have the bits of pzs_product_matrix and pzs_product_sum_rows with
- * the same rows as a full table, for finite vectors.
+ * pzs_product_sparse computes product [rows.count] = sparse matrix with `cols` columns times vector
+ * [cols], pzs_product_sum_sparse computes product [cols] = sum over the rows i of the sparse matrix
+ * of vector_i times row i. The columns of the entries of each row are in ascending order. The
+ * results have the bits of pzs_product_matrix and pzs_product_sum_rows for the full matrix, for
+ * finite vectors.
  */
 void pzs_product_sparse(pzs_real *restrict product, const pzs_rows *rows,
                         const pzs_real *restrict vector, size_t cols);
@@ -47,7 +48,7 @@ void pzs_product_sum_sparse(pzs_real *restrict product, const pzs_rows *rows,
                             const pzs_real *restrict vector, size_t cols);
 
 /*
- * product [cols] = sum over the rows i of vector_i times row i of the table, whose rows are
+ * Compute product [cols] = sum over the rows i of vector_i times row i of the table, whose rows are
  * `stride` reals apart.
  */
 void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Products of sparse rows and vectors (product.h). The terms of each sum run in the order of the
- * products of full tables. The terms that are left out are zeros, which change no bit of a sum.
+ * Products of sparse matrices and vectors (product.h). The terms of each sum run in the order of
+ * the products of full matrices. The terms that are left out are zeros, which change no bit of a
+ * sum.
  */
 #include <string.h>
 #include "product.h"
