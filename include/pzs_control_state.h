@@ -452,6 +452,18 @@ typedef struct pzs_pulse_detector_state {
     pzs_real *loss; /* [inputs] change of the voltage given to each electrode minus the change that
                        the readings show, from an earlier interval in which the target shape stood
                        still to the last window of averaged readings (V) */
+    /*
+     * [inputs] changes `move` of the voltages as the least-squares estimate would find them from
+     * the readings (V); while a healthy electrode is chosen with which a suspected one is compared,
+     * the scalar products of the scaled modelled readings of each electrode and of the suspected
+     * one (1/V2)
+     */
+    pzs_real *resolved;
+    /*
+     * [inputs] part of an error of the voltage of one electrode alone that the least-squares
+     * estimate finds at this electrode (0 to 1)
+     */
+    pzs_real *resolution;
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */
     pzs_real *first_reading; /* [sensors] readings in the first tick of the present window (interval
                                 in which readings are averaged) or test pulse; after a window its
@@ -480,8 +492,10 @@ typedef struct pzs_pulse_detector_state {
                             which readings are averaged) or test pulse */
     pzs_real ridge; /* weight of the regularisation in the least-squares estimate of the voltages
                        that amplifiers gave but that do not show in the readings (1/V2) */
-    pzs_real least_energy;     /* sum of the squared weighted output changes that a full test pulse
-                                  causes, for the input with the smallest sum (m2) */
+    pzs_real share_factor; /* factor, at least 1, of the smallest part of a change of the readings
+                              that must be explained before an electrode is suspected (1) */
+    pzs_real least_energy; /* sum of the squared weighted output changes that a full test pulse
+                              causes, for the input with the smallest sum (m2) */
     pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
                                   healthy one with which it is compared: before their test pulses
                                   (start), and in the next tick (set) (V) */

@@ -1384,7 +1384,13 @@ extern const pzs_block_type pzs_selftest_block;
  * are repeated with up to four times their height, at most half the voltage range; with 30 %
  * hysteresis some faults are still not found, and without compensation most of them. A load that
  * jumps during a pulse is noticed, and the pulse is repeated.
+ *
+ * At least four sensors are needed, because the evaluation of a pulse fits three responses to the
+ * readings. Fewer sensors than electrodes cannot tell all electrodes apart: several electrodes are
+ * then tested one after the other until the faulty one is found.
  */
+#define PZS_PULSE_SENSORS 4u /* smallest number of sensors with which a fault can be proved */
+
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
     PZS_FAULT_DEAD,  /* electrode fault: the electrode is at 0 V, whatever its amplifier gives */
@@ -1405,8 +1411,8 @@ typedef struct pzs_pulse_detector_info {
                        -1 */
     uint16_t found; /* number of faulty electrodes detected since the initialisation */
     uint16_t tests; /* number of electrodes that were suspected since the initialisation */
-    uint16_t unobservable; /* number of electrodes that cannot be tested, because they have no test
-                              pulse or move no sensor */
+    uint16_t unobservable; /* number of electrodes whose faults cannot be found: they have no test
+                              pulse, or the sensors cannot tell them from other electrodes */
 } pzs_pulse_detector_info;
 
 typedef struct pzs_pulse_detector {
@@ -1426,7 +1432,7 @@ extern const pzs_block_type pzs_pulse_detector_block;
 #define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_pulse_detector)) +                                          \
                 sizeof(pzs_real) *                                                                 \
-                    (PZS_DENSE(inputs) + 7u * (size_t)(inputs) + 2u * PZS_FOURS(inputs) +          \
+                    (PZS_DENSE(inputs) + 8u * (size_t)(inputs) + 3u * PZS_FOURS(inputs) +          \
                      6u * (size_t)(sensors) + (size_t)(outputs)) +                                 \
                 sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) +                            \
                 (sizeof(uint16_t) + 3u) * (size_t)(inputs) + (size_t)(sensors))

@@ -947,7 +947,7 @@ static void print_tables(const options *options, const analysis *analysis, const
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
                tables_allow_float(analysis) ? "float or double" : "refused in float");
     print_vibration_summary(&analysis->certificate, analysis->quasi_static);
-    print_selftest_plan(analysis);
+    print_test_plans(analysis);
 }
 
 static int command_tables(const options *options, analysis *analysis)

@@ -18,6 +18,7 @@
 #include "../model/compact_cost.h"
 #include "../model/design_rows.h"
 #include "../model/wiring_test.h"
+#include "../tables/detection.h"
 #include "../tables/loop_blocks.h"
 #include "../text/words.h"
 #include "../tables/tables.h"
@@ -173,7 +174,29 @@ static int image_size(const analysis *analysis, tables_image image, tables_size 
     return failed;
 }
 
-void print_selftest_plan(const analysis *analysis)
+/*
+ * Print which electrodes the fault detector of a loop that damps vibration can find faulty, and
+ * warn of the others.
+ */
+static void print_detection(const analysis *analysis)
+{
+    detection detection;
+    char text[SCENE_ERROR];
+    if (detection_make(&detection, analysis) && detection.is_used) {
+        detection_text(&detection, &analysis->design, text);
+        printf("  %s\n", text);
+        detection_remarks(&detection, &analysis->design, text);
+        if (*text)
+            printf("  warning: fault detector: %s\n", text);
+    }
+    detection_close(&detection);
+}
+
+/*
+ * Print heights and duration of the voltage pulses of the self-test of amplifiers, cables and
+ * sensors, and warn of the amplifiers that the self-test cannot judge.
+ */
+static void print_selftest_plan(const analysis *analysis)
 {
     estimator estimator;
     wiring_test wiring;
@@ -190,6 +213,12 @@ void print_selftest_plan(const analysis *analysis)
     }
     wiring_test_close(&wiring);
     estimator_close(&estimator);
+}
+
+void print_test_plans(const analysis *analysis)
+{
+    print_selftest_plan(analysis);
+    print_detection(analysis);
 }
 
 /*
@@ -282,7 +311,7 @@ void print_check(const analysis *analysis, const work_report *work)
     print_images(analysis);
     print_work(work, &analysis->design);
     print_certificate(&analysis->certificate);
-    print_selftest_plan(analysis);
+    print_test_plans(analysis);
     if (work->holds)
         puts("\n  the scene is valid");
 }
@@ -323,6 +352,7 @@ void print_check_json(const analysis *from, const work_report *work)
                                                            "nonlinear_compact"};
     const bool is_compact = tables_are_compact(from);
     const analysis compact = compact_analysis(from);
+    detection detection;
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_head(&json, from);
@@ -335,6 +365,9 @@ void print_check_json(const analysis *from, const work_report *work)
     json_close(&json, '}');
     print_work_json(work, &json);
     print_certificate_json(&json, &from->certificate);
+    if (detection_make(&detection, from))
+        detection_json(&detection, &from->design, &json);
+    detection_close(&detection);
     json_close(&json, '}');
 }
 

@@ -38,10 +38,11 @@ void print_estimate_json(json *json, const estimator *estimator);
 
 /*
  * Print heights and duration of the voltage pulses of the self-test of amplifiers, cables and
- * sensors, which runs before the control loop starts, and a warning of the amplifiers that it
- * cannot judge; nothing where the scene has no self-test.
+ * sensors, which runs before the control loop starts, and of how many electrodes the fault detector
+ * of a loop that damps vibration finds faults, with a warning of the amplifiers that they cannot
+ * judge; nothing where the scene has neither.
  */
-void print_selftest_plan(const analysis *analysis);
+void print_test_plans(const analysis *analysis);
 
 /*
  * Print the size of the scene and the device memory that the constants of its firmware (`pzs

@@ -188,15 +188,15 @@ double loop_work_detector(const block_counts *of, const loop_processor *on)
 /*
  * Upper bound of the instructions of the fault detector of a loop that damps vibration. In its
  * longest tick it compares mean readings with those of an earlier standstill of the target, and
- * chooses a healthy electrode with which it compares the suspected one.
+ * chooses the electrode to be suspected.
  */
 double loop_work_pulse_detector(const block_counts *of, const loop_processor *on)
 {
     const double inputs = (double)of->inputs, readings = (double)of->readings;
     const double effects =
         of->plays > 0 ? inputs * (200 + 32 * (double)of->plays + 10 * (double)of->creeps) : 0;
-    return 3 * product(on, of->readings, of->inputs) + 2 * product(on, of->inputs, of->inputs) +
-           on->other * (20 * inputs * readings + 120 * readings + 220 * inputs +
+    return 3 * product(on, of->readings, of->inputs) + 3 * product(on, of->inputs, of->inputs) +
+           on->other * (17 * inputs * readings + 160 * readings + 300 * inputs +
                         20 * (double)of->outputs + effects + 3000);
 }
 

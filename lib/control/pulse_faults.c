@@ -7,10 +7,14 @@
  * an earlier interval in which the target stood still. The weights of the means fall to 0 at both
  * ends of the window, so that vibration hardly changes them, even while the target moves. Let du be
  * the change of the voltages, dy that of the readings, D the static readings per volt, and S the
- * scales of the sensors. The errors f of the voltages, by which
- * the voltages that the readings show differ from the given ones, minimise |S (dy - D (du + f))|^2
- * + ridge |f|^2 with a small constant `ridge`. A structure whose gain differs from the model causes
- * a part of f that is proportional to du, which is subtracted. The electrode whose remaining error
+ * scales of the sensors. The errors f of the voltages, by which the voltages that the readings show
+ * differ from the given ones, minimise |S (dy - D (du + f))|^2 + ridge |f|^2 with a small constant
+ * `ridge`. Fewer sensors than electrodes cannot tell all errors apart: of an error of electrode j
+ * alone the estimate finds the part R_jj at electrode j and spreads the rest over the others, with
+ * the resolution matrix R = 1 - ridge (D'S^2 D + ridge)^-1. The error of electrode j, if it alone
+ * is faulty, is therefore f_j / R_jj, which is the generalised least-squares estimate in which all
+ * other electrodes have random errors. A structure whose gain differs from the model causes a part
+ * of f that is proportional to R du, which is subtracted. The electrode whose remaining error
  * explains most of the change of the readings is suspected, if its error is about the loss of its
  * own voltage (as for a dead electrode) or of its own change of voltage (as for a stuck or reversed
  * one).
@@ -40,8 +44,8 @@
  *
  * The work of a tick is outputs + 8 (inputs + sensors) operations, and with compensation of
  * hysteresis about 3 operations for each of its plays (elements with backlash) of each electrode.
- * At the end of a window 3 inputs sensors + inputs^2 multiply-adds are added, and at the end of a
- * pulse 3 inputs sensors.
+ * At the end of a window 3 inputs sensors + 2 inputs^2 multiply-adds are added, in the tick that
+ * chooses a reference electrode inputs sensors, and at the end of a pulse 2 inputs sensors.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -70,6 +74,19 @@
  */
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
+/*
+ * Trace of the resolution matrix of the readings (effective number of independent combinations of
+ * readings) from which on LEAST_SHARE and LEAST_MOVING_SHARE hold. With a smaller trace t these
+ * shares are multiplied by (2 + MANY_READINGS / t) / 3, because some electrode of many explains a
+ * large part of any difference between few readings.
+ */
+#define MANY_READINGS PZS_R(24)
+/*
+ * Smallest part of a voltage lost by one electrode alone that the least-squares estimate must find
+ * at this electrode, so that the electrode can be suspected. In single precision the part has an
+ * error of about 0.003.
+ */
+#define LEAST_RESOLUTION PZS_R(0.01)
 /*
  * Smallest and largest voltage that an electrode must seem not to have received to be suspected of
  * a fault, relative to the voltage (if it were dead) or the voltage change (if it were stuck or
@@ -158,9 +175,10 @@
 
 /*
  * Activities of the fault detector: WAITING, in which it averages readings until an electrode is
- * suspected, and PULSING, in which it applies test pulses.
+ * suspected; CHOOSING, one tick in which it chooses a healthy electrode with which the suspected
+ * one is compared; and PULSING, in which it applies test pulses.
  */
-enum { WAITING = 0, PULSING };
+enum { WAITING = 0, CHOOSING, PULSING };
 static pzs_real square(pzs_real number)
 {
     return number * number;
@@ -202,6 +220,8 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
     state->cleared_loss = take_reals(&next, inputs);
     state->move = take_reals(&next, PZS_FOURS(inputs));
     state->loss = take_reals(&next, PZS_FOURS(inputs));
+    state->resolved = take_reals(&next, PZS_FOURS(inputs));
+    state->resolution = take_reals(&next, inputs);
     state->last_reading = take_reals(&next, sensors);
     state->first_reading = take_reals(&next, sensors);
     state->reading = take_reals(&next, sensors);
@@ -217,6 +237,25 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
     state->is_missing = state->pause + inputs;
     detector->info.electrode = state->electrode;
     detector->info.fault = state->fault;
+}
+
+/*
+ * Let the fault detector begin anew if damaged memory has made its phase or the indices of the
+ * electrodes under test invalid.
+ */
+static void repair_phase(pzs_pulse_detector_state *state)
+{
+    const uint32_t inputs = state->tables->inputs;
+    const bool has_suspect = state->suspect < inputs, has_reference = state->reference < inputs;
+    const bool is_idle = state->phase == WAITING && !has_suspect && !has_reference;
+    const bool is_choosing = state->phase == CHOOSING && has_suspect && !state->has_taken;
+    const bool is_testing = state->phase != CHOOSING && has_suspect && has_reference;
+    if ((is_idle && !state->has_taken) || is_choosing || (is_testing && state->phase <= PULSING))
+        return;
+    state->suspect = NO_INPUT;
+    state->reference = NO_INPUT;
+    state->has_taken = false;
+    state->phase = WAITING;
 }
 
 /*
@@ -237,14 +276,7 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
     guard_repair_bool(&state->is_grown);
     guard_repair_bool(&state->is_moving);
     state->silent = state->silent < WEAK_PULSES ? state->silent : 0;
-    const bool has_pair = state->suspect < tables->inputs && state->reference < tables->inputs;
-    if (!has_pair) {
-        state->suspect = NO_INPUT;
-        state->reference = NO_INPUT;
-        state->has_taken = false;
-    }
-    if (state->phase > (has_pair ? PULSING : WAITING))
-        state->phase = WAITING;
+    repair_phase(state);
 }
 
 /* Let the fault detector begin an activity: averaging of readings, or a test pulse. */
@@ -575,14 +607,29 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 }
 
 /*
+ * Compute the changes of the voltages of all electrodes as the regularised least-squares estimate
+ * would find them from the readings: the product of the resolution matrix 1 - r (G + r)^-1 and the
+ * voltage changes, with the weight r of the regularisation and the matrix G + r of the estimate.
+ */
+static void resolve_moves(pzs_pulse_detector_state *state)
+{
+    const uint32_t inputs = state->tables->inputs;
+    memcpy(state->resolved, state->move, inputs * sizeof *state->move);
+    pzs_linalg_solve(&state->columns, state->resolved);
+    for (uint32_t j = 0; j < inputs; j++)
+        state->resolved[j] = state->move[j] - state->ridge * state->resolved[j];
+}
+
+/*
  * Sums over the electrodes whose voltages are not fixed, with which the part of their missing
  * voltages is computed that all have in common. The missing voltage of an electrode is the one that
  * it seems not to have received.
  */
 typedef struct loss_sums {
-    pzs_real losses, moves, both; /* sums over electrodes: squares of the voltages that they seem
-                                     not to have received (losses), squared voltage changes (moves),
-                                     and products of both (V2) */
+    pzs_real losses; /* sum of the squared missing voltages (V2) */
+    pzs_real moves;  /* sum of the products of voltage changes and of the estimates of these changes
+                        from the readings (V2) */
+    pzs_real both;   /* sum of the products of missing voltages and voltage changes (V2) */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -592,7 +639,7 @@ static loss_sums sum_losses(const pzs_pulse_detector_state *state)
         if (state->electrode[j] == PZS_ELECTRODE_HELD)
             continue;
         sums.losses += square(state->loss[j]);
-        sums.moves += square(state->move[j]);
+        sums.moves += state->resolved[j] * state->move[j];
         sums.both += state->loss[j] * state->move[j];
     }
     return sums;
@@ -609,6 +656,32 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
+ * What the readings show of one electrode, if no other electrode is faulty, and if a common part of
+ * all voltage changes is missing because the gain of the structure differs from the model.
+ */
+typedef struct own_loss {
+    pzs_real common; /* common part of all voltage changes that seems to be missing, at most
+                        COMMON_LOSS; negative: the changes seem larger than they are (1) */
+    pzs_real lost;   /* voltage that the electrode seems not to have received, apart from the common
+                        part (V) */
+} own_loss;
+
+/*
+ * Estimate by least squares the voltage that electrode j has not received, if no other electrode is
+ * faulty.
+ */
+static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
+                            const loss_sums *sums)
+{
+    const pzs_real resolved = state->resolved[j], resolution = state->resolution[j];
+    const pzs_real moves = sums->moves - square(resolved) / resolution;
+    const pzs_real both = sums->both - state->loss[j] * resolved / resolution;
+    const pzs_real ratio = moves > 0 ? both / moves : 0;
+    const pzs_real common = number_clamp(ratio, -COMMON_LOSS, COMMON_LOSS);
+    return (own_loss){common, (state->loss[j] - common * resolved) / resolution};
+}
+
+/*
  * Return the part (0 to 1) of the change of the readings, since an earlier interval in which the
  * target stood still, that is explained if electrode j has not received a part of its voltage, or 0
  * where this part is not that of a dead, stuck or reversed electrode.
@@ -619,18 +692,16 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
 {
-    const pzs_real move = state->move[j], loss = state->loss[j];
-    const pzs_real moves = sums->moves - square(move), both = sums->both - loss * move;
-    const pzs_real ratio = moves > 0 ? both / moves : 0;
-    const pzs_real common = number_clamp(ratio, -COMMON_LOSS, COMMON_LOSS);
-    const pzs_real own = loss - common * move;
-    const pzs_real others =
-        sums->losses - square(loss) - 2 * common * both + square(common) * moves + rest;
-    const bool is_plausible = is_loss_of(own, (1 + common) * move) ||
-                              is_loss_of(own, (1 + common) * state->first_voltage[j]);
-    if (!is_plausible || !(number_absolute(own) > NOTICED * state->tables->amplitude[j]))
+    const own_loss own = own_loss_of(state, j, sums);
+    const pzs_real gain = 1 + own.common;
+    const pzs_real explained = state->resolution[j] * square(own.lost);
+    const pzs_real all =
+        sums->losses - 2 * own.common * sums->both + square(own.common) * sums->moves + rest;
+    const bool is_plausible = is_loss_of(own.lost, gain * state->move[j]) ||
+                              is_loss_of(own.lost, gain * state->first_voltage[j]);
+    if (!is_plausible || !(number_absolute(own.lost) > NOTICED * state->tables->amplitude[j]))
         return 0;
-    return square(own) / (square(own) + (others > 0 ? others : 0));
+    return explained / (all > explained ? all : explained);
 }
 
 /*
@@ -670,19 +741,29 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
 }
 
 /*
- * Return the squared sine of the angle between two vectors (0 to 1): the readings [sensors] that
- * the model predicts for a voltage on electrode j, and those for a voltage on the suspected
- * electrode.
+ * Compute the scalar products of the scaled readings [sensors] that the model predicts for a
+ * voltage of 1 V on electrode `suspect` with those that it predicts for 1 V on each electrode
+ * (1/V2), in the array `resolved` [inputs].
  */
-static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j)
+static void compare_shapes(pzs_pulse_detector_state *state, uint32_t suspect)
 {
     const pzs_selftest_tables *tables = state->tables;
-    pzs_real both = 0;
-    for (uint32_t i = 0; i < tables->sensors; i++) {
-        const pzs_real *row = state->direct + (size_t)i * tables->inputs;
-        both += square(tables->scale[i]) * row[j] * row[state->suspect];
-    }
-    return 1 - square(both) / (state->diagonal[j] * state->diagonal[state->suspect]);
+    pzs_real *weighted = state->reading;
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        weighted[i] =
+            square(tables->scale[i]) * state->direct[(size_t)i * tables->inputs + suspect];
+    pzs_product_sum_rows(state->resolved, state->direct, tables->inputs, weighted, tables->sensors,
+                         tables->inputs);
+}
+
+/*
+ * Return the squared sine of the angle between the sensor readings that the model predicts for
+ * electrode j and for electrode `suspect` (0 to 1), from the scalar products that compare_shapes
+ * has computed.
+ */
+static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j, uint32_t suspect)
+{
+    return 1 - square(state->resolved[j]) / (state->diagonal[j] * state->diagonal[suspect]);
 }
 
 /*
@@ -693,9 +774,10 @@ static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j)
  * NO_INPUT if there is none.
  *   but in  electrode that is not chosen; NO_INPUT: none
  */
-static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t but)
+static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
 {
     const uint32_t suspect = state->suspect;
+    compare_shapes(state, suspect);
     const pzs_real own = state->diagonal[suspect] * square(state->tables->amplitude[suspect]);
     pzs_real largest = 0;
     uint32_t reference = NO_INPUT;
@@ -707,7 +789,7 @@ static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t b
         const bool has_followed =
             2 * number_absolute(state->loss[j]) < number_absolute(state->move[j]);
         const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
-        const pzs_real merit = (has_followed ? 100 : 1) * square(distinctness(state, j)) *
+        const pzs_real merit = (has_followed ? 100 : 1) * square(distinctness(state, j, suspect)) *
                                (ratio > 1 ? 1 / ratio : ratio);
         if (merit > largest) {
             largest = merit;
@@ -777,29 +859,52 @@ static void clear_suspect(pzs_pulse_detector_state *state)
 static void store_loss(pzs_pulse_detector_state *state)
 {
     const uint32_t suspect = state->suspect;
-    state->suspect_voltage = state->first_voltage[suspect];
-    state->suspect_move = state->move[suspect];
-    state->suspect_loss = state->loss[suspect];
+    const loss_sums sums = sum_losses(state);
+    const own_loss own = own_loss_of(state, suspect, &sums);
+    state->suspect_voltage = (1 + own.common) * state->first_voltage[suspect];
+    state->suspect_move = (1 + own.common) * state->move[suspect];
+    state->suspect_loss = own.lost;
 }
 
 /*
- * Suspect an electrode of a fault, if there is a healthy electrode with which its response to a
- * test pulse can be compared.
+ * Suspect an electrode of a fault. The next tick chooses a healthy electrode with which the
+ * responses to test pulses are compared.
+ *   is_moving in  whether the target moved in the last window, in which readings were averaged
  */
-static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
+static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, bool is_moving)
 {
-    pzs_pulse_detector_state *state = &detector->state;
+    begin(state, CHOOSING);
+    state->is_moving = is_moving;
     state->suspect = (uint16_t)suspect;
+    state->reference = NO_INPUT;
     store_loss(state);
-    state->cleared_loss[suspect] = number_absolute(state->suspect_loss);
-    state->reference = (uint16_t)find_reference(state, NO_INPUT);
+    state->cleared_loss[suspect] = number_absolute(state->loss[suspect]);
     state->tries = 0;
     state->is_grown = false;
+}
+
+/*
+ * Choose the reference electrode (a healthy one) with which the suspected one is compared: another
+ * one than before, if there was one. Without any, the suspicion ends. The test pulses begin at
+ * once, or, where the target has moved, after a window in which it stands still.
+ */
+static void choose_reference(pzs_pulse_detector *detector)
+{
+    pzs_pulse_detector_state *state = &detector->state;
+    const uint32_t before = state->reference, next = find_reference(state, before);
+    const bool is_moving = state->is_moving;
+    if (next != NO_INPUT)
+        state->reference = (uint16_t)next;
     if (state->reference == NO_INPUT) {
-        state->suspect = NO_INPUT;
+        end_proof(state);
         return;
     }
-    detector->info.tests++;
+    if (before == NO_INPUT)
+        detector->info.tests++;
+    if (is_moving)
+        begin(state, WAITING);
+    else
+        begin_pulses(state);
 }
 
 /*
@@ -835,16 +940,13 @@ static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state,
 }
 
 /*
- * Choose another reference electrode, with which the suspected one is compared, after the present
- * one has not responded to its test pulse.
+ * Let the next tick choose another reference electrode, with which the suspected one is compared,
+ * after the present one has not responded to its test pulse.
  */
 static void change_reference(pzs_pulse_detector_state *state)
 {
-    const uint32_t failed = state->reference;
     release_electrodes(state);
-    const uint32_t next = find_reference(state, failed);
-    state->reference = (uint16_t)(next != NO_INPUT ? next : failed);
-    begin_pulses(state);
+    begin(state, CHOOSING);
 }
 
 /*
@@ -961,6 +1063,7 @@ static void resume_proof(pzs_pulse_detector_state *state)
         find_means(state);
         compare_means(state);
         (void)find_losses(state);
+        resolve_moves(state);
         store_loss(state);
     }
     begin_pulses(state);
@@ -968,12 +1071,11 @@ static void resume_proof(pzs_pulse_detector_state *state)
 
 /*
  * Evaluate the mean readings of a window (time over which they are averaged), and choose an
- * electrode to be tested. Its test pulses begin at once if the target stood still in the window.
+ * electrode to be tested.
  * After a window that only lets vibration decay before test pulses, the pulses begin.
  */
-static void end_window(pzs_pulse_detector *detector)
+static void end_window(pzs_pulse_detector_state *state)
 {
-    pzs_pulse_detector_state *state = &detector->state;
     const bool is_moving = state->is_moving;
     begin(state, WAITING);
     if (state->suspect != NO_INPUT) {
@@ -991,19 +1093,15 @@ static void end_window(pzs_pulse_detector *detector)
     }
     compare_means(state);
     const pzs_real rest = find_losses(state);
-    const uint32_t suspect =
-        find_suspect(state, rest, is_moving ? LEAST_MOVING_SHARE : LEAST_SHARE);
+    resolve_moves(state);
+    const pzs_real least = is_moving ? LEAST_MOVING_SHARE : LEAST_SHARE;
+    const uint32_t suspect = find_suspect(state, rest, least * state->share_factor);
     if (suspect != NO_INPUT)
-        begin_suspicion(detector, suspect);
-    if (is_moving)
-        return;
-    if (state->suspect != NO_INPUT)
-        begin_pulses(state);
-    else if (has_moved(state) ||
-             !number_is_finite(rest)) /* store the means of this window (time over which readings
-                                         are averaged) for later comparison, also where damaged
-                                         memory has made the stored means infinite or NaN */
-        set_base(state);
+        begin_suspicion(state, suspect, is_moving);
+    else if (!is_moving && (has_moved(state) || !number_is_finite(rest)))
+        set_base(state); /* store the means of this window (time over which readings are averaged)
+                            for later comparison, also where damaged memory has made the stored
+                            means infinite or NaN */
 }
 
 /*
@@ -1014,12 +1112,16 @@ static void end_window(pzs_pulse_detector *detector)
 static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
 {
     pzs_pulse_detector_state *state = &detector->state;
+    if (state->phase == CHOOSING) {
+        choose_reference(detector);
+        return NO_INPUT;
+    }
     const bool has_ended = measure(state, voltage);
     state->position++;
     if (has_ended && state->phase == PULSING)
         return judge(detector);
     if (has_ended)
-        end_window(detector);
+        end_window(state);
     return NO_INPUT;
 }
 
@@ -1029,6 +1131,8 @@ static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
  */
 static void interrupt(pzs_pulse_detector_state *state)
 {
+    if (state->phase == CHOOSING)
+        return;
     release_electrodes(state);
     begin(state, WAITING);
 }
@@ -1039,6 +1143,25 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
     const pzs_selftest_tables *pulses = tables;
     return PZS_PULSE_DETECTOR_BLOCK_BYTES(pulses->inputs, pulses->sensors, problem->outputs);
+}
+
+/*
+ * Compute, for each electrode, the part of a voltage lost by this electrode alone that the
+ * regularised least-squares estimate finds at this electrode, from 0 to 1. The estimate assigns the
+ * other part to other electrodes, which move the sensors in similar ways.
+ */
+static void find_resolutions(pzs_pulse_detector_state *state)
+{
+    const uint32_t inputs = state->tables->inputs;
+    pzs_real trace = 0;
+    for (uint32_t j = 0; j < inputs; j++) {
+        memset(state->resolved, 0, inputs * sizeof *state->resolved);
+        state->resolved[j] = 1;
+        pzs_linalg_solve(&state->columns, state->resolved);
+        state->resolution[j] = 1 - state->ridge * state->resolved[j];
+        trace += state->resolution[j];
+    }
+    state->share_factor = trace < MANY_READINGS ? (2 + MANY_READINGS / trace) / 3 : 1;
 }
 
 /*
@@ -1066,13 +1189,34 @@ static bool factor_matrix(pzs_pulse_detector_state *state)
     state->ridge = RIDGE * trace / (pzs_real)inputs;
     for (uint32_t j = 0; j < inputs; j++)
         *pzs_linalg_entry(&state->columns, j, j) += state->ridge;
-    return state->ridge > 0 && pzs_linalg_factor(&state->columns).zero < 0;
+    if (!(state->ridge > 0) || pzs_linalg_factor(&state->columns).zero >= 0)
+        return false;
+    find_resolutions(state);
+    return true;
 }
 
 /*
- * Find the electrodes that cannot be tested for faults, because they have no test pulse or move no
- * sensor. Of all other electrodes, find the smallest sum of the squared weighted output changes
- * that a full test pulse causes.
+ * Whether a fault of electrode j can be found: the electrode has a test pulse, the readings tell
+ * its lost voltage from those of others, and there is another electrode whose response to a test
+ * pulse differs in shape.
+ */
+static bool can_be_tested(pzs_pulse_detector_state *state, uint32_t j)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    if (!(tables->amplitude[j] > 0) || !(state->diagonal[j] > 0) ||
+        tables->sensors < PZS_PULSE_SENSORS || !(state->resolution[j] > LEAST_RESOLUTION))
+        return false;
+    compare_shapes(state, j);
+    for (uint32_t k = 0; k < tables->inputs; k++)
+        if (tables->amplitude[k] > 0 && state->diagonal[k] > 0 &&
+            distinctness(state, k, j) > PZS_PULSE_DEPENDENT)
+            return true;
+    return false;
+}
+
+/*
+ * Find the electrodes whose faults cannot be found. Of all other electrodes, find the smallest sum
+ * of the squared weighted output changes that a full test pulse causes.
  */
 static void find_unobservable(pzs_pulse_detector *detector)
 {
@@ -1085,7 +1229,7 @@ static void find_unobservable(pzs_pulse_detector *detector)
             energy += square(problem->weight[i] *
                              state->control->state.influence[(size_t)i * problem->inputs + j]);
         energy *= square(state->tables->amplitude[j]);
-        const bool is_observable = state->tables->amplitude[j] > 0 && state->diagonal[j] > 0;
+        const bool is_observable = can_be_tested(state, j);
         state->electrode[j] = is_observable ? PZS_ELECTRODE_OBSERVED : PZS_ELECTRODE_UNOBSERVABLE;
         detector->info.unobservable =
             (uint16_t)(detector->info.unobservable + (is_observable ? 0u : 1u));

@@ -14,12 +14,6 @@
  */
 #define DISTURBED PZS_R(0.25)
 /*
- * Smallest part of the modelled response to the reference electrode (a healthy one) that is
- * independent of the modelled response to the suspected electrode, as a fraction of its sum of
- * squares.
- */
-#define DEPENDENT PZS_R(0.05)
-/*
  * The evaluation of a test pulse expects that the gain (measured divided by modelled response) of
  * all electrodes without a pulse is 1. This is the weight of the expectation, relative to the sum
  * of squares of the modelled response to the pulse.
@@ -116,7 +110,7 @@ static bool factor_fit(pulse_fit *fit)
             fit->matrix[k][j] /= fit->matrix[j][j];
             fit->matrix[k][k] -= square(fit->matrix[k][j]) * fit->matrix[j][j];
         }
-        if (!(fit->matrix[k][k] > (k < OTHERS ? DEPENDENT * diagonal : 0)))
+        if (!(fit->matrix[k][k] > (k < OTHERS ? PZS_PULSE_DEPENDENT * diagonal : 0)))
             return false;
     }
     return true;

@@ -10,6 +10,13 @@
 #include "pzs_loop.h"
 
 /*
+ * Smallest part of the modelled response to the reference electrode (a healthy one) that is
+ * independent of the modelled response to the suspected electrode, as a fraction of its sum of
+ * squares.
+ */
+#define PZS_PULSE_DEPENDENT PZS_R(0.05)
+
+/*
  * Numbers of the two electrodes under test: the one suspected of a fault, and the reference
  * electrode, a healthy one with which it is compared.
  */

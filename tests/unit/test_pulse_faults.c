@@ -349,6 +349,35 @@ static void test_start(void **state)
     assert_int_equal(detector_of(&s)->info.tests, 0);
 }
 
+/*
+ * With fewer than four sensors no fault can be proved: all electrodes are said to be unobservable,
+ * and none is ever tested. An electrode whose response all others share in shape, because a single
+ * sensor of four moves, is unobservable, too.
+ */
+static void test_few_sensors(void **state)
+{
+    static strip s;
+    (void)state;
+    for (uint16_t sensors = 3; sensors <= 4; sensors++) {
+        open_strip(&s);
+        assert_int_equal(detector_of(&s)->info.unobservable, 0);
+        s.tables.sensors = sensors;
+        s.problem.outputs = sensors;
+        s.problem.regularisation = (pzs_real)1e-3;
+        for (size_t k = INPUTS; k < 4 * INPUTS && sensors == 4; k++)
+            s.influence[k] = 0;
+        assert_int_equal(pzs_problem_seal(&s.problem), PZS_OK);
+        assert_int_equal(pzs_selftest_seal(&s.tables), PZS_OK);
+        assert_int_equal(pzs_loop_init(&s.loop, s.block, 2, NULL, s.work, sizeof s.work), PZS_OK);
+        assert_int_equal(detector_of(&s)->info.unobservable, INPUTS);
+        rest(&s);
+        s.fault[1] = PZS_FAULT_DEAD;
+        rest(&s);
+        (void)run_ticks(&s, 2 * PROOF);
+        assert_int_equal(detector_of(&s)->info.tests, 0);
+    }
+}
+
 /* Tables that are damaged, do not fit or would break a limit are refused. */
 static void test_bad_tables(void **state)
 {
@@ -381,6 +410,7 @@ int main(void)
         cmocka_unit_test(test_interruption), cmocka_unit_test(test_program),
         cmocka_unit_test(test_missing),      cmocka_unit_test(test_load_jumps),
         cmocka_unit_test(test_start),        cmocka_unit_test(test_bad_tables),
+        cmocka_unit_test(test_few_sensors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

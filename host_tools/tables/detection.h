@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Which electrodes the fault detector of a loop that damps vibration (pzs_pulse_detector_block) can
+ * find faulty from the sensors of a scene, and how far the responses to its test pulses stand out
+ * from the noise of the readings.
+ */
+#ifndef DETECTION_H
+#define DETECTION_H
+
+#include "../text/json.h"
+#include "loop_blocks.h"
+
+/* Why the fault detector cannot find a fault of an electrode. */
+typedef enum detection_doubt {
+    DETECTION_SURE,         /* a fault of the electrode can be found */
+    DETECTION_UNOBSERVABLE, /* the sensors cannot tell the electrode from others, or it has no test
+                               pulse */
+    DETECTION_HIDDEN,       /* noise hides the response to a test pulse */
+    DETECTION_DOUBTS
+} detection_doubt;
+
+typedef struct detection {
+    bool is_used;   /* true where the loop of the scene contains this fault detector; otherwise all
+                       other members are zero */
+    int electrodes; /* number of electrodes */
+    int detectable; /* number of electrodes of which a fault can be found */
+    int sensors;    /* number of sensors */
+    int ticks;      /* duration of a test pulse (ticks) */
+    int weakest;    /* index of the observable electrode with the smallest ratio of response to
+                       noise */
+    double ratio;   /* smallest ratio, over the observable electrodes, of the response to a test
+                       pulse to the standard deviation that the noise of the readings causes (1);
+                       infinite without noise, 0 without observable electrodes */
+    detection_doubt *doubt; /* [electrodes] */
+} detection;
+
+/*
+ * Find out which electrodes the fault detector of the scene's loop can find faulty.
+ *   analysis in  analysis with computed influence matrix and certificate; must outlive `detection`
+ * Where the scene has no such detector, or its loop cannot be made, the result is unused. Returns
+ * whether memory sufficed; call detection_close in either case.
+ */
+bool detection_make(detection *detection, const analysis *analysis);
+
+/*
+ * Find out which electrodes a fault detector can find faulty.
+ *   blocks in  blocks of a loop that damps vibration and contains the fault detector
+ * Where the loop cannot be initialised, the result is unused. Returns whether memory sufficed; call
+ * detection_close in either case.
+ */
+bool detection_of(detection *detection, const loop_blocks *blocks);
+void detection_close(detection *detection);
+
+/*
+ * Describe in one line the test pulses, the number of electrodes whose faults can be found, and the
+ * weakest response.
+ */
+void detection_text(const detection *detection, const design *design, char text[SCENE_ERROR]);
+
+/* List as text the electrodes whose faults cannot be found, with the reason; empty without any. */
+void detection_remarks(const detection *detection, const design *design, char text[SCENE_ERROR]);
+
+/* Write the same facts as a JSON object "fault_detector". */
+void detection_json(const detection *detection, const design *design, json *json);
+
+#endif
