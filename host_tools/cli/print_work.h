@@ -27,7 +27,8 @@ typedef struct work_report {
 
 /*
  * Compute the number of processor instructions of a control tick.
- *   analysis in  analysis of a scene, with computed influence matrix and certificate of stability
+ *   analysis in  analysis of a scene, with computed influence matrix, and after the stability tests
+ *   of the control loop
  */
 void work_report_make(work_report *report, const analysis *analysis);
 

@@ -22,9 +22,10 @@ typedef struct shapes {
     double mean[4]; /* mean, over the element, of the bilinear shape function of each corner */
     double gradient[4][2]; /* gradient of each shape function at the centre of the element, along
                               the axes 1 and 2 of the shell (1/m) */
-    double twist[4];       /* coefficient of xi1 xi2 in each shape function, less the part that
-                              a uniform gradient has on an element that is no parallelogram */
-    double dual[2][2];     /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
+    double twist[4];   /* coefficient of the product xi1 xi2 of the natural coordinates in the shape
+                          function of each corner, less what a field of uniform gradient has on an
+                          element that is no parallelogram */
+    double dual[2][2]; /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
 } shapes;
 
 /*

@@ -10,10 +10,11 @@
 
 /* Contact of a structure on a load path of the arc-length method. */
 typedef struct arc_contact {
-    pzs_contact *contact; /* contact of the equilibrium solver; NULL: none */
+    pzs_contact *contact; /* contact of the equilibrium solver with the rigid body; NULL: the scene
+                             has no contact */
     pzs_solver *solver;   /* equilibrium solver to which the contact is attached */
-    void *pressures;      /* copy of the pressures and of the set of nodes in contact */
-    size_t bytes;         /* size of this copy (bytes) */
+    void *pressures;      /* copy of the contact pressures and of the set of nodes in contact */
+    size_t bytes;         /* size of the copy `pressures` (bytes) */
     pzs_status refused;   /* status for which the last converged step was refused, or PZS_OK */
 } arc_contact;
 
@@ -23,7 +24,10 @@ typedef struct arc_contact {
  */
 bool arc_contact_fits(const analysis *analysis);
 
-/* Refer to the contact of an analysis, if it has one. Returns 0, or -1 where memory runs out. */
+/*
+ * Prepare the contact of an analysis, if it has one, for a load path of the arc-length method.
+ * Returns 0, or -1 where memory runs out.
+ */
 int arc_contact_open(arc_contact *contact, analysis *analysis);
 void arc_contact_close(arc_contact *contact);
 

@@ -21,22 +21,24 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Transition matrix of a loop while it is filled. Its states are, for each vibration mode just
- * before the tick, the deviation e of the modal coordinate from its static equilibrium and the
- * modal velocity p divided by the angular frequency, then the measured static coordinates h of
- * delay + 1 past ticks; with amplifiers that lag also the static coordinates of their output
- * voltages at the tick and of their mean over the interval before it. The voltages of tick t have
- * the static coordinates -h(t - delay) in the model.
+ * Transition matrix of a control loop over one tick, while it is filled. The static coordinate of a
+ * vibration mode is its modal coordinate in equilibrium under the voltages. The states are, for
+ * each vibration mode just before the tick, the deviation e of the modal coordinate from its
+ * equilibrium and the modal velocity p divided by the angular frequency, then the static
+ * coordinates h measured at delay + 1 past ticks; with amplifiers that lag also the static
+ * coordinates of their output voltages at the tick and of their mean over the interval before it.
+ * The voltages of tick t have the static coordinates -h(t - delay) in the model.
  */
 typedef struct transition {
-    const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the static coordinate of
-                           mode i under the voltages that the controller subtracts per unit of mode
-                           j */
+    const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the coordinate of mode i in
+                           equilibrium under the voltages that the controller subtracts per unit of
+                           mode j */
     size_t stride, modes, order;
     const certificate_conditions *conditions;
-    double kept, behind; /* share of the distance between command and output of an amplifier that is
-                            left after an interval, and its mean over the interval */
-    double *matrix;      /* [order][order] */
+    double kept, behind; /* kept: fraction of the difference between command and output voltage of
+                            an amplifier that is left after a tick interval; behind: mean of this
+                            fraction over the interval */
+    double *matrix;      /* [order][order] transition matrix of the control loop over one tick */
 } transition;
 
 /* Number of states of the transition matrix for each vibration mode. */
@@ -46,9 +48,9 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add to a row of the transition matrix a multiple of what the controller measures at the tick: the
- * vibration of all modes as static coordinate i, and how much more than the model says the voltages
- * before have moved this coordinate.
+ * Add to a row of the transition matrix a multiple of what the controller measures of vibration
+ * mode i at the tick: the vibration of all modes, and how much more than the model says the
+ * voltages before have moved the equilibrium of this mode.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {
@@ -62,7 +64,10 @@ static void add_measured(const transition *transition, double *row, size_t i, do
         row[m * (delay + 4) + i] += factor * gain;
 }
 
-/* Add to a row of the transition matrix a multiple of static coordinate i under the commands. */
+/*
+ * Add to a row of the transition matrix a multiple of the coordinate of vibration mode i in
+ * equilibrium under the commanded voltages.
+ */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {
     const size_t delay = (size_t)transition->conditions->delay;
@@ -73,8 +78,8 @@ static void add_command(const transition *transition, double *row, size_t i, dou
 }
 
 /*
- * Add to a row of the transition matrix a multiple of the mean static coordinate i in the coming
- * interval, under the voltages of the amplifiers.
+ * Add to a row of the transition matrix a multiple of the coordinate of vibration mode i in
+ * equilibrium under the mean output voltages of the amplifiers in the coming tick interval.
  */
 static void add_driven(const transition *transition, double *row, size_t i, double factor)
 {
@@ -85,10 +90,10 @@ static void add_driven(const transition *transition, double *row, size_t i, doub
 }
 
 /*
- * Fill the rows of a vibration mode. The equilibrium moves by the change of the mean voltages, and
- * deviation and velocity turn about it:
- *   e' = turn[0] (e - change) + turn[1] p
- *   p' = turn[2] (e - change) + turn[3] p
+ * Fill the rows of a vibration mode in the transition matrix. The equilibrium moves by the change
+ * of the mean voltages, and deviation e and scaled velocity p turn about it:
+ *     e' = turn[0] (e - change) + turn[1] p
+ *     p' = turn[2] (e - change) + turn[3] p
  */
 static void fill_vibration(const transition *transition, size_t i, const double turn[4])
 {
@@ -106,7 +111,10 @@ static void fill_vibration(const transition *transition, size_t i, const double 
     }
 }
 
-/* Fill the rows of the past measurements and of the amplifiers for static coordinate i. */
+/*
+ * Fill those rows of the transition matrix that advance the past measurements of vibration mode i
+ * and the effect of the amplifiers' output voltages on it.
+ */
 static void fill_memory(const transition *transition, size_t i)
 {
     const size_t m = transition->modes, order = transition->order,
@@ -123,7 +131,10 @@ static void fill_memory(const transition *transition, size_t i)
     add_driven(transition, row + (delay + 4) * m * order, i, 1);
 }
 
-/* Fill the transition matrix of the loop over one tick. */
+/*
+ * Fill the transition matrix, which advances the vibration of the structure under the control loop
+ * by one tick.
+ */
 static void fill_loop(transition *transition, const double *square, const double *damping)
 {
     const certificate_conditions *conditions = transition->conditions;

@@ -59,9 +59,11 @@ typedef struct design_rows {
  */
 typedef struct design_dropped {
     size_t entries; /* number of entries of the influence matrix that count as zero */
-    double error;   /* largest displacement of an output by the effects that are left out, with all
-                       voltages at their limits; infinite without limits (length unit) */
-    int output;     /* number of the output (target row) with this displacement, counted from 0 */
+    double error;   /* largest displacement of an output by the entries of the influence matrix that
+                       count as zero, with all voltages at their limits; infinite without limits
+                       (length unit) */
+    int output; /* number, from 0, of the output (target row) with the largest displacement that is
+                   left out */
 } design_dropped;
 
 /*

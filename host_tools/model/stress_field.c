@@ -203,7 +203,8 @@ static int fill_patches(stress_field *field)
 /*
  * Add the stress resultants that voltages or temperatures prescribe in an element, multiplied by a
  * factor and by the area of the element.
- *   resultant [10] in/out  stress resultants of the element
+ *   resultant [10] in/out stress resultants for mean and difference of both faces for the strains
+ *   11, 22, 33 and 12; then the strains 13 and 23
  */
 static void add_prescribed(const mesh *mesh, int element, const laminate_field *given,
                            double factor, double resultant[10])
@@ -256,7 +257,8 @@ static double voltage_across(const stress_field *field, int element, int layer)
 /*
  * Add the stress resultants, times the area of the element, that the electric field of bare faces
  * (without electrodes) along the surface prescribes in a layer.
- *   resultant [10] in/out  stress resultants of the element
+ *   resultant [10] in/out stress resultants for mean and difference of both faces for the strains
+ *   11, 22, 33 and 12; then the strains 13 and 23
  */
 static void add_along(const stress_field *field, int element, int layer, double resultant[10])
 {

@@ -71,8 +71,8 @@ typedef struct search {
                            stiffness matrix K and mass matrix M, onto the basis; column j begins at
                            projection + j room */
     double *image, *mass_image; /* [BATCH][free_dof] products of the Lanczos operator with the basis
-                                   vectors from image_begin to image_end, and products of the mass
-                                   matrix with these */
+                                   vectors from number image_begin to image_end, and products of the
+                                   mass matrix with the former products */
     size_t image_begin, image_end;
     double *next;      /* [free_dof] work vector: the next vector of the Lanczos basis */
     double *mass_next; /* [free_dof] work vector: product of the mass matrix and the next vector of
@@ -215,10 +215,11 @@ static double random_number(search *search)
 enum { GROUP = 4 };
 
 /*
- * Remove from the work vector w its components along the basis vectors from `first` on, which are
- * their products with the other work vector.
- *   count     in   number of basis vectors, GROUP or 1
- *   part [count] out  components
+ * Make the work vector `next` orthogonal to `count` basis vectors from number `first` on: subtract
+ * its components along them, which are their products with the work vector `mass_next` (mass matrix
+ * times next).
+ *   count  in  number of basis vectors, GROUP or 1
+ *   part   [count] out  components
  */
 static void remove_group(search *search, size_t first, size_t count, double *part)
 {

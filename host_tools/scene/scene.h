@@ -847,8 +847,9 @@ typedef struct scene_dynamics {
 typedef struct scene_control {
     double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
                     by a simulation */
-    bool moving_target; /* true: the target moves with time, and a reference governor compensates
-                           the lag of a controller that damps vibration */
+    bool moving_target; /* true: the target moves with time, and a reference governor (stage of the
+                           tick that shapes the motion of the target) compensates the lag of a
+                           controller that damps vibration */
     double clock;       /* clock frequency of the device's processor (Hz); 0 if not given */
 } scene_control;
 

@@ -100,7 +100,7 @@ static int read_face(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Rows that are common to the table of the keys of a spring and to that of a stack actuator. */
+/* Rows that the tables of keys of a spring and of a stack actuator have in common. */
 #define SPRING_ROWS                                                                                \
     PLACE(offsetof(scene_spring, where)),                                                          \
         {"points",                                                                                 \

@@ -546,10 +546,10 @@ BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 /* ---- the table of block types ----------------------------------------- */
 
 /*
- * Types of blocks of the control loop: condition for the block in a scene file, functions that fill
- * and write its tables, names, memory, and upper bound of the instructions in a tick. In the
- * generated header, the tables of a block are named PREFIX_ followed by `tables_name`. The members
- * `bytes` and `bytes_macro` are defined by BLOCK_BYTES.
+ * Types of blocks (stages of a control tick): condition for the block in a scene file, functions
+ * that fill and write its tables, names, memory, and upper bound of the instructions in a tick. In
+ * the generated header, the tables of a block are named PREFIX_ followed by `tables_name`. The
+ * members `bytes` and `bytes_macro` are defined by BLOCK_BYTES.
  */
 static const struct {
     const pzs_block_type *type;
