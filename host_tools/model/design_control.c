@@ -115,7 +115,8 @@ static void apply_own_limits(const limits *limits)
 {
     const scene_limits *from = &limits->scene->limits;
     for (int i = 0; i < from->each_count; i++)
-        for (int k = from->each[i].first; k < from->each[i].first + from->each[i].count; k++) {
+        for (int k = from->each[i].first;
+             from->each[i].has_voltage && k < from->each[i].first + from->each[i].count; k++) {
             limits->lower[k] = from->each[i].lower;
             limits->upper[k] = from->each[i].upper;
         }
@@ -161,6 +162,20 @@ static int check_limits(const limits *bounds, const char *which, char *error)
 }
 
 /*
+ * Set the step limit of every amplifier (V a tick): the narrowest of the common one and those that
+ * the scene file gives for the amplifier.
+ */
+static void build_step_limits(const design *design)
+{
+    const scene_limits *from = &design->scene->limits;
+    for (int k = 0; k < design->amplifiers; k++)
+        design->step_limit[k] = from->step_limit;
+    for (int i = 0; i < from->each_count; i++)
+        for (int k = from->each[i].first; k < from->each[i].first + from->each[i].count; k++)
+            design->step_limit[k] = fmin(design->step_limit[k], from->each[i].step_limit);
+}
+
+/*
  * Compute the voltage limits from the scene file: those that it gives for the amplifier itself, or
  * else those common to all amplifiers, narrowed by the depolarisation fields. Returns 0, or -1 with
  * error filled.
@@ -171,8 +186,7 @@ static int build_limits(const design *design, char *error)
     set_all(&limits, design->scene->limits.lower, design->scene->limits.upper);
     apply_own_limits(&limits);
     narrow_by_fields(&limits);
-    for (int k = 0; k < design->amplifiers; k++)
-        design->step_limit[k] = design->scene->limits.step_limit;
+    build_step_limits(design);
     return check_limits(&limits, "", error);
 }
 

@@ -68,7 +68,7 @@ static int is_held(const scene *scene, int k)
     int held = 0;
     for (int i = 0; i < scene->limits.each_count; i++) {
         const scene_limit *limit = &scene->limits.each[i];
-        if (k >= limit->first && k < limit->first + limit->count)
+        if (limit->has_voltage && k >= limit->first && k < limit->first + limit->count)
             held = limit->lower == limit->upper;
     }
     return held;

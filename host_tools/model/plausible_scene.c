@@ -42,7 +42,7 @@ static double allowed(const scene *scene, int amplifier)
     double most = fmax(fabs(scene->limits.lower), fabs(scene->limits.upper));
     for (int i = 0; i < scene->limits.each_count; i++) {
         const scene_limit *own = &scene->limits.each[i];
-        if (amplifier >= own->first && amplifier < own->first + own->count)
+        if (own->has_voltage && amplifier >= own->first && amplifier < own->first + own->count)
             most = fmax(fabs(own->lower), fabs(own->upper));
     }
     return most;

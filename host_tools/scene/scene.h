@@ -567,10 +567,13 @@ typedef struct scene_compare {
     scene_at at;
 } scene_compare;
 
-typedef struct scene_limit { /* Voltage limits of the amplifiers with the numbers first to first +
-                                count - 1; equal limits fix the voltage. */
+/* Own limits of the amplifiers with the numbers first to first + count - 1. */
+typedef struct scene_limit {
     int first, count;
-    double lower, upper;
+    bool has_voltage; /* whether the entry gives voltage limits; otherwise the common ones apply */
+    double lower, upper; /* lower and upper voltage limit (V); equal limits fix the voltage */
+    double step_limit; /* largest change of the voltage in one tick (V); infinite if not given; the
+                          narrowest of all step limits of an amplifier applies */
     scene_at at;
 } scene_limit;
 
@@ -597,8 +600,8 @@ typedef struct scene_limits {
                               diagonal entry of the Hessian if regularisation_is_relative is true */
     bool regularisation_is_relative;
     int each_count;
-    scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
-                          common limits */
+    scene_limit *each; /* [each_count] limits of single amplifiers: voltage limits, which override
+                          the common ones, and step limits, which narrow the common one */
     int rows;
     int absolute_rows;    /* number of limits of sums of absolute values, the last ones in `row` */
     scene_limit_row *row; /* [rows] limits of differences and of weighted sums of voltages */

@@ -339,56 +339,6 @@ static int read_amplifier(reader *reader, int node, void *to, const void *rule)
     return refuse_amplifier(reader, node_at(reader, node), node_text(reader, node));
 }
 
-typedef struct each_text {
-    scene_limit limit;
-    double voltage[2], hold;
-} each_text;
-
-static const form voltage_range_form = {
-    .type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
-
-static const field each_fields[] = {
-    {"actuator", read_amplifier, offsetof(each_text, limit), .required = 1, .form = &label_form,
-     .help = "Name of an amplifier, such as v_1_2, or of an actuator for all its amplifiers."},
-    {"voltage", read_voltage, offsetof(each_text, voltage), .of = OF_LIMIT,
-     .form = &voltage_range_form, .help = "Voltage limits [lowest, highest]."},
-    {"hold", read_real, offsetof(each_text, hold), .of = OF_LIMIT,
-     .help = "Voltage at which the amplifier is held, such as 0 for a dead one."},
-    {.key = NULL}};
-
-static const form_case each_cases[] = {{"actuator voltage|hold", NULL}, {NULL, NULL}};
-static const form each_item_form = {.type = FORM_MAP, .fields = each_fields, .cases = each_cases};
-static const form each_form = {.type = FORM_LIST, .item = &each_item_form};
-
-static int read_each_item(reader *reader, int node, void *item)
-{
-    scene_limit *limit = item;
-    each_text text;
-    memset(&text, 0, sizeof text);
-    if (read_map(reader, node, each_fields, &text) != 0)
-        return -1;
-    if (!tree_find(reader->t, node, "voltage") == !tree_find(reader->t, node, "hold"))
-        return tree_fault(
-            reader->t, node,
-            "an item of 'each' needs either voltage: [lowest, highest] or hold: value");
-    *limit = text.limit;
-    limit->at = node_at(reader, node);
-    limit->lower = limit->upper = text.hold;
-    if (!tree_find(reader->t, node, "voltage"))
-        return 0;
-    limit->lower = text.voltage[0];
-    limit->upper = text.voltage[1];
-    return 0;
-}
-
-static int read_each(reader *reader, int node, void *to, const void *rule)
-{
-    scene_limits *limits = to;
-    (void)rule;
-    limits->each = new_items(reader, node, TREE_LIST, sizeof *limits->each, &limits->each_count);
-    return read_items(reader, node, limits->each, sizeof *limits->each, read_each_item, NULL);
-}
-
 /*
  * Smallest limit (V) of the change of a voltage in one tick that is accepted. A smaller one is a
  * typing error; it would vanish in rounding when it is added to a voltage.
@@ -396,12 +346,12 @@ static int read_each(reader *reader, int node, void *to, const void *rule)
 static const double smallest_step_limit = 1e-60;
 
 /*
- * Read the largest rate of a voltage (V/s) and store it as a step limit (V a tick); the scene must
- * give the tick rate.
+ * Read the largest rate of a voltage (V/s) and store it as a step limit (V a tick) in the number
+ * `to`; the scene must give the tick rate.
  */
 static int read_rate_limit(reader *reader, int node, void *to, const void *rule)
 {
-    scene_limits *limits = to;
+    double *step_limit = to;
     double rate_limit = 0;
     if (read_real(reader, node, &rate_limit, rule) != 0)
         return -1;
@@ -414,8 +364,8 @@ static int read_rate_limit(reader *reader, int node, void *to, const void *rule)
             "'rate_limit: %.60s' is per second, but the scene has no tick rate; add "
             "control: {rate: ...} in ticks a second, or give step_limit in volts a tick",
             node_text(reader, node));
-    limits->step_limit = rate_limit / reader->s->control.rate;
-    if (limits->step_limit >= smallest_step_limit)
+    *step_limit = rate_limit / reader->s->control.rate;
+    if (*step_limit >= smallest_step_limit)
         return 0;
     return tree_fault(reader->t, node,
                       "'rate_limit: %.60s' over the tick rate is below %g volts a tick; raise it",
@@ -425,6 +375,84 @@ static int read_rate_limit(reader *reader, int node, void *to, const void *rule)
 static const range some = {0, HUGE_VAL, 1, "must be above 0; leave it out for none"};
 static const form some_form = {.type = FORM_NUMBER, .range = &some};
 
+typedef struct each_text {
+    scene_limit limit;
+    double voltage[2], hold, step_limit;
+} each_text;
+
+static const form voltage_range_form = {
+    .type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
+
+static const field each_fields[] = {
+    {"actuator", read_amplifier, offsetof(each_text, limit), .required = 1, .form = &label_form,
+     .help = "Name of an amplifier, such as v_1_2, or of an actuator for all its amplifiers."},
+    {"voltage", read_voltage, offsetof(each_text, voltage), .of = OF_LIMIT,
+     .form = &voltage_range_form, .help = "Voltage limits [lowest, highest]."},
+    {"hold", read_real, offsetof(each_text, hold), .of = OF_LIMIT,
+     .help = "Voltage at which the amplifier is held, such as 0 for a dead one."},
+    {"step_limit", read_real, offsetof(each_text, step_limit), &some, .of = OF_LIMIT,
+     .help = "Largest change of this voltage in one tick; the narrowest applies; not with "
+             "rate_limit."},
+    {"rate_limit", read_rate_limit, offsetof(each_text, step_limit), &some, .of = OF_VOLTAGE_RATE,
+     .form = &some_form,
+     .help = "Largest rate of this voltage; needs control: {rate: ...}; the narrowest applies."},
+    {.key = NULL}};
+
+static const form_case each_cases[] = {{"actuator voltage ?step_limit", NULL},
+                                       {"actuator voltage rate_limit", NULL},
+                                       {"actuator hold", NULL},
+                                       {"actuator step_limit|rate_limit", NULL},
+                                       {NULL, NULL}};
+static const form each_item_form = {.type = FORM_MAP, .fields = each_fields, .cases = each_cases};
+static const form each_form = {.type = FORM_LIST, .item = &each_item_form};
+
+/*
+ * Refuse an entry of `each` without any limit, with two ranges of the voltage, or with a voltage
+ * that is held and a limit of its change.
+ */
+static int check_each_keys(reader *reader, int node)
+{
+    const bool has_voltage = tree_find(reader->t, node, "voltage"),
+               is_held = tree_find(reader->t, node, "hold"),
+               has_step = tree_find(reader->t, node, "step_limit") ||
+                          tree_find(reader->t, node, "rate_limit");
+    if ((has_voltage && is_held) || (!has_voltage && !is_held && !has_step))
+        return tree_fault(reader->t, node,
+                          "an item of 'each' needs either voltage: [lowest, highest] or hold: "
+                          "value; or only a step_limit or rate_limit");
+    if (is_held && has_step)
+        return tree_fault(reader->t, node,
+                          "'hold' keeps the voltage where it is; leave step_limit and rate_limit "
+                          "out");
+    return 0;
+}
+
+static int read_each_item(reader *reader, int node, void *item)
+{
+    scene_limit *limit = item;
+    each_text text;
+    memset(&text, 0, sizeof text);
+    text.step_limit = HUGE_VAL;
+    if (read_map(reader, node, each_fields, &text) != 0 || check_each_keys(reader, node) != 0)
+        return -1;
+    const bool is_range = tree_find(reader->t, node, "voltage");
+    *limit = text.limit;
+    limit->at = node_at(reader, node);
+    limit->has_voltage = is_range || tree_find(reader->t, node, "hold");
+    limit->lower = is_range ? text.voltage[0] : text.hold;
+    limit->upper = is_range ? text.voltage[1] : text.hold;
+    limit->step_limit = text.step_limit;
+    return 0;
+}
+
+static int read_each(reader *reader, int node, void *to, const void *rule)
+{
+    scene_limits *limits = to;
+    (void)rule;
+    limits->each = new_items(reader, node, TREE_LIST, sizeof *limits->each, &limits->each_count);
+    return read_items(reader, node, limits->each, sizeof *limits->each, read_each_item, NULL);
+}
+
 static const field limits_fields[] = {
     {"voltage", read_voltage, offsetof(scene_limits, lower), .of = OF_VOLTAGE,
      .form = &voltage_range_form,
@@ -432,13 +460,15 @@ static const field limits_fields[] = {
          "Voltage limits [lowest, highest] of all amplifiers; pzs shape --limit replaces them."},
     {"step_limit", read_real, offsetof(scene_limits, step_limit), &some, .of = OF_VOLTAGE,
      .help = "Largest change of a voltage in one tick; not with rate_limit."},
-    {"rate_limit", read_rate_limit, 0, &some, .of = OF_VOLTAGE_RATE, .form = &some_form,
+    {"rate_limit", read_rate_limit, offsetof(scene_limits, step_limit), &some,
+     .of = OF_VOLTAGE_RATE, .form = &some_form,
      .help = "Largest rate of a voltage; needs control: {rate: ...}; not with step_limit."},
     {"regularisation", read_regularisation, .of = OF_REGULARISATION, .form = &regularisation_form,
      .help = "Weight of the squared voltages in the optimum: absolute, or {relative: ...}."},
     {"each", read_each, .of = OF_LIMIT, .form = &each_form,
-     .help = "Limits of individual amplifiers, in place of the common ones; pzs shape --limit "
-             "narrows them and does not move a held voltage."},
+     .help = "Limits of individual amplifiers: voltage in place of the common one (pzs shape "
+             "--limit narrows it and does not move a held voltage), step_limit or rate_limit where "
+             "it is narrower."},
     {"difference", read_difference, .of = OF_LIMIT, .form = &difference_form,
      .help = "Largest difference of the voltages of neighbours."},
     {"sum", read_sum, .of = OF_LIMIT, .form = &sum_form,

@@ -231,7 +231,8 @@ static void test_lag_without_model(void **state)
         scene_run run;
         char changes[300];
         snprintf(changes, sizeof changes,
-                 "dynamics={damping: 0.1};control.rate=%.17g;simulate.sensors={delay: 3};"
+                 "dynamics={damping: 0.1, modes: 6};control.rate=%.17g;simulate.sensors={delay: 3};"
+                 "simulate.plant={modes: 6};"
                  "simulate.amplifiers={step: 0, bandwidth: %.17g}",
                  rate, bandwidth);
         assert_int_equal(scene_run_open(&run, PANEL, changes), 0);
@@ -252,6 +253,50 @@ static void test_lag_without_model(void **state)
                   growth[1], growth[2]);
     assert_true(!is_refused[0] && is_refused[1] && !is_refused[2]);
     assert_true(growth[0] < 1 && growth[1] > 1 && growth[2] < 1);
+}
+
+/*
+ * Law: the narrowest of the step limits that the scene gives for an amplifier applies, in V a tick
+ * or as a rate over the tick rate; the loop of the device moves this amplifier by no more, to
+ * rounding of a sum of two voltages, and the others by the common limit.
+ */
+static void test_own_step_limits(void **state)
+{
+    static const char change[] =
+        "limits.each=[{actuator: v, step_limit: 8}, {actuator: v_1_2, rate_limit: 500}, "
+        "{actuator: v_1_3, step_limit: 20}, {actuator: v_1_4, voltage: [-20, 20], step_limit: 1}]";
+    static const double most[] = {8, 0.5, 8, 1};
+    panel_loop run;
+    double largest[4] = {0};
+    (void)state;
+    open_loop(&run, change);
+    const design *design = &run.run.analysis.design;
+    for (int k = 0; k < 4; k++)
+        assert_true(design->step_limit[k] == most[k] && design->problem.step_limit[k] == most[k]);
+    assert_true(design->upper[3] == 20 && design->upper[2] == 150);
+    const size_t targets = (size_t)design->targets, bytes = 1 << 20;
+    double *wanted = calloc(2 * targets, sizeof *wanted), before[4] = {0};
+    void *work = malloc(bytes);
+    pzs_loop loop;
+    assert_int_equal(
+        pzs_loop_init(&loop, run.blocks.block, (uint8_t)run.blocks.count, NULL, work, bytes), 0);
+    for (int tick = 0; tick < 40; tick++) {
+        for (size_t i = 0; i < targets; i++)
+            wanted[i] = (tick < 20 ? 5 : -5) * design->target[i];
+        assert_false(PZS_IS_ERROR(pzs_loop_tick(&loop, wanted, wanted + targets)));
+        for (int k = 0; k < 4; k++) {
+            largest[k] = fmax(largest[k], fabs(loop.info.voltage[k] - before[k]));
+            before[k] = loop.info.voltage[k];
+        }
+    }
+    print_message("    largest changes %.4f %.4f %.4f %.4f V\n", largest[0], largest[1], largest[2],
+                  largest[3]);
+    for (int k = 0; k < 4; k++)
+        assert_true(largest[k] <= most[k] * (1 + 1e-12) + 1e-13);
+    assert_true(largest[1] > 0.49 && largest[3] > 0.99);
+    free(wanted);
+    free(work);
+    close_loop(&run);
 }
 
 /*
@@ -497,17 +542,12 @@ static void test_tolerated_load(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_older_readings),
-        cmocka_unit_test(test_limits_between_amplifiers),
-        cmocka_unit_test(test_amplifier_lag),
-        cmocka_unit_test(test_lag_without_model),
-        cmocka_unit_test(test_text),
-        cmocka_unit_test(test_zero_target),
-        cmocka_unit_test(test_supervised),
-        cmocka_unit_test(test_tolerated_load),
-        cmocka_unit_test(test_cure_by_regularisation),
-        cmocka_unit_test(test_free_motion),
-        cmocka_unit_test(test_warning),
+        cmocka_unit_test(test_older_readings),  cmocka_unit_test(test_limits_between_amplifiers),
+        cmocka_unit_test(test_amplifier_lag),   cmocka_unit_test(test_lag_without_model),
+        cmocka_unit_test(test_own_step_limits), cmocka_unit_test(test_text),
+        cmocka_unit_test(test_zero_target),     cmocka_unit_test(test_supervised),
+        cmocka_unit_test(test_tolerated_load),  cmocka_unit_test(test_cure_by_regularisation),
+        cmocka_unit_test(test_free_motion),     cmocka_unit_test(test_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

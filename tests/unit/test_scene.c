@@ -402,6 +402,9 @@ static const bad_line bad_lines[] = {
      ":8:28: there is no actuator 'w'; the first one is 'v_1_1'"},
     {8, "limits: {each: [{actuator: v_3_1, hold: 0}]}", "there is no actuator 'v_3_1'"},
     {8, "limits: {each: [{actuator: v}]}", ":8:17: an item of 'each' needs either voltage"},
+    {8, "limits: {each: [{actuator: v, hold: 0, step_limit: 1}]}", "'hold' keeps the voltage"},
+    {8, "limits: {each: [{actuator: v, step_limit: 0}]}", "'step_limit: 0' must be above 0"},
+    {8, "limits: {each: [{actuator: v, rate_limit: 5}]}", "but the scene has no tick rate"},
     {7, "actuators: []\nsensors: [{drives: [{patches: p}]}]",
      ":8:11: 'name' is missing in sensors"},
     {7, "actuators: []\nsensors: [{name: s}]", ":8:11: 'drives' is missing in sensors"},
@@ -756,7 +759,8 @@ static void test_changes(void **state)
         "layers.0.angle=45",
         "materials.pzt.nu=1/4",
         "limits.regularisation={relative: 0.5}",
-        "limits.each=[{actuator: v_2_1, hold: 5}, {actuator: v, voltage: [-1, 1]}]",
+        "limits.each=[{actuator: v_2_1, hold: 5}, {actuator: v, voltage: [-1, 1], step_limit: "
+        "3}, {actuator: v_1_1, step_limit: 2}]",
         "supports.1={at: nodes, fix: [u2]}",
         "element=published",
         "actuators.v.applied=3",
@@ -773,8 +777,10 @@ static void test_changes(void **state)
     assert_true(scene.layer[1].thickness == 2e-3 && scene.layer[0].angle == 45 &&
                 scene.material[1].nu12 == 0.25);
     assert_true(scene.limits.regularisation_is_relative && scene.limits.regularisation == 0.5);
-    assert_true(scene.limits.each_count == 2 && scene.limits.each[0].first == 1 &&
+    assert_true(scene.limits.each_count == 3 && scene.limits.each[0].first == 1 &&
                 scene.limits.each[0].lower == 5 && scene.limits.each[1].count == 2);
+    assert_true(isinf(scene.limits.each[0].step_limit) && scene.limits.each[1].step_limit == 3 &&
+                scene.limits.each[2].step_limit == 2 && !scene.limits.each[2].has_voltage);
     assert_true(scene.supports == 2 && scene.element.exact_area == 0 &&
                 scene.actuator[0].applied == 3);
     assert_true(scene.load[0].type == LOAD_WEIGHT && scene.load[0].component == COMPONENT_Z);
