@@ -520,8 +520,7 @@ double analysis_path_difference(analysis *analysis, const double *displacement)
 {
     const equilibrium *equilibrium = &analysis->equilibrium;
     double difference = (double)NAN;
-    if (analysis->design.contact.given || analysis->design.mesh.prescribed_count > 0 ||
-        analysis->design.bare.count > 0)
+    if (analysis->design.bare.count > 0)
         return difference;
     double *other = malloc((size_t)analysis->design.mesh.free_dof * sizeof *other);
     void *state = malloc(equilibrium_state_bytes(equilibrium));

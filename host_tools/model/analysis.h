@@ -144,8 +144,8 @@ int analysis_continue(analysis *analysis, double *displacement, char *error);
  * The state of the solver is restored.
  *   displacement [free_dof] in  nonlinear displacement from analysis_solve
  * Returns the difference relative to the displacement; HUGE_VAL where the full load is not reached;
- * NAN for scenes with contact or prescribed displacements, for bare faces, whose potentials cost
- * many linear solves, and where memory runs out.
+ * NAN for scenes with bare faces, whose potentials cost many linear solves, and where memory runs
+ * out.
  */
 double analysis_path_difference(analysis *analysis, const double *displacement);
 
