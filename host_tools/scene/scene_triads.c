@@ -260,8 +260,8 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
             continue;
         own = i; /* Index of the only global axis along which the node is constrained, or of the
                     only free axis if it is constrained along two. */
-        if (held == 1 && fabs(triads->mesh->director[node][i]) > sqrt(1 - nearly * nearly)) {
-            constrain(triads, support, node, ALONG_3);
+        if (fabs(triads->mesh->director[node][i]) > sqrt(1 - nearly * nearly)) {
+            constrain(triads, support, node, held == 1 ? ALONG_3 : ALONG_1 | ALONG_2);
             return 0;
         }
     }

@@ -298,6 +298,21 @@ static void test_symmetry(void **state)
 }
 
 /*
+ * Law: on a plate whose normal is z, a support along x and y together holds what one along x and
+ * one along y hold, and leaves z free.
+ */
+static void test_plane_support(void **state)
+{
+    (void)state;
+    const double apart = plate_centre(4, quarter,
+                                      "supports: [{set: low1, fix: clamped}, {set: high1, fix: x},"
+                                      " {set: high1, fix: y}]\n");
+    const double together = plate_centre(
+        4, quarter, "supports: [{set: low1, fix: clamped}, {set: high1, fix: [x, y]}]\n");
+    assert_near("x and y together", together, apart, 1e-12);
+}
+
+/*
  * Law: a support on a set named low* is a support on each set that fits, with its name; the sum of
  * their reactions is the load.
  */
@@ -478,17 +493,12 @@ static int remove_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_plate),
-        cmocka_unit_test(test_disc),
-        cmocka_unit_test(test_box_beam),
-        cmocka_unit_test(test_hemisphere),
-        cmocka_unit_test(test_dish_directors),
-        cmocka_unit_test(test_symmetry),
-        cmocka_unit_test(test_support_pattern),
-        cmocka_unit_test(test_layer_sets),
-        cmocka_unit_test(test_direction),
-        cmocka_unit_test(test_refused_scenes),
-        cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_same_plate),     cmocka_unit_test(test_disc),
+        cmocka_unit_test(test_box_beam),       cmocka_unit_test(test_hemisphere),
+        cmocka_unit_test(test_dish_directors), cmocka_unit_test(test_symmetry),
+        cmocka_unit_test(test_plane_support),  cmocka_unit_test(test_support_pattern),
+        cmocka_unit_test(test_layer_sets),     cmocka_unit_test(test_direction),
+        cmocka_unit_test(test_refused_scenes), cmocka_unit_test(test_hash),
     };
     if (!mkdtemp(folder))
         return 1;
