@@ -31,8 +31,8 @@
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
- * Factor by which pivot_rounding, the estimated rounding error of the pivots, exceeds the rounding
- * error of a voltage or limited sum of voltages after a unit change of the multipliers.
+ * Ratio of pivot_rounding, the estimated rounding error of the pivots, to the rounding error of a
+ * voltage (or limited sum of voltages) for each unit by which the multipliers change (1).
  */
 #define PIVOT_TO_VALUE 16
 /*

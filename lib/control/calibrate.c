@@ -439,8 +439,8 @@ static void renew_noise(pzs_calibration *calibration, const pzs_real *residual)
 
 /*
  * Copy the readings of the outputs that the calibration uses, and set those of all others to 0.
- * Returns the first used reading that is not finite or exceeds settings.reading_limit in size, or
- * -1.
+ * Returns the index of the first used reading that is not finite or exceeds settings.reading_limit
+ * in size, or -1.
  */
 static int32_t take_readings(const pzs_calibration *calibration, const pzs_real *reading,
                              pzs_real *taken)
@@ -507,8 +507,9 @@ static int32_t invert_pivots(const pzs_calibration *calibration, pzs_real *inver
 }
 
 /*
- * Compute one row of the influence matrix by back substitution. The entry of an input that the
- * records do not determine stays unchanged.
+ * Compute one row of the influence matrix of a calibration by back substitution with the triangular
+ * factor of the information matrix (sum of v v' over the recorded voltages v). The entry of an
+ * input that the records do not determine stays unchanged.
  *   inverse [inputs] in      reciprocals of the diagonal entries of the triangular factor (1/V)
  *   row     [inputs] in/out  row of the influence matrix (m/V)
  */
@@ -526,11 +527,11 @@ static void solve_row(const pzs_calibration *calibration, size_t output, const p
 }
 
 /*
- * Return the square root of diagonal entry `input` of the inverse information matrix (1/V), by
- * which the standard deviation of the noise is multiplied to give that of the influence of this
- * input. It is the norm of the solution x of T' x = unit vector, with the triangular factor T, and
- * infinite if x needs an input that the records do not determine.
- *   inverse  [inputs] in   reciprocals of the diagonal entries of the factor (1/V)
+ * Return the square root of diagonal entry `input` of the inverse information matrix (1/V): times
+ * the standard deviation of the noise it gives the standard deviation of the computed influence of
+ * this input. It is the norm of the solution x of T' x = unit vector, with the triangular factor T
+ * of the information matrix, and infinite if x needs an input that the records do not determine.
+ *   inverse  [inputs] in   reciprocals of the diagonal entries of T (1/V)
  *   solution [inputs] out  work array for x
  */
 static pzs_real spread_of(const pzs_calibration *calibration, size_t input, const pzs_real *inverse,

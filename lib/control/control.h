@@ -43,8 +43,8 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
 void pzs_control_predict(pzs_control *control);
 
 /*
- * Tell the controller that its array state.voltage was changed by another function than pzs_step or
- * pzs_tick, which then start from the new voltages.
+ * Tell the controller that another function than pzs_step or pzs_tick has changed its array
+ * state.voltage; the next call of pzs_step or pzs_tick then starts from the new voltages.
  */
 void pzs_control_moved(pzs_control *control);
 

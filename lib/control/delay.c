@@ -89,7 +89,7 @@ static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 /*
  * Store the present voltages, and the readings that they produce according to the model, as the
  * newest rows of two ring buffers, which hold the voltages and the readings of the last delay + 1
- * ticks.
+ * ticks (delay: age of the readings in ticks).
  */
 static void push_voltages(pzs_reading_delay_state *state)
 {

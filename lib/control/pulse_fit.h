@@ -23,7 +23,7 @@
 enum { SUSPECT = 0, REFERENCE };
 
 /*
- * Return the input of an electrode under test: number SUSPECT is the suspected electrode, number
+ * Return the input of an electrode under test: SUSPECT is the electrode suspected of a fault,
  * REFERENCE the healthy one with which it is compared.
  */
 static inline uint32_t tested_input(const pzs_pulse_detector_state *state, uint32_t number)
@@ -32,8 +32,8 @@ static inline uint32_t tested_input(const pzs_pulse_detector_state *state, uint3
 }
 
 /*
- * Result of one test pulse of the suspected electrode and of the reference electrode, a healthy
- * one.
+ * Result of one test pulse that two electrodes make together: the one suspected of a fault and a
+ * healthy one with which it is compared.
  */
 typedef struct pulse_response {
     /*
@@ -49,9 +49,10 @@ typedef struct pulse_response {
 } pulse_response;
 
 /*
- * Compute the gains of the suspected electrode and of the reference electrode (a healthy one) from
- * the readings during their test pulses. The member is_measured of the result is false, and all
- * other members are zero, if the modelled responses to both electrodes are not independent.
+ * Compute the gains (measured divided by modelled response) of the electrode suspected of a fault
+ * and of the healthy reference electrode from the readings during their test pulses. The member
+ * is_measured of the result is false, and all other members are zero, if the modelled responses to
+ * both electrodes are not independent.
  */
 pulse_response pzs_pulse_response(pzs_pulse_detector_state *state);
 

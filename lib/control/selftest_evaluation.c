@@ -53,8 +53,8 @@
  */
 #define LEAST_NOISE PZS_R(0.01)
 /*
- * Number of times that the self-test computes the mean gain of the amplifiers again, each time
- * without the amplifiers that it shows to be silent.
+ * Number of times that the self-test computes the mean gain (measured divided by modelled response)
+ * of the amplifiers again, each time without the amplifiers that it shows to be silent.
  */
 #define GAIN_ROUNDS 3
 /*
@@ -108,9 +108,9 @@ static pzs_real square(pzs_real number)
 /* ---- columns (amplifiers) and rows (sensors) of responses --------------- */
 
 /*
- * All columns or all rows of the matrix of measured responses and of the modelled matrix. The
- * column of an amplifier has an entry for each sensor; the row of a sensor has an entry for each
- * amplifier. The members named `line` refer to a column or a row.
+ * One way to read the matrix of measured responses and the modelled matrix: by columns or by rows.
+ * The column of an amplifier has an entry for each sensor; the row of a sensor has an entry for
+ * each amplifier. The members named `line` refer to a column or a row.
  */
 typedef struct selftest_axis {
     bool is_row;
@@ -126,9 +126,9 @@ typedef struct selftest_axis {
     pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault): `line` for all
                                  amplifiers and `entry` for all sensors if `is_row` is false,
                                  otherwise the other way round */
-    bool has_gains; /* true: before the comparison of measured and modelled responses, each entry of
-                       a modelled row (one sensor, all amplifiers) is multiplied by the measured
-                       gain of its amplifier */
+    bool has_gains; /* whether, before measured and modelled responses are compared, each modelled
+                       response of a sensor to an amplifier is multiplied by the measured gain of
+                       this amplifier */
 } selftest_axis;
 
 static selftest_axis columns_of(const pzs_selftest *selftest)
@@ -164,9 +164,9 @@ static selftest_axis rows_of(const pzs_selftest *selftest)
 }
 
 /*
- * Compare the measured column of an amplifier (or row of a sensor) in the matrix of responses with
- * the modelled one of index `modelled`. Entries of sensors (or amplifiers) at which the self-test
- * has found a fault do not count.
+ * Compare the measured response of an amplifier (vector over the sensors), or of a sensor (vector
+ * over the amplifiers), with the modelled response of index `modelled`. Entries of sensors (or
+ * amplifiers) at which the self-test has found a fault do not count.
  */
 static pzs_selftest_sums compare_lines(const pzs_selftest *selftest, const selftest_axis *axis,
                                        uint32_t measured, uint32_t modelled)
@@ -200,8 +200,8 @@ static pzs_selftest_sums compare_lines(const pzs_selftest *selftest, const selft
 }
 
 /*
- * Return the squared sine of the angle between the measured and the modelled column of an
- * amplifier, or row of a sensor, in the matrix of responses (0 to 1).
+ * Return the squared sine of the angle (0 to 1) between the measured and the modelled response as
+ * vectors: those of all sensors to one amplifier, or those of one sensor to all amplifiers.
  */
 static pzs_real direction_error(const pzs_selftest_sums *sums)
 {
@@ -318,10 +318,10 @@ static pzs_real mean_above(const pzs_selftest *selftest, pzs_real least)
 }
 
 /*
- * Set info.gain to the mean absolute gain of the healthy amplifiers. Silent amplifiers are left
- * out, because they would make the healthy ones seem too strong: an amplifier counts as silent if
- * its gain is much smaller than the mean of the others, which is computed three times, each time
- * without the silent ones.
+ * Set info.gain to the mean absolute gain (measured divided by modelled response) of the healthy
+ * amplifiers. Silent amplifiers are left out, because they would make the healthy ones seem too
+ * strong: an amplifier counts as silent if its gain is much smaller than the mean of the others,
+ * which is computed three times, each time without the silent ones.
  */
 static void find_mean_gain(pzs_selftest *selftest)
 {
@@ -399,8 +399,8 @@ static pzs_real plausible_gain(const pzs_selftest *selftest)
 
 /*
  * Store an amplifier (or sensor) as the one whose measured response differs most from the model, if
- * its difference exceeds that of all earlier ones and the tolerance that the tables grant to the
- * gains of amplifiers.
+ * its difference exceeds that of all earlier ones and the tolerance for the gains of amplifiers in
+ * the self-test's tables.
  */
 static void find_difference(pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -463,10 +463,10 @@ static void find_nearest(pzs_selftest *selftest, const selftest_axis *axis, uint
 }
 
 /*
- * Whether the measured response of amplifier (or sensor) `line` is that of another amplifier (or
- * sensor), the one with the nearest modelled response, because cables are exchanged: its energy
- * exceeds that of noise and vibration, its direction is that of the modelled response of the other,
- * and its size is at least a plausible fraction of that response.
+ * Whether cables are exchanged because the measured response of amplifier (or sensor) `line` is
+ * that of another one, whose modelled response is the nearest: the energy of the measured response
+ * exceeds that of noise and vibration, its direction as a vector is that of the modelled response,
+ * and its size is at least a plausible fraction of it.
  */
 static bool is_other_line(const pzs_selftest *selftest, uint32_t line, pzs_real gain)
 {
@@ -501,9 +501,10 @@ static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis,
 }
 
 /*
- * Report the amplifier or sensor whose measured response differs most from the model if it is
- * reversed. This comes before exchanged cables are looked for: where there are few sensors, a
- * reversed one makes the responses to healthy amplifiers resemble those to other amplifiers.
+ * Report the amplifier or sensor whose measured response differs most from the model if it responds
+ * with the wrong sign (reversed). This comes before exchanged cables are looked for: where there
+ * are few sensors, a reversed one makes the responses to healthy amplifiers resemble those to other
+ * amplifiers.
  */
 static void report_reversed(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -580,9 +581,8 @@ static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *o
 }
 
 /*
- * Compare the measured response of the other amplifier (or sensor) of a pair, whose cable may be
- * exchanged with that of `subject`, in step 0 with its own modelled response, and in step 1 with
- * that of `subject`.
+ * Compare the measured response of an amplifier (or sensor) whose cable may be exchanged with that
+ * of `subject`: in step 0 with its own modelled response, in step 1 with that of `subject`.
  */
 static void compare_partner(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                             uint32_t step)

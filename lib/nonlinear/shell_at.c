@@ -239,9 +239,10 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
 /* ---- material part ---------------------------------------------------- */
 
 /*
- * Innermost loop of the tangent stiffness: set the 12 entries of `to` to the sum over the rows t of
- * factor[t stride] times row[t], from `column` on. The list of rows ends with NULL: with a known
- * number of rows, gcc would vectorise over the rows, with slow gather instructions.
+ * Innermost loop of the tangent stiffness: set the 12 numbers of `to` to the sum of factor[i
+ * stride] times the numbers of row[i], from index `column` on, over all rows i. The list of rows
+ * ends with NULL: with a known number of rows, gcc would vectorise over the rows, with slow gather
+ * instructions.
  */
 static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                      const pzs_real *const *restrict row, int column)
