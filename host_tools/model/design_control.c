@@ -12,8 +12,8 @@
 #include "../../lib/core/guard.h"
 
 /*
- * Add a factor times the entries from index `first` on of one vector to those of another. A factor
- * of zero, as from an entry of a sparse influence matrix, changes nothing.
+ * Add to the vector `sum` a factor times the vector `row`, in the entries from index `first` on. A
+ * factor of zero, as from an entry of a sparse influence matrix, changes nothing.
  *   sum, row [count]
  */
 static void add_products(double *sum, double factor, const double *row, size_t first, size_t count)

@@ -42,7 +42,8 @@ static double ratio_of(const wiring_test *test, const double *direct, size_t ele
 }
 
 /*
- * Judge all electrodes.
+ * Find out of which electrodes the fault detector can find a fault; fill `doubt`, `detectable`,
+ * `ratio` and `weakest` of the result.
  *   state [electrodes] in  state of each electrode in the fault detector when its loop begins, a
  *       value of pzs_electrode_state
  */

@@ -12,10 +12,11 @@
 
 /* Why the fault detector cannot find a fault of an electrode. */
 typedef enum detection_doubt {
-    DETECTION_SURE,         /* a fault of the electrode can be found */
-    DETECTION_UNOBSERVABLE, /* the sensors cannot tell the electrode from others, or it has no test
-                               pulse */
-    DETECTION_HIDDEN,       /* noise hides the response to a test pulse */
+    DETECTION_SURE,         /* a fault of this electrode can be found */
+    DETECTION_UNOBSERVABLE, /* a fault cannot be found: the sensors cannot tell this electrode from
+                               others, or it has no test pulse */
+    DETECTION_HIDDEN, /* a fault cannot be found: the noise of the sensors hides their response to
+                         the test pulse of this electrode */
     DETECTION_DOUBTS
 } detection_doubt;
 
@@ -26,12 +27,13 @@ typedef struct detection {
     int detectable; /* number of electrodes of which a fault can be found */
     int sensors;    /* number of sensors */
     int ticks;      /* duration of a test pulse (ticks) */
-    int weakest;    /* index of the observable electrode with the smallest ratio of response to
-                       noise */
-    double ratio;   /* smallest ratio, over the observable electrodes, of the response to a test
-                       pulse to the standard deviation that the noise of the readings causes (1);
-                       infinite without noise, 0 without observable electrodes */
-    detection_doubt *doubt; /* [electrodes] */
+    int weakest;  /* index of that electrode, among those the sensors can tell from others, with the
+                     smallest ratio of response to noise */
+    double ratio; /* smallest ratio, over the electrodes the sensors can tell from others, of the
+                     response to a test pulse to the standard deviation that the noise of the
+                     readings causes (1); infinite without noise, 0 without such electrodes */
+    detection_doubt *doubt; /* [electrodes] whether a fault of each electrode can be found, and if
+                               not, why */
 } detection;
 
 /*

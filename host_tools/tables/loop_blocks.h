@@ -110,8 +110,8 @@ void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiri
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
- * Return whether a block of the control loop reads single entries of the influence matrix, which
- * its tables must then hold as a full matrix: the fault detectors, and, where outputs are the
+ * Return whether a block (stage) of the control loop reads single entries of the influence matrix,
+ * which its tables must then hold as a full matrix: the fault detectors, and, where outputs are the
  * sensors, the self-test and the correction of late readings.
  */
 bool loop_blocks_read_entries(const loop_blocks *blocks);
