@@ -676,9 +676,9 @@ typedef struct pzs_damper_info {
      */
     pzs_real deviation;
     pzs_real innovation; /* RMS over the sensors of reading minus predicted reading in the last tick
-                            (m). Where parts of the target shape are free (may take any size, such
-                            as a rigid motion) and every target node is measured, only the part that
-                            the vibration modes explain */
+                            (m), 0 where no reading was usable. Where parts of the target shape are
+                            free (may take any size, such as a rigid motion), every target node is
+                            measured and modes are observed, only the part that the modes explain */
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
 } pzs_damper_info;

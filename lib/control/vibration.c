@@ -565,6 +565,8 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
         unusable = compare(damper, readings, &where);
     if (unusable < tables->sensors)
         correct(damper);
+    else
+        damper->info.innovation = 0;
     catch_up(damper);
     damp(damper);
     if (tables->gain != NULL)
