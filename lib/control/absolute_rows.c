@@ -22,6 +22,12 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
+/*
+ * Odd factor near 2^32 divided by the golden ratio. It spreads the numbers of successive iterations
+ * over all 32 bits, so that each input gets another random bit in each iteration.
+ */
+#define SPREAD 2654435769u
+
 /* Return the index of the first limited sum that is a sum of absolute values of voltages. */
 static uint32_t first_absolute(const rows_run *run)
 {
@@ -52,6 +58,10 @@ static void add_forces(const rows_run *run, pzs_real *force)
 /*
  * Return by how much input i violates the optimality (KKT) conditions because its voltage, which is
  * 0 V, could get the other sign (m2/V); positive where the change of sign lowers the objective.
+ * With the sign s = 1 or -1 of the input, its gradient g without the limits of sums of absolute
+ * values, and their contribution f, a step from 0 V in the direction s changes the objective at the
+ * rate s g + f, which is s times the reduced gradient; a step in the direction -s changes it at the
+ * rate -s g + f. The function returns the negative of the latter.
  *   reduced in  gradient of the input minus the contributions of all active limits of sums (m2/V)
  *   force   in  contribution of the active limits of sums of absolute values to the gradient (m2/V)
  */
@@ -113,7 +123,7 @@ static bool cross_zero(const rows_run *run)
     const pzs_real *reduced = optimiser->scratch, gap = run->solver->gap;
     pzs_real *force = run->tableau->scratch;
     const bool may_change_all = !number_is_finite(run->solver->last_gap);
-    uint32_t random = optimiser->iterations;
+    uint32_t random = SPREAD * optimiser->iterations;
     bool has_changed = false;
     (void)pzs_rows_violation(run, reduced);
     add_forces(run, force);

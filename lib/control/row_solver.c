@@ -118,6 +118,12 @@
  */
 #define CORRECTIONS 2u
 
+/*
+ * Duality gap that is stored in place of an infinite one (m2), so that it differs from infinity,
+ * the mark of a round (sequence of iterations) that lowered the objective.
+ */
+#define LARGEST_GAP PZS_BY_BITS(PZS_R(1e37), PZS_R(1e307))
+
 static uint32_t entry_count(const rows_run *run)
 {
     return run->rows->sums.start[run->rows->sums.count];
@@ -726,11 +732,10 @@ static void run_round(const rows_run *run)
 }
 
 /*
- * Whether the last iterations raised the objective by more than is explained by rounding errors and
- * by the margins for them, by which the optimiser narrows the limits of sums of voltages.
- *   change in  change of the objective by the iterations (m2)
+ * Return by how much the last iterations may have changed the objective by rounding errors and by
+ * the margins for them, by which the optimiser narrows the limits of sums of voltages (m2).
  */
-static bool has_increased(const rows_run *run, pzs_real change)
+static pzs_real change_by_rounding(const rows_run *run)
 {
     const pzs_optimiser *optimiser = run->optimiser;
     const pzs_real *way = optimiser->scratch;
@@ -739,7 +744,29 @@ static bool has_increased(const rows_run *run, pzs_real change)
     for (uint32_t row = run->inputs; row < run->count; row++)
         if (!rows_is_free(run, row))
             allowed += 4 * run->solver->margin[row] * number_absolute(run->tableau->direction[row]);
-    return !(change <= allowed + length * optimiser->rounding_bound);
+    return allowed + length * optimiser->rounding_bound;
+}
+
+/*
+ * After a round (sequence of iterations), undo it if it raised the objective by more than rounding
+ * errors explain, and remember its duality gap if it made no progress. A round in which a voltage
+ * at 0 V got the other sign makes progress only if it lowers the objective by more than rounding
+ * errors explain: otherwise the optimiser would change signs at one corner of the limits for ever,
+ * because the margins of the limits make the corner differ by as much from sign to sign.
+ *   has_crossed in  whether a voltage at 0 V got the other sign
+ */
+static void judge_round(const rows_run *run, bool has_crossed)
+{
+    pzs_optimiser *optimiser = run->optimiser;
+    const bool has_decreased = pzs_boxls_has_decreased(optimiser);
+    const pzs_real change =
+        pzs_product_dot(optimiser->scratch, optimiser->direction, optimiser->width);
+    const pzs_real explained = change_by_rounding(run);
+    const pzs_real least = has_crossed ? explained : 16 * PZS_EPSILON * optimiser->target_energy;
+    const pzs_real gap = run->solver->gap < LARGEST_GAP ? run->solver->gap : LARGEST_GAP;
+    run->solver->last_gap = has_decreased && change < -least ? (pzs_real)HUGE_VAL : gap;
+    if (!has_decreased && !(change <= explained))
+        undo_round(run);
 }
 
 /*
@@ -766,15 +793,7 @@ static bool make_round(const rows_run *run)
     if (is_stuck)
         return start_anew(run);
     run_round(run);
-    const bool has_decreased = pzs_boxls_has_decreased(optimiser);
-    const pzs_real change =
-        pzs_product_dot(optimiser->scratch, optimiser->direction, optimiser->width);
-    if (has_decreased && change < -16 * PZS_EPSILON * optimiser->target_energy)
-        run->solver->last_gap = (pzs_real)HUGE_VAL;
-    else
-        run->solver->last_gap = run->solver->gap;
-    if (!has_decreased && has_increased(run, change))
-        undo_round(run);
+    judge_round(run, has_crossed);
     return !optimiser->is_cut;
 }
 

@@ -31,19 +31,22 @@
 /*
  * Tolerance of the objective, relative to |W e|^2, and the part of the steps that may miss it. In
  * float some tableaux of dependent rows lose all digits: such a step ends above the optimum.
+ * Measured over 10,000 problems: in float 1 of 24,983 steps, in double none.
  */
 #define ROW_TOLERANCE PZS_BY_BITS(1e-3L, 1e-9L)
-#define MISSED_PART PZS_BY_BITS(1e-3, 0)
+#define MISSED_PART PZS_BY_BITS(3e-4, 0)
+/* That part of a few hundred problems, of which one may miss: 1 of 250 does in float. */
+#define MISSED_CUT PZS_BY_BITS(1e-2, 0)
 /*
  * Part of the steps with limits of sums of absolute values that may miss the tolerance: where many
- * limits meet in a point, a step may end there above the optimum, with the status
- * PZS_W_ITERATIONS. Measured in float over 5,000 problems: 68 of 12,469 steps; twice that is
- * allowed, because the short run of the unit tests has few steps. MISSED_LEAST is the part of the
- * problems that steps with the least work limit may never solve: in float a step without progress
- * starts anew, for which this work is too small.
+ * limits meet in a point, the multipliers of a step may not prove its voltages optimal, or it ends
+ * above the optimum with the status PZS_W_ITERATIONS. Measured over 5,000 problems: in float 34 of
+ * 12,469 steps, in double 1; twice that is allowed, because the short run of the unit tests has few
+ * steps. MISSED_LEAST is the part of the problems that steps with the least work limit may never
+ * solve: in float a step without progress starts anew, for which this work is too small.
  */
 #define MISSED_LEAST PZS_BY_BITS(.03, 0)
-#define MISSED_ABSOLUTE PZS_BY_BITS(1e-2, 2e-4)
+#define MISSED_ABSOLUTE PZS_BY_BITS(5.5e-3, 1.6e-4)
 
 /* A voltage optimisation problem with limit rows. */
 typedef struct rig {
@@ -285,6 +288,21 @@ static wide duality_gap(const rig *r)
     return gap;
 }
 
+/*
+ * Largest part of the objective that the margins of the limit rows cost, by which the optimiser
+ * narrows them for rounding errors: twice the multiplier, the derivative of half the objective,
+ * times two margins, because voltages within a margin of a narrowed limit count as at the limit.
+ */
+static wide cost_of_margins(const rig *r)
+{
+    const pzs_row_solver *solver = r->b.control.state.row_solver;
+    wide cost = 0;
+    for (unsigned row = r->b.problem.inputs; row < solver->extended.inputs; row++)
+        if (!(solver->extended.free_set[row] > 0))
+            cost += 4 * fabsl((wide)solver->extended.direction[row]) * (wide)solver->margin[row];
+    return cost;
+}
+
 /* Objective at which the tolerance is measured. */
 static wide scale_of(const rig *r)
 {
@@ -352,7 +370,8 @@ static void check_random(unsigned count, double part, void make(rig *, uint64_t)
             note_limits(&one.b);
             const pzs_status status = pzs_step(&one.b.control, one.b.error);
             assert_inside(&one);
-            const wide excess = duality_gap(&one) / (ROW_TOLERANCE * scale_of(&one));
+            const wide allowed = ROW_TOLERANCE * scale_of(&one) + cost_of_margins(&one);
+            const wide excess = duality_gap(&one) / allowed;
             const bool is_missed = status != PZS_OK || excess > 1;
             missed += is_missed;
             worst = excess > worst && !is_missed ? excess : worst;
@@ -417,10 +436,10 @@ static void check_cuts(unsigned count, void make(rig *, uint64_t))
                         first + 64 * MOST_INPUTS * (wide)PZS_EPSILON * (scale_of(&one) + first));
             assert_true(allowed < 2000);
         }
-        missed += duality_gap(&one) > ROW_TOLERANCE * scale_of(&one);
+        missed += duality_gap(&one) > ROW_TOLERANCE * scale_of(&one) + cost_of_margins(&one);
     }
     print_message("%u cuts, %u of %u ends above the optimum\n", cuts, missed, count);
-    assert_true(missed <= 10 * MISSED_PART * count);
+    assert_true(missed <= MISSED_CUT * count);
 }
 
 static void test_cuts(void **state)
@@ -520,7 +539,7 @@ static void test_degenerate(void **state)
             one.b.control.info.iterations_most > most ? one.b.control.info.iterations_most : most;
     }
     print_message("degenerate: at most %u iterations, missed %u of 1800\n", most, missed);
-    assert_true(missed <= 10 * MISSED_PART * 1800);
+    assert_true(missed <= MISSED_CUT * 1800);
 }
 
 static double largest_excess(const rig *r, const pzs_real *voltage)
