@@ -14,8 +14,10 @@
 #include "../../lib/core/guard.h"
 #include "../../lib/control/control.h"
 
-#define MOST_INPUTS 64
-#define MOST_OUTPUTS 160
+enum { MOST_INPUTS = 64, MOST_OUTPUTS = 160 };
+
+#include "problem_rig.h"
+
 #define TOLERANCE PZS_BY_BITS(1e-6L, 1e-12L) /* tolerance of the objective, relative to |W e|^2 */
 
 typedef long double wide;
@@ -24,11 +26,9 @@ typedef long double wide;
 
 typedef struct bench {
     uint64_t seed;
-    pzs_problem problem;
+    problem_rig problem;
     pzs_control control;
-    pzs_real influence[MOST_OUTPUTS * MOST_INPUTS], weight[MOST_OUTPUTS], error[MOST_OUTPUTS];
-    pzs_real lower[MOST_INPUTS], upper[MOST_INPUTS], step_limit[MOST_INPUTS],
-        reference_voltage[MOST_INPUTS];
+    pzs_real error[MOST_OUTPUTS];
     /* voltages before the last step, and limits of the last step (V) */
     pzs_real last[MOST_INPUTS], lower_bound[MOST_INPUTS], upper_bound[MOST_INPUTS];
     double work[(PZS_CONTROL_BYTES(MOST_INPUTS, MOST_OUTPUTS) + 7) / 8];
@@ -42,14 +42,14 @@ static uint64_t bits(bench *trial)
     return word ^ (word >> 31);
 }
 
-static double uniform(bench *trial, double lo, double hi)
+static double draw(bench *trial, double lo, double hi)
 {
     return lo + (hi - lo) * (double)(bits(trial) >> 11) * 0x1p-53;
 }
 
 static inline int chance(bench *trial, double probability)
 {
-    return uniform(trial, 0, 1) < probability;
+    return draw(trial, 0, 1) < probability;
 }
 
 static unsigned below(bench *trial, unsigned count)
@@ -59,17 +59,15 @@ static unsigned below(bench *trial, unsigned count)
 
 static inline pzs_status start(bench *trial)
 {
-    const pzs_real *influence = trial->problem.influence;
-    trial->problem.format = PZS_TABLE_FORMAT;
-    trial->problem.weight = trial->weight;
-    trial->problem.lower = trial->lower;
-    trial->problem.upper = trial->upper;
-    trial->problem.step_limit = trial->step_limit;
-    trial->problem.reference_voltage = trial->reference_voltage;
-    trial->problem.dual_method = PZS_DUAL_METHOD(trial->problem.inputs);
-    trial->problem.crc = pzs_problem_crc(&trial->problem);
-    return pzs_control_init(&trial->control, &trial->problem,
-                            influence != NULL ? NULL : trial->influence, trial->work,
+    pzs_problem *tables = &trial->problem.tables;
+    const pzs_real *influence = tables->influence;
+    problem_connect(&trial->problem, tables->inputs, tables->outputs);
+    tables->influence = influence;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->dual_method = PZS_DUAL_METHOD(tables->inputs);
+    tables->crc = pzs_problem_crc(tables);
+    return pzs_control_init(&trial->control, tables,
+                            influence != NULL ? NULL : trial->problem.influence, trial->work,
                             sizeof trial->work);
 }
 
@@ -82,27 +80,19 @@ static inline void plain(bench *trial, uint64_t seed, unsigned inputs, unsigned 
 {
     memset(trial, 0, sizeof *trial);
     trial->seed = seed;
-    trial->problem.inputs = (uint16_t)inputs;
-    trial->problem.outputs = (uint16_t)outputs;
-    trial->problem.influence = trial->influence;
+    problem_open(&trial->problem, inputs, outputs, -limit, limit, HUGE_VAL);
     for (unsigned i = 0; i < outputs * inputs; i++)
-        trial->influence[i] = (pzs_real)uniform(trial, -1, 1);
-    for (unsigned i = 0; i < outputs; i++) {
-        trial->weight[i] = 1;
-        trial->error[i] = (pzs_real)uniform(trial, -1, 1);
-    }
-    for (unsigned i = 0; i < inputs; i++) {
-        trial->upper[i] = (pzs_real)limit;
-        trial->lower[i] = (pzs_real)-limit;
-        trial->step_limit[i] = (pzs_real)HUGE_VAL;
-    }
+        trial->problem.influence[i] = (pzs_real)draw(trial, -1, 1);
+    for (unsigned i = 0; i < outputs; i++)
+        trial->error[i] = (pzs_real)draw(trial, -1, 1);
 }
 
 static wide energy(const bench *trial)
 {
     wide sum = 0;
-    for (unsigned i = 0; i < trial->problem.outputs; i++)
-        sum += (wide)trial->weight[i] * trial->weight[i] * trial->error[i] * trial->error[i];
+    for (unsigned i = 0; i < trial->problem.tables.outputs; i++)
+        sum += (wide)trial->problem.weight[i] * trial->problem.weight[i] * trial->error[i] *
+               trial->error[i];
     return sum;
 }
 
@@ -112,21 +102,21 @@ static wide energy(const bench *trial)
  */
 static wide objective(const bench *trial, const wide *voltage, wide *gradient)
 {
-    const unsigned inputs = trial->problem.inputs;
+    const unsigned inputs = trial->problem.tables.inputs;
     wide sum = 0;
     for (unsigned j = 0; j < inputs; j++) {
-        const wide away = voltage[j] - (wide)trial->reference_voltage[j];
-        gradient[j] = (wide)trial->problem.regularisation * away;
+        const wide away = voltage[j] - (wide)trial->problem.reference_voltage[j];
+        gradient[j] = (wide)trial->problem.tables.regularisation * away;
         sum += gradient[j] * away;
     }
-    for (unsigned i = 0; i < trial->problem.outputs; i++) {
-        const wide weight = (wide)trial->weight[i] * trial->weight[i];
+    for (unsigned i = 0; i < trial->problem.tables.outputs; i++) {
+        const wide weight = (wide)trial->problem.weight[i] * trial->problem.weight[i];
         wide miss = -(wide)trial->error[i];
         for (unsigned j = 0; j < inputs; j++)
-            miss += (wide)trial->influence[i * inputs + j] * voltage[j];
+            miss += (wide)trial->problem.influence[i * inputs + j] * voltage[j];
         sum += weight * miss * miss;
         for (unsigned j = 0; j < inputs; j++)
-            gradient[j] += weight * miss * (wide)trial->influence[i * inputs + j];
+            gradient[j] += weight * miss * (wide)trial->problem.influence[i * inputs + j];
     }
     return sum;
 }
@@ -134,7 +124,7 @@ static wide objective(const bench *trial, const wide *voltage, wide *gradient)
 static wide objective_at(const bench *trial, const pzs_real *voltage)
 {
     wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
-    for (unsigned i = 0; i < trial->problem.inputs; i++)
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++)
         v[i] = voltage[i];
     return objective(trial, v, gradient);
 }
@@ -143,11 +133,11 @@ static wide objective_at(const bench *trial, const pzs_real *voltage)
 static inline wide shape_error_of(const bench *trial)
 {
     wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], effort = 0;
-    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++) {
         voltage[i] = trial->control.info.voltage[i];
-        effort += (wide)trial->problem.regularisation *
-                  (voltage[i] - (wide)trial->reference_voltage[i]) *
-                  (voltage[i] - (wide)trial->reference_voltage[i]);
+        effort += (wide)trial->problem.tables.regularisation *
+                  (voltage[i] - (wide)trial->problem.reference_voltage[i]) *
+                  (voltage[i] - (wide)trial->problem.reference_voltage[i]);
     }
     return sqrtl((objective(trial, voltage, gradient) - effort) / energy(trial));
 }
@@ -157,9 +147,10 @@ static inline wide shape_error_of(const bench *trial)
 /* Compute the limits of the coming step from their definition. */
 static void note_limits(bench *trial)
 {
-    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++) {
         const pzs_real last = trial->last[i] = trial->control.info.voltage[i];
-        const pzs_real lo = last - trial->step_limit[i], hi = last + trial->step_limit[i];
+        const pzs_real lo = last - trial->problem.step_limit[i],
+                       hi = last + trial->problem.step_limit[i];
         trial->lower_bound[i] =
             lo > trial->control.info.lower[i] ? lo : trial->control.info.lower[i];
         trial->upper_bound[i] =
@@ -173,16 +164,16 @@ static void note_limits(bench *trial)
 
 static void assert_feasible(const bench *trial)
 {
-    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++) {
         const pzs_real voltage = trial->control.info.voltage[i],
                        change = voltage < trial->last[i] ? trial->last[i] - voltage
                                                          : voltage - trial->last[i];
         assert_true(voltage >= trial->control.info.lower[i] &&
                     voltage <= trial->control.info.upper[i]);
         assert_true(isfinite(voltage));
-        if (change > trial->step_limit[i]) /* allowed only where step limit and voltage limits do
-                                            * not overlap
-                                            */
+        if (change > trial->problem.step_limit[i]) /* allowed only where step limit and voltage
+                                                    * limits do not overlap
+                                                    */
             assert_true(trial->lower_bound[i] >= trial->upper_bound[i] &&
                         voltage >= trial->lower_bound[i] && voltage <= trial->upper_bound[i]);
     }
@@ -202,9 +193,9 @@ static wide clip(wide number, wide lo, wide hi)
 static wide gap_of(const bench *trial, const wide *voltage, const wide *gradient)
 {
     wide gap = 0, most = 1;
-    for (unsigned i = 0; i < trial->problem.inputs; i++)
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++)
         most = fabsl(voltage[i]) > most ? fabsl(voltage[i]) : most;
-    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++) {
         const wide room = gradient[i] > 0 ? voltage[i] - (wide)trial->lower_bound[i]
                                           : (wide)trial->upper_bound[i] - voltage[i];
         gap +=
@@ -222,15 +213,16 @@ static wide gap_of(const bench *trial, const wide *voltage, const wide *gradient
 static void newton(const bench *trial, const unsigned char *free, const wide *gradient, wide *way)
 {
     static wide matrix[MOST_INPUTS][MOST_INPUTS], rest[MOST_INPUTS];
-    const unsigned inputs = trial->problem.inputs;
+    const unsigned inputs = trial->problem.tables.inputs;
     unsigned char used[MOST_INPUTS] = {0};
     for (unsigned j = 0; j < inputs; j++) {
         rest[j] = -gradient[j];
         for (unsigned k = 0; k <= j; k++) {
-            matrix[j][k] = j == k ? (wide)trial->problem.regularisation : 0;
-            for (unsigned i = 0; free[j] && free[k] && i < trial->problem.outputs; i++)
-                matrix[j][k] += (wide)trial->weight[i] * trial->weight[i] *
-                                trial->influence[i * inputs + j] * trial->influence[i * inputs + k];
+            matrix[j][k] = j == k ? (wide)trial->problem.tables.regularisation : 0;
+            for (unsigned i = 0; free[j] && free[k] && i < trial->problem.tables.outputs; i++)
+                matrix[j][k] += (wide)trial->problem.weight[i] * trial->problem.weight[i] *
+                                trial->problem.influence[i * inputs + j] *
+                                trial->problem.influence[i * inputs + k];
         }
     }
     for (unsigned k = 0; k < inputs; k++) {
@@ -258,8 +250,8 @@ static void newton(const bench *trial, const unsigned char *free, const wide *gr
 static wide free_part(const bench *trial, const wide *voltage, const wide *way, unsigned *first)
 {
     wide part = 1;
-    *first = trial->problem.inputs;
-    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+    *first = trial->problem.tables.inputs;
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++) {
         const wide room = way[i] < 0 ? voltage[i] - (wide)trial->lower_bound[i]
                                      : (wide)trial->upper_bound[i] - voltage[i];
         if (room < part * fabsl(way[i])) {
@@ -278,7 +270,7 @@ static void polish(const bench *trial, wide *voltage, const wide *gradient)
 {
     unsigned char free[MOST_INPUTS];
     wide way[MOST_INPUTS], part = 0;
-    const unsigned inputs = trial->problem.inputs;
+    const unsigned inputs = trial->problem.tables.inputs;
     for (unsigned i = 0; i < inputs; i++)
         free[i] = trial->lower_bound[i] < trial->upper_bound[i] &&
                   (gradient[i] > 0 ? voltage[i] > (wide)trial->lower_bound[i]
@@ -302,12 +294,12 @@ static wide allowance(const bench *trial)
 {
     wide rounding = 0;
     const wide scale = fmaxl(energy(trial), objective_at(trial, trial->control.info.voltage));
-    for (unsigned j = 0; j < trial->problem.inputs; j++) {
+    for (unsigned j = 0; j < trial->problem.tables.inputs; j++) {
         wide square = 0;
-        for (unsigned i = 0; i < trial->problem.outputs; i++)
-            square += (wide)trial->weight[i] * trial->weight[i] *
-                      trial->influence[i * trial->problem.inputs + j] *
-                      trial->influence[i * trial->problem.inputs + j];
+        for (unsigned i = 0; i < trial->problem.tables.outputs; i++)
+            square += (wide)trial->problem.weight[i] * trial->problem.weight[i] *
+                      trial->problem.influence[i * trial->problem.tables.inputs + j] *
+                      trial->problem.influence[i * trial->problem.tables.inputs + j];
         rounding +=
             (wide)PZS_EPSILON * sqrtl(square * scale) * fabsl((wide)trial->control.info.voltage[j]);
     }
@@ -321,7 +313,7 @@ static wide allowance(const bench *trial)
 static inline wide excess(const bench *trial)
 {
     wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
-    for (unsigned i = 0; i < trial->problem.inputs; i++)
+    for (unsigned i = 0; i < trial->problem.tables.inputs; i++)
         voltage[i] = trial->control.info.voltage[i];
     const wide scale = allowance(trial), mine = objective(trial, voltage, gradient);
     wide bound = gap_of(trial, voltage, gradient);

@@ -31,49 +31,50 @@ static long dump_count;
 
 static void random_influence(bench *t)
 {
-    const unsigned n = t->problem.inputs, m = t->problem.outputs, rank = 1 + below(t, n),
-                   kind = below(t, 6);
+    const unsigned n = t->problem.tables.inputs, m = t->problem.tables.outputs,
+                   rank = 1 + below(t, n), kind = below(t, 6);
     for (unsigned i = 0; i < m; i++)
         for (unsigned j = 0; j < n; j++) {
             const double smooth = cos(3.1 * (double)((i + 1) * (j % rank + 1)) / m);
-            const double x = kind == 0 ? smooth : uniform(t, -1, 1);
-            t->influence[i * n + j] = (pzs_real)(kind == 1 ? x * pow(10, -2.0 * j / n) : x);
+            const double x = kind == 0 ? smooth : draw(t, -1, 1);
+            t->problem.influence[i * n + j] = (pzs_real)(kind == 1 ? x * pow(10, -2.0 * j / n) : x);
         }
     for (unsigned i = 0; kind == 2 && i < m; i++) /* rank-deficient to the last bit: repeated
                                                      columns */
         for (unsigned j = rank; j < n; j++)
-            t->influence[i * n + j] = (j % 3 ? -2 : 1) * t->influence[i * n + j % rank];
+            t->problem.influence[i * n + j] =
+                (j % 3 ? -2 : 1) * t->problem.influence[i * n + j % rank];
     for (unsigned i = 0; kind == 3 && i < m; i++) /* sums of columns: to rounding */
         for (unsigned j = rank; j < n; j++)
-            t->influence[i * n + j] =
-                t->influence[i * n + j % rank] + t->influence[i * n + (j + 1) % rank];
+            t->problem.influence[i * n + j] = t->problem.influence[i * n + j % rank] +
+                                              t->problem.influence[i * n + (j + 1) % rank];
     for (unsigned i = 0; kind == 4 && i < m; i++) /* a zero column */
-        t->influence[i * n + rank - 1] = 0;
+        t->problem.influence[i * n + rank - 1] = 0;
 }
 
 static void random_limits(bench *t)
 {
     static const double reach[] = {.02, .1, .3, .6, 1, 3};
     const double limit = reach[below(t, 6)], dead = chance(t, .3) ? .3 : 0,
-                 endless = chance(t, .1) && t->problem.regularisation > 0 ? .3 : 0;
-    const double slew = chance(t, .4) ? limit * uniform(t, .05, .6) : HUGE_VAL;
+                 endless = chance(t, .1) && t->problem.tables.regularisation > 0 ? .3 : 0;
+    const double slew = chance(t, .4) ? limit * draw(t, .05, .6) : HUGE_VAL;
     const int preferred = chance(t, .5);
-    for (unsigned j = 0; j < t->problem.inputs; j++) {
-        t->lower[j] = (pzs_real)(chance(t, endless) ? -HUGE_VAL : -limit * uniform(t, .1, 1));
-        t->upper[j] = (pzs_real)(chance(t, endless) ? HUGE_VAL : limit * uniform(t, .1, 1));
+    for (unsigned j = 0; j < t->problem.tables.inputs; j++) {
+        t->problem.lower[j] = (pzs_real)(chance(t, endless) ? -HUGE_VAL : -limit * draw(t, .1, 1));
+        t->problem.upper[j] = (pzs_real)(chance(t, endless) ? HUGE_VAL : limit * draw(t, .1, 1));
         if (chance(t, .05))
-            t->lower[j] = 0;
+            t->problem.lower[j] = 0;
         if (chance(t, dead))
-            t->lower[j] = t->upper[j] = 0;
-        t->step_limit[j] = (pzs_real)slew;
-        t->reference_voltage[j] = (pzs_real)(preferred ? uniform(t, -.5, .5) : 0);
+            t->problem.lower[j] = t->problem.upper[j] = 0;
+        t->problem.step_limit[j] = (pzs_real)slew;
+        t->problem.reference_voltage[j] = (pzs_real)(preferred ? draw(t, -.5, .5) : 0);
     }
 }
 
 static void random_error(bench *t, double part)
 {
-    for (unsigned i = 0; i < t->problem.outputs; i++)
-        t->error[i] = (pzs_real)((1 - part) * (double)t->error[i] + part * uniform(t, -1, 1));
+    for (unsigned i = 0; i < t->problem.tables.outputs; i++)
+        t->error[i] = (pzs_real)((1 - part) * (double)t->error[i] + part * draw(t, -1, 1));
 }
 
 static void random_problem(bench *t, uint64_t seed)
@@ -81,16 +82,16 @@ static void random_problem(bench *t, uint64_t seed)
     memset(t, 0, sizeof *t);
     t->seed = seed;
     const unsigned n = chance(t, .1) ? 40 + below(t, 25) : 1 + below(t, 24);
-    t->problem.inputs = (uint16_t)n;
-    t->problem.outputs = (uint16_t)(1 + below(t, 2 * n + 4));
-    t->problem.influence = t->influence;
+    t->problem.tables.inputs = (uint16_t)n;
+    t->problem.tables.outputs = (uint16_t)(1 + below(t, 2 * n + 4));
+    t->problem.tables.influence = t->problem.influence;
     random_influence(t);
-    const double effort = chance(t, .5) ? pow((double)PZS_EPSILON, uniform(t, .1, .5)) : 0;
-    t->problem.regularisation = (pzs_real)(effort * t->problem.outputs / 3);
+    const double effort = chance(t, .5) ? pow((double)PZS_EPSILON, draw(t, .1, .5)) : 0;
+    t->problem.tables.regularisation = (pzs_real)(effort * t->problem.tables.outputs / 3);
     random_limits(t);
-    for (unsigned i = 0; i < t->problem.outputs; i++)
-        t->weight[i] = (pzs_real)(chance(t, .1) ? 0 : uniform(t, .2, 2));
-    t->weight[below(t, t->problem.outputs)] = 1;
+    for (unsigned i = 0; i < t->problem.tables.outputs; i++)
+        t->problem.weight[i] = (pzs_real)(chance(t, .1) ? 0 : draw(t, .2, 2));
+    t->problem.weight[below(t, t->problem.tables.outputs)] = 1;
     random_error(t, 1);
 }
 
@@ -99,11 +100,12 @@ static void disturb(bench *t)
 {
     random_error(t, chance(t, .5) ? .05 : .7);
     if (chance(t, .2))
-        assert_int_equal(pzs_hold(&t->control, (uint16_t)below(t, t->problem.inputs),
-                                  (pzs_real)uniform(t, -1, 1)),
+        assert_int_equal(pzs_hold(&t->control, (uint16_t)below(t, t->problem.tables.inputs),
+                                  (pzs_real)draw(t, -1, 1)),
                          PZS_OK);
     if (chance(t, .2))
-        assert_int_equal(pzs_release(&t->control, (uint16_t)below(t, t->problem.inputs)), PZS_OK);
+        assert_int_equal(pzs_release(&t->control, (uint16_t)below(t, t->problem.tables.inputs)),
+                         PZS_OK);
 }
 
 /* How good the volts of the last step are. */
@@ -128,11 +130,12 @@ static void put_all(const pzs_real *x, unsigned n)
 /* n m effort tolerance B W e lo hi prefer volt, all as double. */
 static void write_problem(const bench *t)
 {
-    const unsigned n = t->problem.inputs, m = t->problem.outputs;
-    put(n), put(m), put((double)t->problem.regularisation), put((double)(allowance(t) / energy(t)));
-    put_all(t->influence, n * m), put_all(t->weight, m), put_all(t->error, m);
-    put_all(t->lower_bound, n), put_all(t->upper_bound, n), put_all(t->reference_voltage, n),
-        put_all(t->control.info.voltage, n);
+    const unsigned n = t->problem.tables.inputs, m = t->problem.tables.outputs;
+    put(n), put(m), put((double)t->problem.tables.regularisation),
+        put((double)(allowance(t) / energy(t)));
+    put_all(t->problem.influence, n * m), put_all(t->problem.weight, m), put_all(t->error, m);
+    put_all(t->lower_bound, n), put_all(t->upper_bound, n),
+        put_all(t->problem.reference_voltage, n), put_all(t->control.info.voltage, n);
 }
 
 /* One checked step. Returns the certified excess. */
@@ -186,15 +189,15 @@ static void a_cut_after_any_pass_is_safe(void **state)
         memcpy(&other, &desk, sizeof other); /* the controller's pointers go on into desk */
         note_limits(&desk);
         wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], before = 0;
-        for (unsigned i = 0; i < desk.problem.inputs; i++)
+        for (unsigned i = 0; i < desk.problem.tables.inputs; i++)
             v[i] = clip(desk.last[i], desk.lower_bound[i], desk.upper_bound[i]);
         const wide first = objective(&desk, v, gradient), scale = energy(&desk) + first;
         pzs_status status = PZS_W_ITERATIONS;
         for (unsigned allowed = 0; status == PZS_W_ITERATIONS; allowed++, cuts++) {
             memcpy(&desk, &other, sizeof desk);
             note_limits(&desk);
-            const uint64_t limit = PZS_WORK_LEAST(desk.problem.inputs) +
-                                   allowed * PZS_ITERATION_WORK(desk.problem.inputs) / 2;
+            const uint64_t limit = PZS_WORK_LEAST(desk.problem.tables.inputs) +
+                                   allowed * PZS_ITERATION_WORK(desk.problem.tables.inputs) / 2;
             desk.control.settings.work_limit = limit;
             status = pzs_step(&desk.control, desk.error);
             assert_feasible(&desk);
@@ -215,10 +218,10 @@ static void endless_and_dependent(void **state)
     double farthest = 0;
     for (unsigned k = 0; k < 400; k++) {
         random_problem(&desk, 30000 + k);
-        desk.problem.regularisation = 0;
-        for (unsigned i = 0; i < desk.problem.inputs; i++) {
-            desk.upper[i] = desk.step_limit[i] = (pzs_real)HUGE_VAL;
-            desk.lower[i] = (pzs_real)-HUGE_VAL;
+        desk.problem.tables.regularisation = 0;
+        for (unsigned i = 0; i < desk.problem.tables.inputs; i++) {
+            desk.problem.upper[i] = desk.problem.step_limit[i] = (pzs_real)HUGE_VAL;
+            desk.problem.lower[i] = (pzs_real)-HUGE_VAL;
         }
         assert_int_equal(start(&desk), PZS_OK);
         for (unsigned s = 0; s < 4; s++) {
@@ -229,7 +232,7 @@ static void endless_and_dependent(void **state)
             assert_feasible(&desk);
             assert_true(objective_at(&desk, desk.control.info.voltage) <=
                         before + 64 * (wide)PZS_EPSILON * scale);
-            for (unsigned i = 0; i < desk.problem.inputs; i++)
+            for (unsigned i = 0; i < desk.problem.tables.inputs; i++)
                 farthest = fmax(farthest, fabs((double)desk.control.info.voltage[i]));
             random_error(&desk, .5);
         }
@@ -243,16 +246,16 @@ static void a_long_walk_does_not_drift(void **state)
     (void)state; /* law: rounding does not gather: 200,000 ticks of a wandering target stay allowed
                     and optimal */
     plain(&desk, 7, 12, 20, .6);
-    desk.problem.regularisation = (pzs_real).1;
+    desk.problem.tables.regularisation = (pzs_real).1;
     for (unsigned i = 0; i < 12; i++)
-        desk.step_limit[i] = (pzs_real).05;
+        desk.problem.step_limit[i] = (pzs_real).05;
     assert_int_equal(start(&desk), PZS_OK);
     double kkt = 0;
     wide worst = 0;
     unsigned active = 0;
     for (unsigned t = 0; t < 200000; t++) {
         for (unsigned i = 0; i < 20; i++)
-            desk.error[i] = (pzs_real)(.98 * (double)desk.error[i] + uniform(&desk, -.3, .3));
+            desk.error[i] = (pzs_real)(.98 * (double)desk.error[i] + draw(&desk, -.3, .3));
         note_limits(&desk);
         const pzs_status status =
             t % 2 ? pzs_step(&desk.control, desk.error) : pzs_tick(&desk.control, desk.error, NULL);
@@ -281,8 +284,8 @@ static void measurement_removes_a_disturbance(void **state)
     plain(&desk, 11, 8, 20, .7);
     assert_int_equal(start(&desk), PZS_OK);
     for (unsigned i = 0; i < 20; i++) {
-        wanted[i] = (pzs_real)uniform(&desk, -1, 1);
-        d[i] = (pzs_real)uniform(&desk, -.3, .3);
+        wanted[i] = (pzs_real)draw(&desk, -1, 1);
+        d[i] = (pzs_real)draw(&desk, -.3, .3);
         desk.error[i] = wanted[i] - d[i];
     }
     for (unsigned t = 0; t < 3; t++) {
@@ -343,7 +346,7 @@ static void a_sensor_at_rest_is_not_frozen(void **state)
     plain(&desk, 17, 4, 10, 5);
     assert_int_equal(start(&desk), PZS_OK);
     for (unsigned i = 0; i < 10; i++) {
-        wanted[i] = (pzs_real)uniform(&desk, -1, 1);
+        wanted[i] = (pzs_real)draw(&desk, -1, 1);
         measured[i] = wanted[i];
     }
     for (unsigned t = 0; t < 50; t++) {
@@ -362,16 +365,16 @@ static void bad_numbers_hold_the_volts(void **state)
     for (unsigned k = 0; k < 4000; k++) {
         random_problem(&desk, 40000 + k % 50);
         assert_int_equal(start(&desk), PZS_OK);
-        const unsigned n = desk.problem.inputs, m = desk.problem.outputs;
+        const unsigned n = desk.problem.tables.inputs, m = desk.problem.tables.outputs;
         if (n > 12 || m > 20)
             continue;
         desk.seed += k;
         for (unsigned t = 0; t < 6; t++) {
             for (unsigned i = 0; i < m; i++) {
-                wanted[i] = (pzs_real)(chance(&desk, .1) ? poison[below(&desk, 11)]
-                                                         : uniform(&desk, -1, 1));
-                measured[i] = (pzs_real)(chance(&desk, .1) ? poison[below(&desk, 11)]
-                                                           : uniform(&desk, -1, 1));
+                wanted[i] =
+                    (pzs_real)(chance(&desk, .1) ? poison[below(&desk, 11)] : draw(&desk, -1, 1));
+                measured[i] =
+                    (pzs_real)(chance(&desk, .1) ? poison[below(&desk, 11)] : draw(&desk, -1, 1));
             }
             note_limits(&desk);
             memcpy(last, desk.control.info.voltage, n * sizeof last[0]);
@@ -384,7 +387,7 @@ static void bad_numbers_hold_the_volts(void **state)
                 assert_true(isfinite(desk.control.info.predicted[i]));
         }
         for (unsigned i = 0; i < m; i++)
-            desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+            desk.error[i] = (pzs_real)draw(&desk, -1, 1);
         (void)pzs_release(&desk.control, 0);
         (void)pzs_step(&desk.control, desk.error); /* and it recovers */
         note_limits(&desk);
@@ -418,7 +421,7 @@ static void holding_and_releasing(void **state)
     (void)state; /* law: a held input stands at its voltage, the rest is optimal around it; where
                     slew and limit do not meet the limit wins */
     plain(&desk, 23, 6, 15, 1);
-    desk.step_limit[2] = (pzs_real).125;
+    desk.problem.step_limit[2] = (pzs_real).125;
     assert_int_equal(start(&desk), PZS_OK);
     assert_int_equal(pzs_hold(&desk.control, 2, (pzs_real).75), PZS_OK);
     note_limits(&desk);
@@ -451,14 +454,14 @@ static void another_influence_without_a_jump(void **state)
     pzs_real given[8], optimum[8], bad[8];
     plain(&desk, 77, 8, 20, .5);
     for (unsigned j = 0; j < 8; j++)
-        desk.step_limit[j] = (pzs_real).03125;
+        desk.problem.step_limit[j] = (pzs_real).03125;
     assert_int_equal(start(&desk), PZS_OK);
     for (unsigned k = 0; k < 60; k++)
         assert_false(PZS_IS_ERROR(pzs_tick(&desk.control, desk.error, NULL)));
     memcpy(given, desk.control.info.voltage, sizeof given);
 
     for (unsigned i = 0; i < 8 * 20; i++)
-        desk.influence[i] *= (pzs_real)uniform(&desk, .8, 1.2);
+        desk.problem.influence[i] *= (pzs_real)draw(&desk, .8, 1.2);
     assert_int_equal(start(&desk), PZS_OK);
     memcpy(bad, given, sizeof bad);
     bad[5] = (pzs_real)NAN;
@@ -483,7 +486,7 @@ static void another_influence_without_a_jump(void **state)
 
     given[3] = 2; /* beyond its limit */
     assert_int_equal(pzs_control_start(&desk.control, given), PZS_OK);
-    assert_true(desk.control.info.voltage[3] == desk.upper[3]);
+    assert_true(desk.control.info.voltage[3] == desk.problem.upper[3]);
 }
 
 static void all_dead_and_zero_influence(void **state)
@@ -496,8 +499,8 @@ static void all_dead_and_zero_influence(void **state)
         assert_true(desk.control.info.voltage[i] >= 0 && desk.control.info.voltage[i] <= 0);
     assert_int_equal(assess(&desk).active_limits, 5);
     plain(&desk, 29, 5, 9, HUGE_VAL);
-    memset(desk.influence, 0, sizeof desk.influence);
-    desk.reference_voltage[1] = 3;
+    memset(desk.problem.influence, 0, sizeof desk.problem.influence);
+    desk.problem.reference_voltage[1] = 3;
     assert_int_equal(start(&desk), PZS_OK);
     for (unsigned t = 0; t < 3; t++)
         assert_int_equal(pzs_tick(&desk.control, desk.error, NULL), PZS_OK);
@@ -519,28 +522,32 @@ static void errors_are_reported(void **state)
     const size_t need = PZS_CONTROL_BYTES(4, 7);
     pzs_control control;
     memset(&control, 0, sizeof control);
-    assert_int_equal(pzs_control_init(NULL, &desk.problem, NULL, desk.work, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(NULL, &desk.problem.tables, NULL, desk.work, need),
+                     PZS_E_ARGUMENT);
     assert_int_equal(pzs_control_init(&control, NULL, NULL, desk.work, need), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, NULL, need), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need - 1),
+    assert_int_equal(pzs_control_init(&control, &desk.problem.tables, NULL, NULL, need),
+                     PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&control, &desk.problem.tables, NULL, desk.work, need - 1),
                      PZS_E_WORKSPACE);
     assert_int_equal(control.info.where, need);
     assert_int_equal(
-        pzs_control_init(&control, &desk.problem, NULL, (char *)desk.work + 1, need + 8),
+        pzs_control_init(&control, &desk.problem.tables, NULL, (char *)desk.work + 1, need + 8),
         PZS_E_WORKSPACE);
     assert_int_equal(control.state.stage, 0);
-    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need), PZS_OK);
+    assert_int_equal(pzs_control_init(&control, &desk.problem.tables, NULL, desk.work, need),
+                     PZS_OK);
     assert_int_equal(pzs_step(NULL, desk.error), PZS_E_ARGUMENT);
     assert_int_equal(pzs_step(&control, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_tick(&control, NULL, NULL), PZS_E_ARGUMENT);
-    desk.problem.format = 99;
-    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need),
+    desk.problem.tables.format = 99;
+    assert_int_equal(pzs_control_init(&control, &desk.problem.tables, NULL, desk.work, need),
                      PZS_E_FORMAT);
-    desk.problem.format = PZS_TABLE_FORMAT;
-    desk.influence[5] += 1;
-    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need), PZS_E_CRC);
-    desk.problem.influence = NULL;
-    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need),
+    desk.problem.tables.format = PZS_TABLE_FORMAT;
+    desk.problem.influence[5] += 1;
+    assert_int_equal(pzs_control_init(&control, &desk.problem.tables, NULL, desk.work, need),
+                     PZS_E_CRC);
+    desk.problem.tables.influence = NULL;
+    assert_int_equal(pzs_control_init(&control, &desk.problem.tables, NULL, desk.work, need),
                      PZS_E_ARGUMENT);
     assert_int_equal(start(&desk), PZS_OK); /* influence computed on the device */
 }
@@ -560,22 +567,22 @@ static void bad_tables_are_refused(void **state)
     (void)state; /* law: limits that hold no voltage, and numbers that are none, are named by index
                   */
     int32_t where;
-    assert_int_equal(start_with(&desk.lower[2], 2, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.problem.lower[2], 2, &where), PZS_E_LIMITS);
     assert_int_equal(where, 2);
-    assert_int_equal(start_with(&desk.upper[3], NAN, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.problem.upper[3], NAN, &where), PZS_E_LIMITS);
     assert_int_equal(where, 3);
-    assert_int_equal(start_with(&desk.lower[1], HUGE_VAL, &where), PZS_E_LIMITS);
-    assert_int_equal(start_with(&desk.step_limit[1], -1, &where), PZS_E_LIMITS);
-    assert_int_equal(start_with(&desk.step_limit[0], NAN, &where), PZS_E_LIMITS);
-    assert_int_equal(start_with(&desk.influence[9], NAN, &where), PZS_E_NONFINITE);
+    assert_int_equal(start_with(&desk.problem.lower[1], HUGE_VAL, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.problem.step_limit[1], -1, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.problem.step_limit[0], NAN, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.problem.influence[9], NAN, &where), PZS_E_NONFINITE);
     assert_int_equal(where, 9);
-    assert_int_equal(start_with(&desk.weight[6], HUGE_VAL, &where), PZS_E_NONFINITE);
+    assert_int_equal(start_with(&desk.problem.weight[6], HUGE_VAL, &where), PZS_E_NONFINITE);
     assert_int_equal(where, 6);
-    assert_int_equal(start_with(&desk.reference_voltage[1], NAN, &where), PZS_E_NONFINITE);
-    assert_int_equal(start_with(&desk.influence[0], PZS_BY_BITS(1e30, 1e300), &where),
+    assert_int_equal(start_with(&desk.problem.reference_voltage[1], NAN, &where), PZS_E_NONFINITE);
+    assert_int_equal(start_with(&desk.problem.influence[0], PZS_BY_BITS(1e30, 1e300), &where),
                      PZS_E_NONFINITE); /* its square overflows */
-    assert_int_equal(start_with(&desk.problem.regularisation, -1, &where), PZS_E_ARGUMENT);
-    assert_int_equal(start_with(&desk.lower[0], -HUGE_VAL, &where), PZS_OK);
+    assert_int_equal(start_with(&desk.problem.tables.regularisation, -1, &where), PZS_E_ARGUMENT);
+    assert_int_equal(start_with(&desk.problem.lower[0], -HUGE_VAL, &where), PZS_OK);
 }
 
 static void table_hessian_and_own_hessian_agree(void **state)
@@ -583,14 +590,15 @@ static void table_hessian_and_own_hessian_agree(void **state)
     (void)state; /* law: B'W^2 B from the table gives the volts that the one formed at init gives */
     static pzs_real table[36], first[6];
     plain(&desk, 41, 6, 14, .4);
-    desk.problem.regularisation = (pzs_real).01;
+    desk.problem.tables.regularisation = (pzs_real).01;
     for (unsigned j = 0; j < 36; j++)
         for (unsigned i = 0; i < 14; i++)
-            table[j] += desk.influence[i * 6 + j / 6] * desk.influence[i * 6 + j % 6];
+            table[j] +=
+                desk.problem.influence[i * 6 + j / 6] * desk.problem.influence[i * 6 + j % 6];
     assert_int_equal(start(&desk), PZS_OK);
     assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
     memcpy(first, desk.control.info.voltage, sizeof first);
-    desk.problem.hessian = table;
+    desk.problem.tables.hessian = table;
     assert_int_equal(start(&desk), PZS_OK);
     assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
     for (unsigned j = 0; j < 6; j++)
@@ -602,19 +610,19 @@ static void table_hessian_and_own_hessian_agree(void **state)
 static void plate(const testdata *d, double limit, unsigned active, double error)
 {
     memset(&desk, 0, sizeof desk);
-    desk.problem.inputs = 25;
-    desk.problem.outputs = 121;
-    desk.problem.influence = desk.influence;
+    desk.problem.tables.inputs = 25;
+    desk.problem.tables.outputs = 121;
+    desk.problem.tables.influence = desk.problem.influence;
     for (unsigned i = 0; i < 121 * 25; i++)
-        desk.influence[i] = (pzs_real)testdata_values(d, "influence")[i];
+        desk.problem.influence[i] = (pzs_real)testdata_values(d, "influence")[i];
     for (unsigned i = 0; i < 121; i++) {
-        desk.weight[i] = 1;
+        desk.problem.weight[i] = 1;
         desk.error[i] = (pzs_real)(.1 * .02 * (i / 11) * (.02 * (i % 11) - .1));
     }
     for (unsigned j = 0; j < 25; j++) {
-        desk.upper[j] = (pzs_real)limit;
-        desk.lower[j] = (pzs_real)-limit;
-        desk.step_limit[j] = (pzs_real)HUGE_VAL;
+        desk.problem.upper[j] = (pzs_real)limit;
+        desk.problem.lower[j] = (pzs_real)-limit;
+        desk.problem.step_limit[j] = (pzs_real)HUGE_VAL;
     }
     assert_int_equal(start(&desk), PZS_OK);
     note_limits(&desk);
@@ -666,17 +674,17 @@ static void checksum_of_known_text(void **state)
     assert_int_equal(pzs_guard_nonfinite(x + 4, 1), 0);
     plain(&desk, 43, 3, 4, 1);
     assert_int_equal(start(&desk), PZS_OK);
-    const uint32_t crc = desk.problem.crc;
-    pzs_real *const entry[] = {&desk.influence[11], &desk.weight[3],
-                               &desk.lower[2],      &desk.upper[0],
-                               &desk.step_limit[1], &desk.reference_voltage[2]};
+    const uint32_t crc = desk.problem.tables.crc;
+    pzs_real *const entry[] = {&desk.problem.influence[11], &desk.problem.weight[3],
+                               &desk.problem.lower[2],      &desk.problem.upper[0],
+                               &desk.problem.step_limit[1], &desk.problem.reference_voltage[2]};
     for (unsigned i = 0; i < 6; i++) {
         const pzs_real was = *entry[i];
         *entry[i] = 17;
-        assert_int_not_equal(pzs_problem_crc(&desk.problem), crc);
+        assert_int_not_equal(pzs_problem_crc(&desk.problem.tables), crc);
         *entry[i] = was;
     }
-    assert_int_equal(pzs_problem_crc(&desk.problem), crc);
+    assert_int_equal(pzs_problem_crc(&desk.problem.tables), crc);
 }
 
 static void every_status_has_words(void **state)

@@ -18,10 +18,10 @@ static bench desk;
 static void disturb(bench *trial)
 {
     for (unsigned i = 0; i < M; i++)
-        trial->error[i] = (pzs_real)uniform(trial, -1, 1);
+        trial->error[i] = (pzs_real)draw(trial, -1, 1);
     for (unsigned k = 0; k < 3; k++) {
         const uint16_t input = (uint16_t)below(trial, N);
-        const pzs_real voltage = (pzs_real)uniform(trial, -1, 1);
+        const pzs_real voltage = (pzs_real)draw(trial, -1, 1);
         if (chance(trial, .5))
             assert_int_equal(pzs_hold(&trial->control, input, voltage), PZS_OK);
         else
@@ -33,7 +33,7 @@ static void open_desk(unsigned seed, double limit, double step_limit)
 {
     plain(&desk, seed, N, M, limit);
     for (unsigned i = 0; i < N; i++)
-        desk.step_limit[i] = (pzs_real)step_limit;
+        desk.problem.step_limit[i] = (pzs_real)step_limit;
     assert_int_equal(start(&desk), PZS_OK);
     assert_true(desk.control.state.optimiser.is_dual);
 }
@@ -61,7 +61,7 @@ static void the_tableau_is_the_inverse(void **state)
             lower[i] = -1;
             one[i] = upper[i] = 1;
             for (unsigned j = 0; j < n; j++)
-                influence[i * n + j] = (pzs_real)(uniform(&desk, -.5, .5) / n + (i == j ? 1 : 0));
+                influence[i * n + j] = (pzs_real)(draw(&desk, -.5, .5) / n + (i == j ? 1 : 0));
         }
         assert_int_equal(pzs_problem_seal(&problem), PZS_OK);
         assert_int_equal(pzs_control_init(&control, &problem, NULL, work, sizeof work), PZS_OK);
@@ -88,9 +88,9 @@ static void the_hessian_is_the_sum_of_products(void **state)
     static double work[PZS_CONTROL_BYTES(COLUMNS, ROWS) / sizeof(double) + 1];
     static pzs_control control;
     for (unsigned i = 0; i < ROWS * COLUMNS; i++)
-        influence[i] = (pzs_real)uniform(&desk, -1, 1);
+        influence[i] = (pzs_real)draw(&desk, -1, 1);
     for (unsigned i = 0; i < ROWS; i++)
-        weight[i] = (pzs_real)uniform(&desk, .5, 2);
+        weight[i] = (pzs_real)draw(&desk, .5, 2);
     for (unsigned n = 40; n <= COLUMNS; n += 5) {
         const unsigned outputs = 2 * n;
         pzs_problem problem = {.inputs = (uint16_t)n,
@@ -154,7 +154,7 @@ static void a_jump_to_limits_is_short(void **state)
         open_desk(40 + k, 3e-3, HUGE_VAL);
         for (unsigned jump = 0; jump < JUMPS; jump++) {
             for (unsigned i = 0; i < M; i++)
-                desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+                desk.error[i] = (pzs_real)draw(&desk, -1, 1);
             note_limits(&desk);
             assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
             assert_true(excess(&desk) <= 1);
@@ -172,7 +172,7 @@ static void warm_and_cold_agree(void **state)
         open_desk(20 + k, .03, HUGE_VAL);
         for (unsigned jump = 0; jump < JUMPS; jump++) {
             for (unsigned i = 0; i < M; i++)
-                desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+                desk.error[i] = (pzs_real)draw(&desk, -1, 1);
             assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
         }
         const wide warm = objective_at(&desk, desk.control.info.voltage);
@@ -226,7 +226,7 @@ static void damage_is_overcome(void **state)
     open_desk(60, .03, HUGE_VAL);
     for (unsigned k = 0; k < 300; k++) {
         for (unsigned i = 0; i < M; i++)
-            desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+            desk.error[i] = (pzs_real)draw(&desk, -1, 1);
         flip_bit(&desk);
         for (unsigned step = 0; step < 10; step++) {
             note_limits(&desk);

@@ -13,23 +13,24 @@
 #include <cmocka.h>
 #include "../../lib/control/estimate.h"
 #include "../../lib/core/guard.h"
-#include "../rigs/uniform.h"
 #include "../../lib/control/control.h"
 
 enum { N = 7, M = 30, K = 5, LOADS = 3 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 #define EPS ((double)PZS_EPSILON)
 
 /* A controller of seven amplifiers on thirty outputs; five sensors see what three loads do to the
  * outputs. */
 typedef struct rig {
-    pzs_problem problem;
+    problem_rig problem;
     pzs_control control;
     pzs_estimator tables;
     pzs_estimate estimate;
     pzs_feed_forward_table known;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], slew[N], prefer[N], wanted[M],
-        measured[M], given[N];
+    pzs_real wanted[M], measured[M], given[N];
     pzs_real direct[K * N], gain[M * K], per[M * LOADS], sensed[K];
     double real[M * N], by_load[M * LOADS], seen[K * LOADS];
     void *work, *estimate_work;
@@ -64,11 +65,12 @@ static void make_gain(rig *r)
 
 static void start(rig *r)
 {
-    r->problem.crc = pzs_problem_crc(&r->problem);
+    problem_seal(&r->problem);
     r->tables.crc = pzs_estimate_crc(&r->tables);
     r->known.crc = pzs_estimate_known_crc(&r->known);
     assert_int_equal(
-        pzs_control_init(&r->control, &r->problem, NULL, r->work, PZS_CONTROL_BYTES(N, M)), PZS_OK);
+        pzs_control_init(&r->control, &r->problem.tables, NULL, r->work, PZS_CONTROL_BYTES(N, M)),
+        PZS_OK);
     assert_int_equal(pzs_estimate_init(&r->estimate, &r->control, &r->tables, r->estimate_work,
                                        PZS_ESTIMATE_BYTES(K)),
                      PZS_OK);
@@ -80,42 +82,21 @@ static void rig_open(rig *r, unsigned seed)
 {
     memset(r, 0, sizeof *r);
     r->seed = seed;
-    for (int i = 0; i < M * N; i++) {
-        r->influence[i] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
-        r->real[i] = (double)r->influence[i];
-    }
-    for (int i = 0; i < M; i++) {
-        r->weight[i] = 1;
-        r->wanted[i] = (pzs_real)uniform(&r->seed, -1e-5, 1e-5);
-    }
+    problem_open(&r->problem, N, M, -100, 100, 15);
+    fill_random(&r->seed, r->problem.influence, M * N, 1e-6);
+    for (int i = 0; i < M * N; i++)
+        r->real[i] = (double)r->problem.influence[i];
+    fill_random(&r->seed, r->wanted, M, 1e-5);
     for (int i = 0; i < M * LOADS; i++) {
         r->by_load[i] = uniform(&r->seed, -1e-5, 1e-5);
         r->per[i] = (pzs_real)r->by_load[i];
     }
-    for (int i = 0; i < K * N; i++)
-        r->direct[i] = (pzs_real)uniform(&r->seed, -1, 1);
+    fill_random(&r->seed, r->direct, K * N, 1);
     for (int i = 0; i < K * LOADS; i++)
         r->seen[i] = uniform(&r->seed, -10, 10);
     make_gain(r);
-    for (int k = 0; k < N; k++) {
-        r->lower[k] = -100;
-        r->upper[k] = 100;
-        r->slew[k] = 15;
-    }
-    const pzs_problem problem = {.format = PZS_TABLE_FORMAT,
-                                 .scene = 1,
-                                 .inputs = N,
-                                 .outputs = M,
-                                 .influence = r->influence,
-                                 .weight = r->weight,
-                                 .lower = r->lower,
-                                 .upper = r->upper,
-                                 .step_limit = r->slew,
-                                 .reference_voltage = r->prefer,
-                                 .dual_method = PZS_DUAL_METHOD(N)};
-    const pzs_estimator e = {PZS_TABLE_FORMAT, 1, 0, N, M, K, r->direct, r->gain};
-    const pzs_feed_forward_table known = {PZS_TABLE_FORMAT, 1, 0, LOADS, M, r->per};
-    r->problem = problem;
+    const pzs_estimator e = {PZS_TABLE_FORMAT, SCENE, 0, N, M, K, r->direct, r->gain};
+    const pzs_feed_forward_table known = {PZS_TABLE_FORMAT, SCENE, 0, LOADS, M, r->per};
     r->tables = e;
     r->known = known;
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
@@ -283,10 +264,10 @@ static void make_real(rig *r, double least, double most, double share)
     for (int k = 0; k < N; k++) {
         const double strength = uniform(&r->seed, least, most);
         for (int i = 0; i < M; i++) {
-            r->real[i * N + k] = strength * (double)r->influence[i * N + k];
+            r->real[i * N + k] = strength * (double)r->problem.influence[i * N + k];
             for (int j = 0; j < N && share > 0; j++)
                 r->real[i * N + k] +=
-                    uniform(&r->seed, -share, share) / N * (double)r->influence[i * N + j];
+                    uniform(&r->seed, -share, share) / N * (double)r->problem.influence[i * N + j];
         }
     }
 }
@@ -319,9 +300,9 @@ static void test_quantised(void **state)
                 for (int k = 0; k < N; k++) {
                     const pzs_real v = r.control.info.voltage[k];
                     const double count = (double)v / (double)(pzs_real)step;
-                    assert_true(v >= r.lower[k] && v <= r.upper[k]);
+                    assert_true(v >= r.problem.lower[k] && v <= r.problem.upper[k]);
                     assert_true(fabs((double)v - (double)before[k]) <=
-                                (double)r.slew[k] * (1 + 2 * EPS));
+                                (double)r.problem.step_limit[k] * (1 + 2 * EPS));
                     assert_true(!quantised || fabs(count - round(count)) <= 8 * EPS * fabs(count));
                     assert_true(fabs((double)(v - wish[k])) < step * (1 + 8 * EPS)); /* less than a
                                                                                         step is left

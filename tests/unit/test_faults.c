@@ -14,7 +14,6 @@
 #include <cmocka.h>
 #include "../../lib/core/guard.h"
 #include "../rigs/testdata.h"
-#include "../rigs/uniform.h"
 #include "../../lib/control/control.h"
 
 #ifndef LONG_TICKS
@@ -31,13 +30,15 @@ enum {
     LOADS = 4,
     LATE = 5
 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 typedef struct rig {
-    pzs_problem problem;
+    problem_rig problem;
     pzs_control control;
     pzs_fault_detector watch;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], slew[N], prefer[N], goal[M],
-        wanted[M], measured[M];
+    pzs_real goal[M], wanted[M], measured[M];
     double strength[N]; /* what an electrode really does, of what the tables say */
     double held[N];     /* V while it does not follow */
     double load[LOADS], noise;
@@ -61,9 +62,10 @@ static void rig_start(rig *r)
 {
     memset(r->fault, 0, sizeof r->fault);
     r->time = 0;
-    r->problem.crc = pzs_problem_crc(&r->problem);
+    problem_seal(&r->problem);
     assert_int_equal(
-        pzs_control_init(&r->control, &r->problem, NULL, r->work, PZS_CONTROL_BYTES(N, M)), PZS_OK);
+        pzs_control_init(&r->control, &r->problem.tables, NULL, r->work, PZS_CONTROL_BYTES(N, M)),
+        PZS_OK);
     free(r->watch_work);
     r->watch_work = malloc(PZS_FAULT_DETECTOR_BYTES(N, M, r->delay));
     assert_int_equal(pzs_fault_detector_init(&r->watch, &r->control, r->delay, r->watch_work,
@@ -79,34 +81,18 @@ static void rig_open(rig *r, unsigned seed)
     assert_int_equal(testdata_next(file, &d), 1);
     memset(r, 0, sizeof *r);
     r->seed = seed;
+    problem_open(&r->problem, N, M, -300, 300, 20);
     for (int i = 0; i < M * N; i++)
-        r->influence[i] = (pzs_real)testdata_values(&d, "influence")[i];
+        r->problem.influence[i] = (pzs_real)testdata_values(&d, "influence")[i];
     testdata_free(&d);
     fclose(file);
     for (int i = 0; i < M; i++) {
         const double x = 0.02 * (i / 11), y = 0.02 * (i % 11);
-        r->weight[i] = 1;
         r->goal[i] = (pzs_real)(0.1 * x * (y - 0.1));
     }
-    for (int k = 0; k < N; k++) {
-        r->lower[k] = -300;
-        r->upper[k] = 300;
-        r->slew[k] = 20;
+    for (int k = 0; k < N; k++)
         r->strength[k] = 0.8 / 1.1 * uniform(&r->seed, 0.9, 1.1);
-    }
     r->noise = 1e-7;
-    const pzs_problem problem = {.format = PZS_TABLE_FORMAT,
-                                 .scene = 1,
-                                 .inputs = N,
-                                 .outputs = M,
-                                 .influence = r->influence,
-                                 .weight = r->weight,
-                                 .lower = r->lower,
-                                 .upper = r->upper,
-                                 .step_limit = r->slew,
-                                 .reference_voltage = r->prefer,
-                                 .dual_method = PZS_DUAL_METHOD(N)};
-    r->problem = problem;
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
     assert_non_null(r->work);
     rig_start(r);
@@ -143,7 +129,7 @@ static void look(rig *r)
             shape[i] += r->load[k] * load_shape(k, i);
         for (int k = 0; k < N; k++) {
             const double voltage = (double)r->control.info.voltage[k],
-                         per = (double)r->influence[i * N + k];
+                         per = (double)r->problem.influence[i * N + k];
             shape[i] += r->strength[k] * per * (r->fault[k] ? r->held[k] : voltage);
             model[i] += per * voltage;
         }
@@ -181,10 +167,10 @@ static pzs_status tick(rig *r, double factor)
     assert_true(status == PZS_OK || status == PZS_W_ITERATIONS ||
                 (r->lost && status == PZS_W_SENSOR));
     for (int k = 0; k < N; k++) {
-        assert_true(r->control.info.voltage[k] >= r->lower[k] &&
-                    r->control.info.voltage[k] <= r->upper[k]);
+        assert_true(r->control.info.voltage[k] >= r->problem.lower[k] &&
+                    r->control.info.voltage[k] <= r->problem.upper[k]);
         assert_true(fabs((double)r->control.info.voltage[k] - (double)before[k]) <=
-                    (double)r->slew[k] * (1 + 2 * (double)PZS_EPSILON));
+                    (double)r->problem.step_limit[k] * (1 + 2 * (double)PZS_EPSILON));
     }
     return pzs_fault_detector_tick(&r->watch, r->measured);
 }
@@ -431,10 +417,10 @@ static void test_blind(void **state)
     (void)state;
     rig_open(&r, 17);
     for (int i = 0; i < M; i++) {
-        r.influence[i * N + 1] = r.influence[i * N];
-        r.influence[i * N + 7] = 0;
+        r.problem.influence[i * N + 1] = r.problem.influence[i * N];
+        r.problem.influence[i * N + 7] = 0;
     }
-    r.slew[9] = r.upper[9] = (pzs_real)HUGE_VAL;
+    r.problem.step_limit[9] = r.problem.upper[9] = (pzs_real)HUGE_VAL;
     rig_start(&r);
     assert_int_equal(r.watch.info.unobservable, 4);
     for (int k = 0; k < N; k++)
@@ -509,10 +495,10 @@ static void test_swings_changed(void **state)
             for (int k = 0; k < N; k++) {
                 probed += r.watch.info.electrode[k] == PZS_ELECTRODE_TESTED;
                 r.watch.settings.amplitude[k] = probed ? bad[b] : r.watch.settings.amplitude[k];
-                assert_true(r.control.info.voltage[k] >= r.lower[k] &&
-                            r.control.info.voltage[k] <= r.upper[k]);
-                assert_true(r.control.info.lower[k] >= r.lower[k] &&
-                            r.control.info.upper[k] <= r.upper[k]);
+                assert_true(r.control.info.voltage[k] >= r.problem.lower[k] &&
+                            r.control.info.voltage[k] <= r.problem.upper[k]);
+                assert_true(r.control.info.lower[k] >= r.problem.lower[k] &&
+                            r.control.info.upper[k] <= r.problem.upper[k]);
             }
         }
         assert_true(probed > 0);

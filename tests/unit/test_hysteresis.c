@@ -11,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "../rigs/uniform.h"
 #include "../../lib/control/hysteresis.h"
 
 #ifdef __SANITIZE_ADDRESS__
@@ -20,7 +19,10 @@ enum { SHARE = 10 }; /* one of so many repetitions is run with the sanitizers */
 enum { SHARE = 1 };
 #endif
 
-enum { N = 6, M = 20, PLAYS = 8, CREEPS = 3, SCENE = 5, SEGMENTS = 4 };
+enum { N = 6, M = 20, PLAYS = 8, CREEPS = 3, SEGMENTS = 4 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 /* Rounding of a sum of all parts of an effect, relative to the range of the voltages. */
 static const double rounding = 64 * (double)PZS_EPSILON;
@@ -400,9 +402,8 @@ static void test_damaged_memory(void **state)
 
 typedef struct rig {
     ceramic ceramic; /* of the tables, whose memory is that of the plant's input 0 */
-    pzs_problem problem;
+    problem_rig problem;
     pzs_amplifier amplifier;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N];
     pzs_real wanted[M], measured[M], given[N];
     pzs_real plant_play[N * PLAYS], plant_creep[N * CREEPS];
     const pzs_hysteresis *truth; /* tables of the plant; NULL: the effect is the voltage */
@@ -432,7 +433,7 @@ static void list_blocks(rig *r, int options)
     r->count = 0;
     if (options & COMPENSATED)
         append(r, &pzs_effect_block, &r->ceramic.tables);
-    append(r, &pzs_step_block, &r->problem);
+    append(r, &pzs_step_block, &r->problem.tables);
     if (options & COMPENSATED)
         append(r, &pzs_inverse_block, &r->ceramic.tables);
     if (options & QUANTISED)
@@ -441,15 +442,7 @@ static void list_blocks(rig *r, int options)
 
 static pzs_status init(rig *r)
 {
-    pzs_real none;
-    pzs_status status = pzs_loop_init(&r->loop, r->block, r->count, NULL, &none, 0);
-    if (status != PZS_E_WORKSPACE)
-        return status;
-    const size_t need = (size_t)r->loop.info.where;
-    free(r->work);
-    r->work = malloc(need);
-    assert_non_null(r->work);
-    status = pzs_loop_init(&r->loop, r->block, r->count, NULL, r->work, need);
+    const pzs_status status = start_loop(&r->loop, r->block, r->count, &r->work);
     if (status == PZS_OK)
         memcpy(r->given, r->loop.info.voltage, sizeof r->given);
     return status;
@@ -462,25 +455,15 @@ static void prepare(rig *r, unsigned seed)
     r->seed = seed;
     open_ceramic(&r->ceramic, seed);
     r->amplifier = (pzs_amplifier){PZS_R(0.05), PZS_R(0.02)};
-    for (int i = 0; i < M * N; i++)
-        r->influence[i] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
-    for (int i = 0; i < M; i++)
-        r->weight[i] = 1;
+    problem_open(&r->problem, N, M, 0, 0, 0);
+    fill_random(&r->seed, r->problem.influence, M * N, 1e-6);
     for (int k = 0; k < N; k++) {
-        r->lower[k] = r->ceramic.middle[k] - r->ceramic.half_range[k];
-        r->upper[k] = r->ceramic.middle[k] + r->ceramic.half_range[k];
-        r->step_limit[k] = (pzs_real)uniform(&r->seed, 0.02, 0.3) * r->ceramic.half_range[k];
+        r->problem.lower[k] = r->ceramic.middle[k] - r->ceramic.half_range[k];
+        r->problem.upper[k] = r->ceramic.middle[k] + r->ceramic.half_range[k];
+        r->problem.step_limit[k] =
+            (pzs_real)uniform(&r->seed, 0.02, 0.3) * r->ceramic.half_range[k];
     }
-    r->problem = (pzs_problem){.scene = SCENE,
-                               .inputs = N,
-                               .outputs = M,
-                               .influence = r->influence,
-                               .weight = r->weight,
-                               .lower = r->lower,
-                               .upper = r->upper,
-                               .step_limit = r->step_limit,
-                               .reference_voltage = r->reference};
-    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
+    problem_seal(&r->problem);
 }
 
 static void open_rig(rig *r, unsigned seed, int options)
@@ -512,7 +495,7 @@ static void measure(rig *r, double gain)
     for (int i = 0; i < M; i++) {
         r->measured[i] = (pzs_real)uniform(&r->seed, -r->noise, r->noise);
         for (int k = 0; k < N; k++)
-            r->measured[i] += (pzs_real)gain * r->influence[i * N + k] * acting[k];
+            r->measured[i] += (pzs_real)gain * r->problem.influence[i * N + k] * acting[k];
     }
 }
 
@@ -524,7 +507,7 @@ static void throw_target(rig *r, double factor)
         const double voltage = (double)r->ceramic.middle[k] + uniform(&r->seed, -factor, factor) *
                                                                   (double)r->ceramic.half_range[k];
         for (int i = 0; i < M; i++)
-            r->wanted[i] += r->influence[i * N + k] * (pzs_real)voltage;
+            r->wanted[i] += r->problem.influence[i * N + k] * (pzs_real)voltage;
     }
 }
 
@@ -535,8 +518,9 @@ static void take(rig *r, const bool *is_held)
         const pzs_real voltage = r->loop.info.voltage[k];
         const pzs_real change =
             voltage > r->given[k] ? voltage - r->given[k] : r->given[k] - voltage;
-        assert_true(isfinite(voltage) && voltage >= r->lower[k] && voltage <= r->upper[k]);
-        assert_true((is_held && is_held[k]) || change <= r->step_limit[k]);
+        assert_true(isfinite(voltage) && voltage >= r->problem.lower[k] &&
+                    voltage <= r->problem.upper[k]);
+        assert_true((is_held && is_held[k]) || change <= r->problem.step_limit[k]);
         r->given[k] = voltage;
     }
 }
@@ -631,7 +615,7 @@ static double objective(const rig *r, const pzs_real *acting)
     for (int i = 0; i < M; i++) {
         double misfit = -(double)r->wanted[i];
         for (int k = 0; k < N; k++)
-            misfit += (double)(r->influence[i * N + k] * acting[k]);
+            misfit += (double)(r->problem.influence[i * N + k] * acting[k]);
         sum += misfit * misfit;
     }
     return sum;
@@ -651,8 +635,8 @@ static void test_optimum_of_stroke(void **state)
         static double work[PZS_CONTROL_BYTES(N, M) / sizeof(double) + 8];
         prepare(&r, seed);
         for (int k = 0; k < N; k++)
-            r.step_limit[k] = free_step[k] = (pzs_real)HUGE_VAL;
-        assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
+            r.problem.step_limit[k] = free_step[k] = (pzs_real)HUGE_VAL;
+        problem_seal(&r.problem);
         list_blocks(&r, COMPENSATED);
         assert_int_equal(init(&r), PZS_OK);
         for (int k = 0; k < N; k++)
@@ -660,15 +644,15 @@ static void test_optimum_of_stroke(void **state)
         for (int tick = 0; tick < 30; tick++) {
             pzs_real acting[N];
             pzs_control best;
-            pzs_problem problem = r.problem;
+            pzs_problem problem = r.problem.tables;
             throw_target(&r, 1.5);
             for (int k = 0; k < N; k++) {
                 pzs_hysteresis_remember(&r.ceramic.tables, (uint32_t)k, plant_memory(&r, k),
                                         r.given[k], 1);
                 low[k] = pzs_hysteresis_effect(&r.ceramic.tables, (uint32_t)k, plant_memory(&r, k),
-                                               r.lower[k]);
+                                               r.problem.lower[k]);
                 high[k] = pzs_hysteresis_effect(&r.ceramic.tables, (uint32_t)k, plant_memory(&r, k),
-                                                r.upper[k]);
+                                                r.problem.upper[k]);
             }
             problem.lower = low;
             problem.upper = high;
@@ -730,13 +714,13 @@ static void test_wrong_tables(void **state)
             truth.above[i] = truth.below[i] = (pzs_real)of[trial].present * weight;
         }
         for (int k = 0; k < N; k++)
-            r.step_limit[k] = (pzs_real)HUGE_VAL;
+            r.problem.step_limit[k] = (pzs_real)HUGE_VAL;
         for (int i = 0; i < N * SEGMENTS; i++)
             r.ceramic.slope[i] = truth.slope[i] = 1;
         truth.tables.above = truth.above;
         truth.tables.below = truth.below;
         truth.tables.slope = truth.slope;
-        assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
+        problem_seal(&r.problem);
         assert_int_equal(pzs_hysteresis_seal(&r.ceramic.tables), PZS_OK);
         list_blocks(&r, COMPENSATED);
         assert_int_equal(init(&r), PZS_OK);
@@ -915,13 +899,13 @@ static void test_refused(void **state)
     r.count = 2; /* without the inverse */
     assert_int_equal(init(&r), PZS_E_STAGE);
     r.count = 0;
-    append(&r, &pzs_step_block, &r.problem);
+    append(&r, &pzs_step_block, &r.problem.tables);
     append(&r, &pzs_inverse_block, &r.ceramic.tables);
     assert_int_equal(init(&r), PZS_OK);
     assert_int_equal(pzs_loop_tick(&r.loop, r.wanted, r.measured), PZS_E_STAGE);
     list_blocks(&r, COMPENSATED);
-    r.upper[2] = (pzs_real)HUGE_VAL;
-    assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
+    r.problem.upper[2] = (pzs_real)HUGE_VAL;
+    problem_seal(&r.problem);
     assert_int_equal(init(&r), PZS_E_LIMITS);
     assert_int_equal(r.loop.info.where, 2);
     close_rig(&r);

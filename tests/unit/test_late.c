@@ -11,18 +11,20 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "../rigs/uniform.h"
 
-enum { N = 6, M = 18, K = 8, TICKS = 80, SCENE = 41, KEPT = PZS_DELAY_LIMIT + 1 };
+enum { N = 6, M = 18, K = 8, TICKS = 80, KEPT = PZS_DELAY_LIMIT + 1 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 /* A static plant that is the model, and its loop with readings of some age. */
 typedef struct rig {
-    pzs_problem problem;
+    problem_rig problem;
     pzs_estimator estimator;
     pzs_reading_delay late;
     pzs_fault_detection detection;
     pzs_supervision supervision;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N], park[N];
+    pzs_real park[N];
     pzs_real direct[K * N], gain[M * K], wanted[M];
     pzs_real history[KEPT][M]; /* readings of the last ticks */
     pzs_block block[5];
@@ -34,36 +36,17 @@ typedef struct rig {
     bool is_few; /* K sensors and the estimator */
 } rig;
 
-static void fill(rig *r, pzs_real *x, int n, double size)
-{
-    for (int i = 0; i < n; i++)
-        x[i] = (pzs_real)uniform(&r->seed, -size, size);
-}
-
 /* Tables; influence and readings of electrode k are largest at output and sensor k. */
 static void make_tables(rig *r, int delay)
 {
-    fill(r, r->influence, M * N, 1e-7);
-    fill(r, r->direct, K * N, 0.1);
-    fill(r, r->gain, M * K, 1e-7);
+    problem_open(&r->problem, N, M, -100, 100, 50);
+    fill_random(&r->seed, r->problem.influence, M * N, 1e-7);
+    fill_random(&r->seed, r->direct, K * N, 0.1);
+    fill_random(&r->seed, r->gain, M * K, 1e-7);
     for (int k = 0; k < N; k++) {
-        r->influence[k * N + k] += PZS_R(1e-6);
+        r->problem.influence[k * N + k] += PZS_R(1e-6);
         r->direct[k * N + k] += 1;
-        r->lower[k] = -100;
-        r->upper[k] = 100;
-        r->step_limit[k] = 50;
     }
-    for (int i = 0; i < M; i++)
-        r->weight[i] = 1;
-    r->problem = (pzs_problem){.scene = SCENE,
-                               .inputs = N,
-                               .outputs = M,
-                               .influence = r->influence,
-                               .weight = r->weight,
-                               .lower = r->lower,
-                               .upper = r->upper,
-                               .step_limit = r->step_limit,
-                               .reference_voltage = r->reference};
     r->estimator = (pzs_estimator){.scene = SCENE,
                                    .inputs = N,
                                    .outputs = M,
@@ -84,7 +67,7 @@ static void make_tables(rig *r, int delay)
                                        .park = r->park,
                                        .fading = PZS_R(0.9),
                                        .load = 1};
-    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
+    problem_seal(&r->problem);
     assert_int_equal(pzs_estimator_seal(&r->estimator), PZS_OK);
     assert_int_equal(pzs_reading_delay_seal(&r->late), PZS_OK);
     assert_int_equal(pzs_supervision_seal(&r->supervision), PZS_OK);
@@ -97,15 +80,7 @@ static void append(rig *r, const pzs_block_type *type, const void *tables)
 
 static pzs_status start(rig *r)
 {
-    pzs_real none;
-    pzs_status status = pzs_loop_init(&r->loop, r->block, r->count, NULL, &none, 0);
-    if (status != PZS_E_WORKSPACE)
-        return status;
-    const size_t need = (size_t)r->loop.info.where;
-    free(r->work);
-    r->work = malloc(need);
-    assert_non_null(r->work);
-    return pzs_loop_init(&r->loop, r->block, r->count, NULL, r->work, need);
+    return start_loop(&r->loop, r->block, r->count, &r->work);
 }
 
 /* A loop with or without the correction of late readings. */
@@ -119,7 +94,7 @@ static void open_rig(rig *r, int delay, bool is_few, bool is_corrected)
         append(r, &pzs_reading_delay_block, &r->late);
     if (is_few)
         append(r, &pzs_estimator_block, &r->estimator);
-    append(r, &pzs_step_block, &r->problem);
+    append(r, &pzs_step_block, &r->problem.tables);
     assert_int_equal(start(r), PZS_OK);
 }
 
@@ -131,7 +106,7 @@ static void close_rig(rig *r)
 /* Readings of the plant under the present voltages, with a trace of noise. out [K or M] */
 static void read_plant(rig *r, pzs_real *out)
 {
-    const pzs_real *table = r->is_few ? r->direct : r->influence;
+    const pzs_real *table = r->is_few ? r->direct : r->problem.influence;
     const double size = r->is_few ? 1e-7 : 1e-13;
     for (int i = 0; i < (r->is_few ? K : M); i++) {
         double sum = uniform(&r->seed, -size, size);
@@ -343,9 +318,9 @@ static void test_work_limit(void **state)
         const uint64_t limit = i ? 2 * PZS_WORK_LEAST(N) : 0;
         open_rig(&r, 0, false, false);
         assert_true(r.loop.info.control->settings.work_limit == PZS_WORK_LIMIT(N));
-        r.problem.work_limit = limit;
+        r.problem.tables.work_limit = limit;
         assert_int_equal(start(&r), limit > 0 ? PZS_E_CRC : PZS_OK);
-        assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
+        problem_seal(&r.problem);
         assert_int_equal(start(&r), PZS_OK);
         assert_true(r.loop.info.control->settings.work_limit ==
                     (limit > 0 ? limit : PZS_WORK_LIMIT(N)));

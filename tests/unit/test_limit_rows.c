@@ -104,21 +104,21 @@ static void begin_absolute(rig *r, double limit)
 static void add_absolute(rig *r, double limit)
 {
     begin_absolute(r, limit);
-    for (unsigned j = 0; j < r->b.problem.inputs; j++)
+    for (unsigned j = 0; j < r->b.problem.tables.inputs; j++)
         add_entry(r, j, 1);
 }
 
 /* Limit the differences of consecutive inputs. */
 static void add_chain(rig *r, double limit)
 {
-    for (unsigned j = 0; j + 1 < r->b.problem.inputs; j++)
+    for (unsigned j = 0; j + 1 < r->b.problem.tables.inputs; j++)
         add_difference(r, j, j + 1, limit);
 }
 
 /* Seal the problem and initialise the controller. */
 static pzs_status open_rig(rig *r)
 {
-    pzs_problem *problem = &r->b.problem;
+    pzs_problem *problem = &r->b.problem.tables;
     r->rows.call = &pzs_limit_rows_calls;
     r->rows.absolute_call = r->rows.absolute_count > 0 ? &pzs_absolute_rows_calls : NULL;
     r->rows.sums.start = r->start;
@@ -128,49 +128,50 @@ static pzs_status open_rig(rig *r)
     r->rows.upper = r->high;
     r->rows.safe = r->safe;
     problem->limit_rows = r->rows.sums.count > 0 ? &r->rows : NULL;
-    problem->weight = r->b.weight;
-    problem->lower = r->b.lower;
-    problem->upper = r->b.upper;
-    problem->step_limit = r->b.step_limit;
-    problem->reference_voltage = r->b.reference_voltage;
+    problem->weight = r->b.problem.weight;
+    problem->lower = r->b.problem.lower;
+    problem->upper = r->b.problem.upper;
+    problem->step_limit = r->b.problem.step_limit;
+    problem->reference_voltage = r->b.problem.reference_voltage;
     assert_int_equal(pzs_problem_seal(problem), PZS_OK);
     return pzs_control_init(&r->b.control, problem, NULL, r->work, sizeof r->work);
 }
 
 static void random_error(rig *r)
 {
-    for (unsigned i = 0; i < r->b.problem.outputs; i++)
-        r->b.error[i] = (pzs_real)uniform(&r->b, -1, 1);
+    for (unsigned i = 0; i < r->b.problem.tables.outputs; i++)
+        r->b.error[i] = (pzs_real)draw(&r->b, -1, 1);
 }
 
 /* Influence matrices of full and of deficient rank, smooth or random. */
 static void random_matrix(rig *r)
 {
-    const unsigned n = r->b.problem.inputs, m = r->b.problem.outputs, kind = below(&r->b, 5);
+    const unsigned n = r->b.problem.tables.inputs, m = r->b.problem.tables.outputs,
+                   kind = below(&r->b, 5);
     for (unsigned i = 0; i < m; i++)
         for (unsigned j = 0; j < n; j++) {
             const double x = (i + .5) / m - (j + .5) / n;
             const double bump = exp(-x * x * n * n / 4);
-            r->b.influence[i * n + j] = (pzs_real)(kind < 2 ? bump : uniform(&r->b, -1, 1));
+            r->b.problem.influence[i * n + j] = (pzs_real)(kind < 2 ? bump : draw(&r->b, -1, 1));
         }
     for (unsigned i = 0; kind == 3 && i < m; i++) /* columns that repeat, with another size */
         for (unsigned j = n / 2; j < n; j++)
-            r->b.influence[i * n + j] = -2 * r->b.influence[i * n + j - n / 2];
+            r->b.problem.influence[i * n + j] = -2 * r->b.problem.influence[i * n + j - n / 2];
     for (unsigned i = 0; kind == 4 && i < m; i++) /* an input without effect */
-        r->b.influence[i * n + n / 2] = 0;
+        r->b.problem.influence[i * n + n / 2] = 0;
 }
 
 /* Rows of one kind: chains, pairs, sums, repeated rows, rows equal to a bound, rows of zeros. */
 static void random_rows(rig *r, double limit)
 {
-    const unsigned n = r->b.problem.inputs, kind = below(&r->b, 8);
-    const double reach = limit * pow(10, uniform(&r->b, -2, .3));
+    const unsigned n = r->b.problem.tables.inputs, kind = below(&r->b, 8);
+    const double reach = limit * pow(10, draw(&r->b, -2, .3));
     if (kind < 4 || n < 3)
         add_chain(r, reach);
     for (unsigned k = 0; kind >= 2 && kind < 6 && k < 1 + n / 4; k++) {
         begin_row(r, chance(&r->b, .5) ? -HUGE_VAL : -reach * 3, reach * (1 + below(&r->b, 3)));
         for (unsigned j = below(&r->b, 4); j < n && j < 14; j += 1 + below(&r->b, 3))
-            add_entry(r, j, chance(&r->b, .5) ? 1 : uniform(&r->b, -2, 2));
+            add_entry(r, j, chance(&r->b, .5) ? 1 : draw(&r->b, -2, 2));
     }
     for (unsigned k = 0; kind == 6 && k < 2; k++)
         add_chain(r, reach);
@@ -187,21 +188,21 @@ static void random_problem(rig *r, uint64_t seed)
     memset(r, 0, sizeof *r);
     r->b.seed = seed * 7919 + 17;
     const unsigned n = 2 + below(&r->b, chance(&r->b, .1) ? 63 : 20);
-    r->b.problem.inputs = (uint16_t)n;
-    r->b.problem.outputs = (uint16_t)(1 + below(&r->b, 2 * n + 4));
-    r->b.problem.influence = r->b.influence;
+    r->b.problem.tables.inputs = (uint16_t)n;
+    r->b.problem.tables.outputs = (uint16_t)(1 + below(&r->b, 2 * n + 4));
+    r->b.problem.tables.influence = r->b.problem.influence;
     random_matrix(r);
     if (chance(&r->b, .5))
-        r->b.problem.regularisation = (pzs_real)pow(10, uniform(&r->b, -6, 0));
-    const double limit = pow(10, uniform(&r->b, -1.5, .5));
-    const double step = chance(&r->b, .4) ? limit * uniform(&r->b, .05, .6) : HUGE_VAL;
-    for (unsigned i = 0; i < r->b.problem.outputs; i++)
-        r->b.weight[i] = (pzs_real)uniform(&r->b, .2, 1);
+        r->b.problem.tables.regularisation = (pzs_real)pow(10, draw(&r->b, -6, 0));
+    const double limit = pow(10, draw(&r->b, -1.5, .5));
+    const double step = chance(&r->b, .4) ? limit * draw(&r->b, .05, .6) : HUGE_VAL;
+    for (unsigned i = 0; i < r->b.problem.tables.outputs; i++)
+        r->b.problem.weight[i] = (pzs_real)draw(&r->b, .2, 1);
     for (unsigned j = 0; j < n; j++) {
         const bool is_fixed = chance(&r->b, .03);
-        r->b.upper[j] = (pzs_real)(is_fixed ? 0 : limit * uniform(&r->b, .5, 1));
-        r->b.lower[j] = (pzs_real)(is_fixed ? 0 : -limit * uniform(&r->b, .5, 1));
-        r->b.step_limit[j] = (pzs_real)step;
+        r->b.problem.upper[j] = (pzs_real)(is_fixed ? 0 : limit * draw(&r->b, .5, 1));
+        r->b.problem.lower[j] = (pzs_real)(is_fixed ? 0 : -limit * draw(&r->b, .5, 1));
+        r->b.problem.step_limit[j] = (pzs_real)step;
     }
     random_error(r);
     random_rows(r, limit);
@@ -214,17 +215,17 @@ static void random_problem(rig *r, uint64_t seed)
 static void random_absolutes(rig *r, uint64_t seed)
 {
     random_problem(r, seed);
-    const unsigned n = r->b.problem.inputs, count = 1 + below(&r->b, 3);
+    const unsigned n = r->b.problem.tables.inputs, count = 1 + below(&r->b, 3);
     for (unsigned k = 0; k < count; k++) {
         double most = 0;
         const bool is_weighted = chance(&r->b, .5);
         begin_absolute(r, 0);
         for (unsigned j = k > 0 ? below(&r->b, n) : 0; j < n && j < 60; j++) {
-            const double weight = is_weighted ? uniform(&r->b, .01, 3) : 1;
+            const double weight = is_weighted ? draw(&r->b, .01, 3) : 1;
             add_entry(r, j, weight);
-            most += weight * (double)r->b.upper[j];
+            most += weight * (double)r->b.problem.upper[j];
         }
-        r->high[r->rows.sums.count - 1] = (pzs_real)(.001 + most * pow(10, uniform(&r->b, -2, .1)));
+        r->high[r->rows.sums.count - 1] = (pzs_real)(.001 + most * pow(10, draw(&r->b, -2, .1)));
     }
 }
 
@@ -264,7 +265,7 @@ static wide duality_gap(const rig *r)
 {
     const pzs_row_solver *solver = r->b.control.state.row_solver;
     wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], force[MOST_INPUTS] = {0}, gap = 0;
-    const unsigned n = r->b.problem.inputs;
+    const unsigned n = r->b.problem.tables.inputs;
     for (unsigned j = 0; j < n; j++)
         voltage[j] = r->b.control.info.voltage[j];
     (void)objective(&r->b, voltage, gradient);
@@ -323,16 +324,17 @@ static void write_reals(const pzs_real *x, unsigned count)
  */
 static void write_problem(const rig *r)
 {
-    const unsigned n = r->b.problem.inputs, m = r->b.problem.outputs, count = r->rows.sums.count;
+    const unsigned n = r->b.problem.tables.inputs, m = r->b.problem.tables.outputs,
+                   count = r->rows.sums.count;
     const double head[] = {n, m, count, r->rows.absolute_count,
-                           (double)r->b.problem.regularisation};
+                           (double)r->b.problem.tables.regularisation};
     fwrite(head, sizeof *head, 5, dump);
-    write_reals(r->b.influence, n * m);
-    write_reals(r->b.weight, m);
+    write_reals(r->b.problem.influence, n * m);
+    write_reals(r->b.problem.weight, m);
     write_reals(r->b.error, m);
     write_reals(r->b.lower_bound, n);
     write_reals(r->b.upper_bound, n);
-    write_reals(r->b.reference_voltage, n);
+    write_reals(r->b.problem.reference_voltage, n);
     for (unsigned k = 0; k < count; k++) {
         double row[MOST_INPUTS] = {0};
         for (uint32_t at = r->start[k]; at < r->start[k + 1]; at++)
@@ -347,7 +349,7 @@ static void write_problem(const rig *r)
 /* Return the smallest work limit of a step (multiply-adds). */
 static uint64_t least_work(const rig *r)
 {
-    const unsigned n = r->b.problem.inputs, rows = r->rows.sums.count;
+    const unsigned n = r->b.problem.tables.inputs, rows = r->rows.sums.count;
     return PZS_LIMIT_ROW_WORK_LEAST(n, rows) +
            PZS_ABSOLUTE_ROW_WORK(n, rows, r->rows.absolute_count);
 }
@@ -422,7 +424,7 @@ static void check_cuts(unsigned count, void make(rig *, uint64_t))
         random_error(&one);
         memcpy(&copy, &one, sizeof copy);
         const wide first = objective_at(&one.b, one.b.control.info.voltage);
-        const unsigned n = one.b.problem.inputs, rows = one.rows.sums.count;
+        const unsigned n = one.b.problem.tables.inputs, rows = one.rows.sums.count;
         const uint64_t least = least_work(&one);
         pzs_status status = PZS_W_ITERATIONS;
         for (unsigned allowed = 0; status == PZS_W_ITERATIONS; allowed++, cuts++) {
@@ -457,8 +459,8 @@ static void check_least(unsigned count, void make(rig *, uint64_t))
     unsigned most = 0, missed = 0;
     for (unsigned k = 0; k < count; k++) {
         make(&one, 70000 + k);
-        for (unsigned j = 0; j < one.b.problem.inputs; j++)
-            one.b.step_limit[j] = (pzs_real)HUGE_VAL;
+        for (unsigned j = 0; j < one.b.problem.tables.inputs; j++)
+            one.b.problem.step_limit[j] = (pzs_real)HUGE_VAL;
         assert_int_equal(open_rig(&one), PZS_OK);
         one.b.control.settings.work_limit = least_work(&one);
         note_limits(&one.b);
@@ -487,18 +489,18 @@ static void open_chain(rig *r, uint64_t seed, double limit, double step)
 {
     memset(r, 0, sizeof *r);
     r->b.seed = seed;
-    r->b.problem.inputs = 8;
-    r->b.problem.outputs = 12;
-    r->b.problem.influence = r->b.influence;
+    r->b.problem.tables.inputs = 8;
+    r->b.problem.tables.outputs = 12;
+    r->b.problem.tables.influence = r->b.problem.influence;
     for (unsigned i = 0; i < 12; i++) {
-        r->b.weight[i] = 1;
+        r->b.problem.weight[i] = 1;
         for (unsigned j = 0; j < 8; j++)
-            r->b.influence[i * 8 + j] = (pzs_real)uniform(&r->b, -.01, .01);
+            r->b.problem.influence[i * 8 + j] = (pzs_real)draw(&r->b, -.01, .01);
     }
     for (unsigned j = 0; j < 8; j++) {
-        r->b.upper[j] = 100;
-        r->b.lower[j] = -100;
-        r->b.step_limit[j] = (pzs_real)step;
+        r->b.problem.upper[j] = 100;
+        r->b.problem.lower[j] = -100;
+        r->b.problem.step_limit[j] = (pzs_real)step;
     }
     random_error(r);
     add_chain(r, limit);
@@ -533,7 +535,7 @@ static void test_degenerate(void **state)
             assert_inside(&one);
             missed += status != PZS_OK || duality_gap(&one) > ROW_TOLERANCE * before;
             for (unsigned i = 0; i < 12; i++) /* corners of the limits, reached exactly */
-                one.b.error[i] = (pzs_real)(jump % 2 ? 0 : uniform(&one.b, -9, 9));
+                one.b.error[i] = (pzs_real)(jump % 2 ? 0 : draw(&one.b, -9, 9));
         }
         most =
             one.b.control.info.iterations_most > most ? one.b.control.info.iterations_most : most;
@@ -630,7 +632,7 @@ static void test_refusals(void **state)
     assert_int_equal(open_rig(&one), PZS_E_LIMITS);
     assert_int_equal(one.b.control.info.where, 8 + 5);
     open_chain(&one, 7, 30, 10);
-    one.b.upper[4] = (pzs_real)HUGE_VAL;
+    one.b.problem.upper[4] = (pzs_real)HUGE_VAL;
     assert_int_equal(open_rig(&one), PZS_E_LIMITS);
     assert_int_equal(one.b.control.info.where, 8 + 3);
     open_chain(&one, 7, 30, 10);
@@ -649,7 +651,7 @@ static void test_refusals(void **state)
     assert_int_equal(open_rig(&one), PZS_OK);
     one.high[0] = 31;
     assert_int_equal(
-        pzs_control_init(&one.b.control, &one.b.problem, NULL, one.work, sizeof one.work),
+        pzs_control_init(&one.b.control, &one.b.problem.tables, NULL, one.work, sizeof one.work),
         PZS_E_CRC);
 }
 
@@ -672,11 +674,11 @@ static void test_gate(void **state)
         if (kind == 1)
             add_absolute(&one, 120);
         assert_int_equal(open_rig(&one), PZS_OK);
-        const pzs_block blocks[] = {{&pzs_step_block, &one.b.problem},
+        const pzs_block blocks[] = {{&pzs_step_block, &one.b.problem.tables},
                                     {&pzs_amplifier_block, &amplifier},
                                     {&flip_block, &damage}};
         const pzs_block plain[] = {blocks[0], blocks[2]};
-        damage = (flip_damage){.bytes = pzs_control_bytes(&one.b.problem) - 16};
+        damage = (flip_damage){.bytes = pzs_control_bytes(&one.b.problem.tables) - 16};
         assert_int_equal(
             pzs_loop_init(&loop, kind ? blocks : plain, kind ? 3 : 2, NULL, work, sizeof work),
             PZS_OK);
@@ -685,7 +687,7 @@ static void test_gate(void **state)
         for (unsigned t = 0; t < FLIPS; t++) {
             if (t % 16 == 0)
                 for (unsigned i = 0; i < 12; i++)
-                    one.b.error[i] = (pzs_real)uniform(&one.b, -3, 3);
+                    one.b.error[i] = (pzs_real)draw(&one.b, -3, 3);
             damage.is_due = t % 16 == 3 && t + 32 < FLIPS;
             damage.bit = bits(&one.b);
             const pzs_status status = pzs_loop_tick(&loop, one.b.error, NULL);

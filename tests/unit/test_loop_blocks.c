@@ -11,30 +11,21 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "../rigs/uniform.h"
 
-enum {
-    N = 7,
-    M = 30,
-    K = 5,
-    LOADS = 3,
-    DELAY = 0,
-    LATE = 2,
-    TICKS = 120,
-    SCENE = 77,
-    AMPLITUDE = 3
-};
+enum { N = 7, M = 30, K = 5, LOADS = 3, DELAY = 0, LATE = 2, TICKS = 120, AMPLITUDE = 3 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
 enum { FEEDS = 1, ESTIMATES = 2, QUANTISES = 4, DETECTS = 8, OPTIONS = 16 };
+
+#include "../rigs/problem_rig.h"
 
 /* Tables of every block, and a plant that is weaker than they say. */
 typedef struct rig {
-    pzs_problem problem;
+    problem_rig problem;
     pzs_estimator estimator;
     pzs_feed_forward_table on_shape, on_readings;
     pzs_known_loads known;
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N];
     pzs_real direct[K * N], gain[M * K], by_load[M * LOADS], seen[K * LOADS];
     pzs_real wanted[M], measured[M], sensed[K], now[LOADS], next[LOADS];
     pzs_block block[PZS_BLOCK_LIMIT];
@@ -44,47 +35,18 @@ typedef struct rig {
     unsigned seed;
 } rig;
 
-static void fill(rig *r, pzs_real *x, int n, double size)
-{
-    for (int i = 0; i < n; i++)
-        x[i] = (pzs_real)uniform(&r->seed, -size, size);
-}
-
 static void make_tables(rig *r)
 {
-    fill(r, r->influence, M * N, 1e-6);
-    fill(r, r->direct, K * N, 1);
-    fill(r, r->gain, M * K, 1e-6);
-    fill(r, r->by_load, M * LOADS, 1e-5);
-    fill(r, r->seen, K * LOADS, 1);
-    for (int i = 0; i < M; i++)
-        r->weight[i] = 1;
-    for (int k = 0; k < N; k++) {
-        r->lower[k] = -100;
-        r->upper[k] = 100;
-        r->step_limit[k] = 15;
-    }
-    r->problem = (pzs_problem){0,
-                               SCENE,
-                               0,
-                               N,
-                               M,
-                               r->influence,
-                               NULL,
-                               r->weight,
-                               r->lower,
-                               r->upper,
-                               r->step_limit,
-                               r->reference,
-                               0,
-                               0,
-                               NULL,
-                               NULL,
-                               NULL};
+    fill_random(&r->seed, r->problem.influence, M * N, 1e-6);
+    fill_random(&r->seed, r->direct, K * N, 1);
+    fill_random(&r->seed, r->gain, M * K, 1e-6);
+    fill_random(&r->seed, r->by_load, M * LOADS, 1e-5);
+    fill_random(&r->seed, r->seen, K * LOADS, 1);
+    problem_open(&r->problem, N, M, -100, 100, 15);
     r->estimator = (pzs_estimator){0, SCENE, 0, N, M, K, r->direct, r->gain};
     r->on_shape = (pzs_feed_forward_table){0, SCENE, 0, LOADS, M, r->by_load};
     r->on_readings = (pzs_feed_forward_table){0, SCENE, 0, LOADS, K, r->seen};
-    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
+    problem_seal(&r->problem);
     assert_int_equal(pzs_estimator_seal(&r->estimator), PZS_OK);
     assert_int_equal(pzs_feed_forward_seal(&r->on_shape), PZS_OK);
     assert_int_equal(pzs_feed_forward_seal(&r->on_readings), PZS_OK);
@@ -107,7 +69,7 @@ static void list(rig *r, int options)
         append(r, &pzs_feed_forward_block, &r->known);
     if (options & ESTIMATES)
         append(r, &pzs_estimator_block, &r->estimator);
-    append(r, &pzs_step_block, &r->problem);
+    append(r, &pzs_step_block, &r->problem.tables);
     if (options & QUANTISES)
         append(r, &pzs_amplifier_block, &r->amplifier);
     if (options & DETECTS)
@@ -140,18 +102,9 @@ static size_t bytes_of(int options, int delay)
            (options & DETECTS ? PZS_FAULT_DETECTOR_BLOCK_BYTES(N, M, delay) : 0);
 }
 
-/* In a workspace of exactly the size that is asked for. */
 static pzs_status start(rig *r)
 {
-    pzs_real none;
-    pzs_status status = pzs_loop_init(&r->loop, r->block, r->count, NULL, &none, 0);
-    if (status != PZS_E_WORKSPACE)
-        return status;
-    const size_t need = (size_t)r->loop.info.where;
-    free(r->work);
-    r->work = malloc(need);
-    assert_non_null(r->work);
-    return pzs_loop_init(&r->loop, r->block, r->count, NULL, r->work, need);
+    return start_loop(&r->loop, r->block, r->count, &r->work);
 }
 
 /*
@@ -169,7 +122,7 @@ static void act(rig *r, const pzs_real *voltage, int tick)
         r->measured[i] = (pzs_real)uniform(&r->seed, -1e-8, 1e-8);
         for (int k = 0; k < N; k++)
             if (k != 2 || tick < 40)
-                r->measured[i] += PZS_R(0.8) * r->influence[i * N + k] * voltage[k];
+                r->measured[i] += PZS_R(0.8) * r->problem.influence[i * N + k] * voltage[k];
         for (int l = 0; l < LOADS; l++)
             r->measured[i] += r->by_load[i * LOADS + l] * r->now[l];
     }
@@ -204,9 +157,9 @@ static void hand_open(hand *h, const rig *r)
     h->control_work = malloc(PZS_CONTROL_BYTES(N, M));
     h->estimate_work = malloc(PZS_ESTIMATE_BYTES(K));
     h->detector_work = malloc(PZS_FAULT_DETECTOR_BYTES(N, M, DELAY));
-    assert_int_equal(
-        pzs_control_init(&h->control, &r->problem, NULL, h->control_work, PZS_CONTROL_BYTES(N, M)),
-        PZS_OK);
+    assert_int_equal(pzs_control_init(&h->control, &r->problem.tables, NULL, h->control_work,
+                                      PZS_CONTROL_BYTES(N, M)),
+                     PZS_OK);
     assert_int_equal(pzs_estimate_init(&h->estimate, &h->control, &r->estimator, h->estimate_work,
                                        PZS_ESTIMATE_BYTES(K)),
                      PZS_OK);
@@ -334,7 +287,7 @@ static void test_wrong_lists(void **state)
     append(&r, &pzs_amplifier_block, &r.amplifier);
     refused(&r, PZS_E_ARGUMENT, "amplifier", 2);
     list(&r, 0);
-    append(&r, &pzs_step_block, &r.problem);
+    append(&r, &pzs_step_block, &r.problem.tables);
     refused(&r, PZS_E_ARGUMENT, "step", 1);
     list(&r, DETECTS);
     r.block[1].tables = NULL;
@@ -377,9 +330,9 @@ static void test_wrong_tables(void **state)
     r.by_load[4] += 1;
     refused(&r, PZS_E_CRC, "feed_forward", -1);
     assert_int_equal(pzs_feed_forward_seal(&r.on_shape), PZS_OK);
-    r.influence[3] += 1;
+    r.problem.influence[3] += 1;
     refused(&r, PZS_E_CRC, "step", -1);
-    assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
+    problem_seal(&r.problem);
     const pzs_real bad[] = {-1, (pzs_real)NAN, -(pzs_real)HUGE_VAL};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         r.amplifier.step = bad[i];
@@ -499,7 +452,7 @@ static void test_own_block(void **state)
     assert_int_equal(start(&other), PZS_OK);
     r.count = 0;
     append(&r, &shift_block, &shift);
-    append(&r, &pzs_step_block, &r.problem);
+    append(&r, &pzs_step_block, &r.problem.tables);
     assert_int_equal(start(&r), PZS_OK);
     for (int tick = 0; tick < 20; tick++) {
         act(&r, r.loop.info.voltage, tick);
@@ -551,7 +504,7 @@ static void test_failing_block(void **state)
         r.count = 0;
         if (i == 0)
             append(&r, type[i], &tables);
-        append(&r, &pzs_step_block, &r.problem);
+        append(&r, &pzs_step_block, &r.problem.tables);
         append(&r, &pzs_amplifier_block, &r.amplifier);
         if (i == 1)
             append(&r, type[i], &tables);
@@ -610,7 +563,7 @@ static void test_precedence(void **state)
     rig_open(&r, 7);
     r.count = 0;
     append(&r, &early_block, &first);
-    append(&r, &pzs_step_block, &r.problem);
+    append(&r, &pzs_step_block, &r.problem.tables);
     append(&r, &late_block, &last);
     assert_int_equal(start(&r), PZS_OK);
     act(&r, r.loop.info.voltage, 0);
@@ -646,7 +599,7 @@ static void test_start(void **state)
     memcpy(voltage, r.loop.info.voltage, sizeof voltage);
     assert_int_equal(pzs_hold(other.loop.info.control, 3, 1), PZS_OK);
     assert_int_equal(pzs_loop_start(&other.loop, voltage), PZS_OK);
-    assert_true(other.loop.info.control->info.upper[3] >= other.upper[3]); /* released */
+    assert_true(other.loop.info.control->info.upper[3] >= other.problem.upper[3]); /* released */
     assert_memory_equal(other.loop.info.voltage, voltage, sizeof voltage);
     assert_int_equal(pzs_loop_start(&r.loop, voltage), PZS_OK);
     for (int tick = 6; tick < 20; tick++) {
@@ -684,7 +637,7 @@ static void test_amplitude(void **state)
         assert_int_equal(start(&r), PZS_OK);
         const pzs_fault_detector *d = pzs_loop_find(&r.loop, &pzs_fault_detector_block);
         assert_true(d->settings.amplitude[3] >= r.detection.amplitude || i == 1);
-        assert_true(2 * d->settings.amplitude[3] <= (i == 0 ? 4 : r.step_limit[3]));
+        assert_true(2 * d->settings.amplitude[3] <= (i == 0 ? 4 : r.problem.step_limit[3]));
         assert_true(d->settings.amplitude[3] > 0);
     }
     rig_close(&r);
@@ -700,11 +653,12 @@ static void test_scrub(void **state)
     (void)state;
     rig_open(&r, 12);
     list(&r, FEEDS | ESTIMATES);
-    const size_t bytes = sizeof r.influence + sizeof r.direct + sizeof r.gain + sizeof r.by_load +
-                         sizeof r.seen + 4 * sizeof r.lower + sizeof r.weight;
+    const size_t bytes = sizeof r.problem.influence + sizeof r.direct + sizeof r.gain +
+                         sizeof r.by_load + sizeof r.seen + 4 * sizeof r.problem.lower +
+                         sizeof r.problem.weight;
     const int round = (int)(bytes / 64) + 30;
     pzs_real *const damaged[] = {NULL,          &r.direct[K * N - 1], &r.gain[0],
-                                 &r.by_load[7], &r.seen[3],           &r.influence[11]};
+                                 &r.by_load[7], &r.seen[3],           &r.problem.influence[11]};
     const pzs_block_type *const blame[] = {NULL,
                                            &pzs_estimator_block,
                                            &pzs_estimator_block,

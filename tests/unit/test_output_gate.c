@@ -14,9 +14,11 @@
 #include "../rigs/damage_block.h"
 #include "../../lib/control/scrub.h"
 #include "../../lib/core/guard.h"
-#include "../rigs/uniform.h"
 
 enum { N = 5, M = 12 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 #define LIMIT 100
 #define STEP 8
@@ -31,8 +33,7 @@ typedef struct damage {
 typedef struct rig {
     unsigned seed;
     damage damage;
-    pzs_problem problem;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N];
+    problem_rig problem;
     pzs_real wanted[M], given[N];
     pzs_block block[2];
     pzs_loop loop;
@@ -55,28 +56,15 @@ static void open_rig(rig *r, unsigned seed)
 {
     memset(r, 0, sizeof *r);
     r->seed = seed;
-    for (int j = 0; j < N; j++) {
-        r->lower[j] = -LIMIT;
-        r->upper[j] = LIMIT;
-        r->step_limit[j] = STEP;
-    }
+    problem_open(&r->problem, N, M, -LIMIT, LIMIT, STEP);
     for (int i = 0; i < M; i++) {
-        r->weight[i] = 1;
         for (int j = 0; j < N; j++) {
-            r->influence[i * N + j] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
-            r->wanted[i] += r->influence[i * N + j] * (pzs_real)(j % 2 ? 50 : -70);
+            r->problem.influence[i * N + j] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
+            r->wanted[i] += r->problem.influence[i * N + j] * (pzs_real)(j % 2 ? 50 : -70);
         }
     }
-    r->problem = (pzs_problem){.inputs = N,
-                               .outputs = M,
-                               .influence = r->influence,
-                               .weight = r->weight,
-                               .lower = r->lower,
-                               .upper = r->upper,
-                               .step_limit = r->step_limit,
-                               .reference_voltage = r->reference};
-    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
-    r->block[0] = (pzs_block){&pzs_step_block, &r->problem};
+    problem_seal(&r->problem);
+    r->block[0] = (pzs_block){&pzs_step_block, &r->problem.tables};
     r->block[1] = (pzs_block){&damage_block, &r->damage};
     assert_int_equal(pzs_loop_init(&r->loop, r->block, 2, NULL, r->work, sizeof r->work), PZS_OK);
 }
@@ -88,7 +76,7 @@ static pzs_status tick(rig *r, int exempt)
     const pzs_real *voltage = r->loop.info.voltage;
     for (int j = 0; j < N; j++) {
         const pzs_real v = voltage[j];
-        assert_true(isfinite(v) && v >= r->lower[j] && v <= r->upper[j]);
+        assert_true(isfinite(v) && v >= r->problem.lower[j] && v <= r->problem.upper[j]);
         assert_true(j == exempt || (v < r->given[j] ? r->given[j] - v : v - r->given[j]) <= STEP);
         r->given[j] = v;
     }
@@ -155,7 +143,7 @@ static void test_damaged_limits(void **state)
     for (int k = 0; k < 3; k++) {
         open_rig(&r, 3);
         assert_int_equal(tick(&r, -1), PZS_OK);
-        pzs_real *const table[3] = {r.lower, r.upper, r.step_limit};
+        pzs_real *const table[3] = {r.problem.lower, r.problem.upper, r.problem.step_limit};
         const uint32_t frames = r.loop.info.frames;
         table[k][1] *= 2;
         assert_int_equal(pzs_loop_tick(&r.loop, r.wanted, NULL), PZS_E_CRC);
@@ -173,7 +161,8 @@ static void test_damaged_tables(void **state)
     for (int k = 0; k < 3; k++) {
         static rig r;
         open_rig(&r, 4);
-        pzs_real *const table[3] = {r.influence, r.weight, r.reference};
+        pzs_real *const table[3] = {r.problem.influence, r.problem.weight,
+                                    r.problem.reference_voltage};
         const int bytes = (M * N + M + 4 * N + 1) * (int)sizeof(pzs_real) + 4;
         const int round = bytes / (int)SCRUB_BYTES + 1;
         for (int t = 0; t < 3 * round; t++)
@@ -193,7 +182,7 @@ static void test_damaged_device_influence(void **state)
     pzs_real own[M * N];
     (void)state;
     open_rig(&r, 5);
-    memcpy(own, r.influence, sizeof own);
+    memcpy(own, r.problem.influence, sizeof own);
     assert_int_equal(pzs_loop_init(&r.loop, r.block, 2, own, r.work, sizeof r.work), PZS_OK);
     for (int t = 0; t < 100; t++)
         assert_int_equal(tick(&r, -1), PZS_OK);

@@ -13,9 +13,10 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../rigs/bridge.h"
-#include "../rigs/uniform.h"
 
 enum { MOST_INPUTS = 16, MOST_OUTPUTS = 24, MOST_RECORDS = 96 };
+
+#include "../rigs/problem_rig.h"
 
 #define EPSILON ((double)PZS_EPSILON)
 #ifndef RECORDS
@@ -26,9 +27,7 @@ enum { MOST_INPUTS = 16, MOST_OUTPUTS = 24, MOST_RECORDS = 96 };
 typedef struct rig {
     unsigned seed;
     uint16_t inputs, outputs;
-    pzs_problem problem;
-    pzs_real influence[MOST_OUTPUTS * MOST_INPUTS], weight[MOST_OUTPUTS];
-    pzs_real lower[MOST_INPUTS], upper[MOST_INPUTS], step_limit[MOST_INPUTS], zero[MOST_INPUTS];
+    problem_rig problem;
     double truth[MOST_OUTPUTS * MOST_INPUTS];
     pzs_calibration calibration;
     double work[(PZS_CALIBRATION_BYTES(MOST_INPUTS, MOST_OUTPUTS) + 7) / 8];
@@ -42,10 +41,10 @@ typedef struct rig {
 
 static void start(rig *r)
 {
-    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
-    assert_int_equal(
-        pzs_calibration_init(&r->calibration, &r->problem, NULL, NULL, r->work, sizeof r->work),
-        PZS_OK);
+    problem_seal(&r->problem);
+    assert_int_equal(pzs_calibration_init(&r->calibration, &r->problem.tables, NULL, NULL, r->work,
+                                          sizeof r->work),
+                     PZS_OK);
 }
 
 static void open_rig(rig *r, unsigned seed, uint16_t inputs, uint16_t outputs)
@@ -54,25 +53,11 @@ static void open_rig(rig *r, unsigned seed, uint16_t inputs, uint16_t outputs)
     r->seed = seed;
     r->inputs = inputs;
     r->outputs = outputs;
-    for (int k = 0; k < inputs; k++) {
-        r->lower[k] = -100;
-        r->upper[k] = 100;
-        r->step_limit[k] = 8;
-    }
-    for (int i = 0; i < outputs; i++)
-        r->weight[i] = 1;
+    problem_open(&r->problem, inputs, outputs, -100, 100, 8);
     for (int i = 0; i < outputs * inputs; i++) {
-        r->influence[i] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
+        r->problem.influence[i] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
         r->truth[i] = uniform(&r->seed, -1e-6, 1e-6);
     }
-    r->problem = (pzs_problem){.inputs = inputs,
-                               .outputs = outputs,
-                               .influence = r->influence,
-                               .weight = r->weight,
-                               .lower = r->lower,
-                               .upper = r->upper,
-                               .step_limit = r->step_limit,
-                               .reference_voltage = r->zero};
     start(r);
 }
 
@@ -378,7 +363,7 @@ static void test_million(void **state)
         for (int k = 0; k < N; k++) {
             const double value = (double)r.found[i * N + k], error = value - r.truth[i * N + k];
             if (k == STILL)
-                assert_true(r.found[i * N + k] == r.influence[i * N + k]);
+                assert_true(r.found[i * N + k] == r.problem.influence[i * N + k]);
             else
                 assert_true(fabs(error) < 6e-8 * (double)r.spread[k] + 2e4 * EPSILON * 1e-6);
         }
@@ -446,12 +431,12 @@ static void test_together(void **state)
     assert_int_equal(r.calibration.info.where, 3);
     assert_true(isinf(r.spread[1]) && isinf(r.spread[3]));
     assert_true(isfinite(r.spread[0]) && isfinite(r.spread[2]));
-    assert_memory_equal(r.found + N, r.influence + N, N * sizeof *r.found);
+    assert_memory_equal(r.found + N, r.problem.influence + N, N * sizeof *r.found);
     for (int i = 0; i < M; i += 2) {
         const double sum = (double)r.found[i * N + 1] + (double)r.found[i * N + 3],
                      wanted = r.truth[i * N + 1] + r.truth[i * N + 3];
         assert_true(fabs(sum - wanted) < 1e-6 * 400 * EPSILON);
-        assert_true(r.found[i * N + 3] == r.influence[i * N + 3]);
+        assert_true(r.found[i * N + 3] == r.problem.influence[i * N + 3]);
     }
 }
 
@@ -512,23 +497,24 @@ static void test_inside(void **state)
         open_rig(&r, 1000 + seed, (uint16_t)(1 + seed % MOST_INPUTS), 2);
         for (int k = 0; k < r.inputs; k++) {
             const double low = uniform(&r.seed, -300, 300), range = uniform(&r.seed, -50, 400);
-            r.lower[k] = (pzs_real)low;
-            r.upper[k] = (pzs_real)(low + fmax(range, 0));
-            r.step_limit[k] = (pzs_real)fmax(uniform(&r.seed, -5, 60), 0);
+            r.problem.lower[k] = (pzs_real)low;
+            r.problem.upper[k] = (pzs_real)(low + fmax(range, 0));
+            r.problem.step_limit[k] = (pzs_real)fmax(uniform(&r.seed, -5, 60), 0);
             at[k] = (pzs_real)uniform(&r.seed, -400, 400);
         }
-        assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
-        assert_int_equal(
-            pzs_calibration_init(&r.calibration, &r.problem, NULL, at, r.work, sizeof r.work),
-            PZS_OK);
+        assert_int_equal(pzs_problem_seal(&r.problem.tables), PZS_OK);
+        assert_int_equal(pzs_calibration_init(&r.calibration, &r.problem.tables, NULL, at, r.work,
+                                              sizeof r.work),
+                         PZS_OK);
         r.calibration.settings.amplitude = (pzs_real)uniform(&r.seed, 0.01, 1);
         memcpy(given, r.calibration.info.voltage, r.inputs * sizeof *given);
         for (int tick = 0; tick < 300; tick++) {
             assert_int_equal(pzs_calibration_excite(&r.calibration), PZS_OK);
             for (int k = 0; k < r.inputs; k++) {
                 const pzs_real v = r.calibration.info.voltage[k];
-                assert_true(isfinite(v) && v >= r.lower[k] && v <= r.upper[k]);
-                assert_true((v < given[k] ? given[k] - v : v - given[k]) <= r.step_limit[k]);
+                assert_true(isfinite(v) && v >= r.problem.lower[k] && v <= r.problem.upper[k]);
+                assert_true((v < given[k] ? given[k] - v : v - given[k]) <=
+                            r.problem.step_limit[k]);
                 given[k] = v;
             }
         }
@@ -562,7 +548,7 @@ static void test_limit_rows(void **state)
                                  .upper = high,
                                  .safe = safe};
     open_rig(&r, 37, N, 3);
-    r.problem.limit_rows = &rows;
+    r.problem.tables.limit_rows = &rows;
     start(&r);
     for (int tick = 0; r.calibration.info.records < 2 * r.calibration.info.period; tick++) {
         assert_true(tick < 2000);
@@ -636,8 +622,8 @@ static void test_slow(void **state)
     (void)state;
     open_rig(&r, 23, 2, 1); /* limits of -100 V and 100 V, test voltages of 25 V */
     for (int k = 0; k < r.inputs; k++)
-        r.step_limit[k] = PZS_R(4e-3);
-    assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
+        r.problem.step_limit[k] = PZS_R(4e-3);
+    assert_int_equal(pzs_problem_seal(&r.problem.tables), PZS_OK);
     start(&r);
     for (int tick = 0; !r.calibration.info.is_settled; tick++) {
         assert_true(tick < 10000);
@@ -663,7 +649,7 @@ static void test_control(void **state)
     (void)state;
     open_rig(&r, 23, N, M);
     for (int k = 0; k < N; k++)
-        r.step_limit[k] = 200;
+        r.problem.step_limit[k] = 200;
     start(&r);
     for (int step = 0; step < 40; step++) {
         draw_voltages(&r, 60);
@@ -674,7 +660,8 @@ static void test_control(void **state)
     measure(&r, 0);
     memcpy(target, r.reading, sizeof target);
     assert_int_equal(solve(&r), PZS_OK);
-    assert_int_equal(pzs_control_init(&control, &r.problem, r.found, work, sizeof work), PZS_OK);
+    assert_int_equal(pzs_control_init(&control, &r.problem.tables, r.found, work, sizeof work),
+                     PZS_OK);
     assert_int_equal(pzs_tick(&control, target, NULL), PZS_OK);
     for (int k = 0; k < N; k++)
         assert_true(fabs((double)(control.info.voltage[k] - r.voltage[k])) < 60 * 1e3 * EPSILON);
@@ -687,22 +674,26 @@ static void test_wrong(void **state)
     pzs_calibration *c = &r.calibration;
     (void)state;
     open_rig(&r, 29, 3, 2);
-    assert_int_equal(pzs_calibration_init(NULL, &r.problem, NULL, NULL, r.work, sizeof r.work),
-                     PZS_E_ARGUMENT);
+    assert_int_equal(
+        pzs_calibration_init(NULL, &r.problem.tables, NULL, NULL, r.work, sizeof r.work),
+        PZS_E_ARGUMENT);
     assert_int_equal(pzs_calibration_init(c, NULL, NULL, NULL, r.work, sizeof r.work),
                      PZS_E_ARGUMENT);
     assert_int_equal(record(&r), PZS_E_STAGE);
     assert_int_equal(solve(&r), PZS_E_STAGE);
     assert_int_equal(pzs_calibration_excite(c), PZS_E_STAGE);
     const size_t need = PZS_CALIBRATION_BYTES(3, 2);
-    assert_int_equal(pzs_calibration_init(c, &r.problem, NULL, NULL, r.work, need - 1),
+    assert_int_equal(pzs_calibration_init(c, &r.problem.tables, NULL, NULL, r.work, need - 1),
                      PZS_E_WORKSPACE);
     assert_int_equal(c->info.where, need);
-    r.zero[1] = (pzs_real)NAN;
-    assert_int_equal(pzs_calibration_init(c, &r.problem, NULL, r.zero, r.work, need), PZS_E_CRC);
-    r.zero[1] = 0;
-    r.problem.crc++;
-    assert_int_equal(pzs_calibration_init(c, &r.problem, NULL, NULL, r.work, need), PZS_E_CRC);
+    r.problem.reference_voltage[1] = (pzs_real)NAN;
+    assert_int_equal(
+        pzs_calibration_init(c, &r.problem.tables, NULL, r.problem.reference_voltage, r.work, need),
+        PZS_E_CRC);
+    r.problem.reference_voltage[1] = 0;
+    r.problem.tables.crc++;
+    assert_int_equal(pzs_calibration_init(c, &r.problem.tables, NULL, NULL, r.work, need),
+                     PZS_E_CRC);
     start(&r);
     c->settings.memory = 1;
     assert_int_equal(record(&r), PZS_E_ARGUMENT);
@@ -723,16 +714,16 @@ static void test_wrong(void **state)
     assert_int_equal(pzs_calibration_record(c, r.voltage, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_calibration_solve(c, NULL, r.spread), PZS_E_ARGUMENT);
     assert_int_equal(c->info.records, 0);
-    r.upper[2] = (pzs_real)HUGE_VAL; /* The limits in flash are damaged: first to an infinite range,
-                                        then to another finite one. */
+    r.problem.upper[2] = (pzs_real)HUGE_VAL; /* The limits in flash are damaged: first to an
+                                        infinite range, then to another finite one. */
     const pzs_real before = c->info.voltage[0];
     assert_int_equal(pzs_calibration_excite(c), PZS_E_LIMITS);
     assert_int_equal(c->info.where, 2);
-    r.upper[2] = 90;
+    r.problem.upper[2] = 90;
     assert_int_equal(pzs_calibration_excite(c), PZS_E_CRC);
     assert_true(c->info.voltage[0] == before);
     assert_int_equal(solve(&r), PZS_W_UNOBSERVABLE);
-    assert_memory_equal(r.found, r.influence, 6 * sizeof *r.found);
+    assert_memory_equal(r.found, r.problem.influence, 6 * sizeof *r.found);
 }
 
 int main(void)

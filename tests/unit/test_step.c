@@ -27,7 +27,7 @@ static bench desk, other;
 static void aim(bench *t, int step, double size)
 {
     const double turn = 2 * 3.14159265358979 * step / PERIOD;
-    for (unsigned i = 0; i < t->problem.outputs; i++)
+    for (unsigned i = 0; i < t->problem.tables.outputs; i++)
         t->error[i] = (pzs_real)(size * (cos(turn) * sin(.07 * i + .3) + sin(turn) * cos(.11 * i)));
 }
 
@@ -35,9 +35,9 @@ static void aim(bench *t, int step, double size)
 static void warm(bench *t, unsigned n, unsigned m, double limit, double slew)
 {
     plain(t, 11, n, m, limit);
-    t->problem.regularisation = (pzs_real)(1e-3 * m);
+    t->problem.tables.regularisation = (pzs_real)(1e-3 * m);
     for (unsigned j = 0; j < n; j++)
-        t->step_limit[j] = (pzs_real)slew;
+        t->problem.step_limit[j] = (pzs_real)slew;
     assert_int_equal(start(t), PZS_OK);
     for (int step = -20; step < 0; step++) {
         aim(t, step, 1);
@@ -63,7 +63,7 @@ static pzs_report assess(bench *t)
 static int same_volts(const bench *a, const bench *b)
 {
     return memcmp(a->control.info.voltage, b->control.info.voltage,
-                  a->problem.inputs * sizeof *a->control.info.voltage) == 0;
+                  a->problem.tables.inputs * sizeof *a->control.info.voltage) == 0;
 }
 
 static void straight_passes_are_optimal(void **state)
@@ -168,10 +168,10 @@ static void limits_may_change_in_between(void **state)
     for (int step = 0; step < STEPS; step++) {
         const uint16_t j = (uint16_t)below(&desk, 25);
         if (step % 5 == 0)
-            assert_int_equal(pzs_hold(&desk.control, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
+            assert_int_equal(pzs_hold(&desk.control, j, (pzs_real)draw(&desk, -1, 1)), PZS_OK);
         else if (step % 5 == 2)
             desk.control.state.lower[j] =
-                (desk.control.state.upper[j] = (pzs_real)uniform(&desk, -.5, .5)) - (pzs_real).1;
+                (desk.control.state.upper[j] = (pzs_real)draw(&desk, -.5, .5)) - (pzs_real).1;
         else
             assert_int_equal(pzs_release(&desk.control, j), PZS_OK);
         aim(&desk, step, 1);
@@ -246,18 +246,18 @@ static void assessment_refuses(void **state)
 static void nearly_dependent(bench *t, unsigned seed, double limit)
 {
     plain(t, seed, 2 + seed % 12, 20, limit);
-    for (unsigned i = 0; i < t->problem.outputs; i++)
-        for (unsigned j = 1; j < t->problem.inputs; j++)
-            t->influence[i * t->problem.inputs + j] =
-                t->influence[i * t->problem.inputs] +
-                PZS_R(1e-3) * t->influence[i * t->problem.inputs + j];
+    for (unsigned i = 0; i < t->problem.tables.outputs; i++)
+        for (unsigned j = 1; j < t->problem.tables.inputs; j++)
+            t->problem.influence[i * t->problem.tables.inputs + j] =
+                t->problem.influence[i * t->problem.tables.inputs] +
+                PZS_R(1e-3) * t->problem.influence[i * t->problem.tables.inputs + j];
     assert_int_equal(start(t), PZS_OK);
 }
 
 static void random_error(bench *t)
 {
-    for (unsigned i = 0; i < t->problem.outputs; i++)
-        t->error[i] = (pzs_real)uniform(t, -1, 1);
+    for (unsigned i = 0; i < t->problem.tables.outputs; i++)
+        t->error[i] = (pzs_real)draw(t, -1, 1);
 }
 
 static void far_limits_do_not_draw_volts(void **state)
@@ -289,12 +289,12 @@ static void far_limits_do_not_draw_volts(void **state)
 static double prediction_gap(const bench *t)
 {
     double gap = 0, most = 1e-30;
-    for (unsigned i = 0; i < t->problem.outputs; i++) {
+    for (unsigned i = 0; i < t->problem.tables.outputs; i++) {
         double sum = 0, size = 0;
-        for (unsigned j = 0; j < t->problem.inputs; j++) {
-            sum += (double)t->influence[i * t->problem.inputs + j] *
+        for (unsigned j = 0; j < t->problem.tables.inputs; j++) {
+            sum += (double)t->problem.influence[i * t->problem.tables.inputs + j] *
                    (double)t->control.info.voltage[j];
-            size += fabs((double)t->influence[i * t->problem.inputs + j] *
+            size += fabs((double)t->problem.influence[i * t->problem.tables.inputs + j] *
                          (double)t->control.info.voltage[j]);
         }
         gap = fmax(gap, fabs((double)t->control.info.predicted[i] - sum));
@@ -310,7 +310,7 @@ static void predictions_follow_the_volts(void **state)
     pzs_real given[14] = {0};
     for (unsigned seed = 0; seed < 300; seed++) {
         nearly_dependent(&desk, seed, 100);
-        memcpy(given, desk.control.info.voltage, desk.problem.inputs * sizeof *given);
+        memcpy(given, desk.control.info.voltage, desk.problem.tables.inputs * sizeof *given);
         for (unsigned round = 0; round < 12; round++) {
             random_error(&desk);
             if (round % 4 == 1)
@@ -373,7 +373,7 @@ static void assessment_before_the_first_step(void **state)
     pzs_real half[25];
     plain(&desk, 3, 25, 121, 1);
     for (unsigned j = 0; j < 25; j++) {
-        desk.step_limit[j] = PZS_R(.1);
+        desk.problem.step_limit[j] = PZS_R(.1);
         half[j] = PZS_R(.5);
     }
     assert_int_equal(start(&desk), PZS_OK);
@@ -381,7 +381,8 @@ static void assessment_before_the_first_step(void **state)
     assert_true(assess(&desk).kkt_violation > PZS_R(.5));
     assert_int_equal(pzs_control_start(&desk.control, half), PZS_OK);
     assert_int_equal(assess(&desk).active_limits, 0);
-    assert_int_equal(pzs_control_init(&desk.control, &desk.problem, NULL, NULL, 0), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&desk.control, &desk.problem.tables, NULL, NULL, 0),
+                     PZS_E_ARGUMENT);
     assert_int_equal(pzs_step(&desk.control, desk.error), PZS_E_STAGE);
 }
 
@@ -391,19 +392,20 @@ static void a_slew_of_a_few_roundings_is_kept(void **state)
                     and never taken for a clash */
     for (unsigned seed = 0; seed < 2000; seed++) {
         plain(&desk, seed, 1 + seed % 3, 4, 200);
-        for (unsigned j = 0; j < desk.problem.inputs; j++) {
-            desk.reference_voltage[j] = (pzs_real)uniform(&desk, -199, 199);
-            desk.step_limit[j] = (pzs_real)(uniform(&desk, .1, 4) * (double)PZS_EPSILON *
-                                            fabs((double)desk.reference_voltage[j]));
+        for (unsigned j = 0; j < desk.problem.tables.inputs; j++) {
+            desk.problem.reference_voltage[j] = (pzs_real)draw(&desk, -199, 199);
+            desk.problem.step_limit[j] =
+                (pzs_real)(draw(&desk, .1, 4) * (double)PZS_EPSILON *
+                           fabs((double)desk.problem.reference_voltage[j]));
         }
         assert_int_equal(start(&desk), PZS_OK);
         for (unsigned step = 0; step < 5; step++) {
             random_error(&desk);
             note_limits(&desk);
             assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
-            for (unsigned j = 0; j < desk.problem.inputs; j++)
+            for (unsigned j = 0; j < desk.problem.tables.inputs; j++)
                 assert_true(fabs((double)desk.control.info.voltage[j] - (double)desk.last[j]) <=
-                            (double)desk.step_limit[j]);
+                            (double)desk.problem.step_limit[j]);
         }
     }
 }
@@ -414,11 +416,11 @@ static void a_target_that_vanishes_is_followed(void **state)
                     warning then or later */
     for (unsigned ticks = 0; ticks < 2; ticks++) {
         warm(&desk, 25, 121, HUGE_VAL, HUGE_VAL);
-        desk.problem.regularisation = 0;
-        desk.problem.crc = pzs_problem_crc(&desk.problem);
-        assert_int_equal(
-            pzs_control_init(&desk.control, &desk.problem, NULL, desk.work, sizeof desk.work),
-            PZS_OK);
+        desk.problem.tables.regularisation = 0;
+        desk.problem.tables.crc = pzs_problem_crc(&desk.problem.tables);
+        assert_int_equal(pzs_control_init(&desk.control, &desk.problem.tables, NULL, desk.work,
+                                          sizeof desk.work),
+                         PZS_OK);
         for (int step = 0; step < 50; step++) {
             aim(&desk, step, step < 10 ? 50 : 0);
             assert_int_equal(ticks ? pzs_tick(&desk.control, desk.error, NULL)
@@ -438,7 +440,7 @@ static void converter_steps_stay_inside(void **state)
     warm(&desk, 25, 121, 1, HUGE_VAL);
     for (unsigned k = 0; k < 500; k++) {
         const uint16_t j = (uint16_t)below(&desk, 25);
-        assert_int_equal(pzs_hold(&desk.control, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
+        assert_int_equal(pzs_hold(&desk.control, j, (pzs_real)draw(&desk, -1, 1)), PZS_OK);
         aim(&desk, (int)k, 1);
         assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
         memset(given, 0, sizeof given);

@@ -13,13 +13,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "../rigs/uniform.h"
 
 #ifndef LONG_TICKS
 #define LONG_TICKS 20000
 #endif
 
-enum { N = 6, M = 20, MODES = 2, SCENE = 5, TIMEOUT = 25, RAMP = 10, ALARM = 20, LATEST = 250 };
+enum { N = 6, M = 20, MODES = 2, TIMEOUT = 25, RAMP = 10, ALARM = 20, LATEST = 250 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 /* Modes in which the loop may be on the way; used as a set of bits. */
 #define LIMIT 100
@@ -115,9 +117,9 @@ typedef struct rig {
     unsigned seed;
     plant plant;
     failure failure;
-    pzs_problem problem;
+    problem_rig problem;
     pzs_supervision supervision;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N], park[N];
+    pzs_real park[N];
     pzs_real target[M], wanted[M], measured[M], given[N];
     pzs_block block[3];
     pzs_loop loop;
@@ -165,29 +167,18 @@ static void open_rig(rig *r, unsigned seed, bool waits)
     memset(r, 0, sizeof *r);
     r->seed = seed;
     make_plant(r);
+    problem_open(&r->problem, N, M, -LIMIT, LIMIT, STEP);
     for (int j = 0; j < N; j++) {
-        r->lower[j] = -LIMIT;
-        r->upper[j] = LIMIT;
-        r->step_limit[j] = STEP;
-        r->reference[j] = (pzs_real)(3 - j);
+        r->problem.reference_voltage[j] = (pzs_real)(3 - j);
         r->park[j] = (pzs_real)(10 * j - 20);
     }
     for (int i = 0; i < M; i++) {
-        r->weight[i] = 1;
         for (int j = 0; j < N; j++)
-            r->influence[i * N + j] = (pzs_real)influence_of(&r->plant, i, j);
+            r->problem.influence[i * N + j] = (pzs_real)influence_of(&r->plant, i, j);
         for (int j = 0; j < N; j++)
-            r->target[i] += r->influence[i * N + j] * (pzs_real)(j % 2 ? LIMIT / 2 : -LIMIT / 2);
+            r->target[i] +=
+                r->problem.influence[i * N + j] * (pzs_real)(j % 2 ? LIMIT / 2 : -LIMIT / 2);
     }
-    r->problem = (pzs_problem){.scene = SCENE,
-                               .inputs = N,
-                               .outputs = M,
-                               .influence = r->influence,
-                               .weight = r->weight,
-                               .lower = r->lower,
-                               .upper = r->upper,
-                               .step_limit = r->step_limit,
-                               .reference_voltage = r->reference};
     r->supervision = (pzs_supervision){.scene = SCENE,
                                        .inputs = N,
                                        .timeout = TIMEOUT,
@@ -200,10 +191,10 @@ static void open_rig(rig *r, unsigned seed, bool waits)
                                        .load = (pzs_real)(0.3 * rms(r->target))};
     r->noise = 1e-8;
     r->failure.deviation = -1;
-    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
+    problem_seal(&r->problem);
     assert_int_equal(pzs_supervision_seal(&r->supervision), PZS_OK);
     r->block[0] = (pzs_block){&failing_block, &r->failure};
-    r->block[1] = (pzs_block){&pzs_step_block, &r->problem};
+    r->block[1] = (pzs_block){&pzs_step_block, &r->problem.tables};
     r->block[2] = (pzs_block){&pzs_supervisor_block, &r->supervision};
     assert_int_equal(init(r), PZS_OK);
 }
@@ -217,7 +208,7 @@ static void take(rig *r)
     const pzs_real *voltage = r->loop.info.voltage;
     for (int j = 0; j < N; j++) {
         const pzs_real v = voltage[j];
-        assert_true(isfinite(v) && v >= r->lower[j] && v <= r->upper[j]);
+        assert_true(isfinite(v) && v >= r->problem.lower[j] && v <= r->problem.upper[j]);
         assert_true((v < r->given[j] ? r->given[j] - v : v - r->given[j]) <= STEP);
         r->given[j] = v;
     }
@@ -343,7 +334,7 @@ static void test_arming(void **state)
     static rig r;
     (void)state;
     open_rig(&r, 1, true);
-    const uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.park);
+    const uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem.tables, r.given, r.park);
     follow_ramp(&r, r.park, ticks, PZS_W_PARKED, PZS_W_PARKED);
     assert_int_equal(mode_of(&r), PZS_MODE_INITIALISE);
     give(&r, PZS_COMMAND_RESUME); /* not known in this mode */
@@ -392,14 +383,15 @@ static void test_park_and_resume(void **state)
     bring_to_control(&r);
     memcpy(before, r.given, sizeof before);
     give(&r, PZS_COMMAND_PARK);
-    uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.park);
+    uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem.tables, r.given, r.park);
     assert_true(ticks > RAMP);
-    assert_true(ticks <= pzs_supervisor_longest_ramp(&r.supervision, &r.problem));
+    assert_true(ticks <= pzs_supervisor_longest_ramp(&r.supervision, &r.problem.tables));
     follow_ramp(&r, r.park, ticks, PZS_W_PARKED, PZS_W_PARKED);
     assert_int_equal(mode_of(&r), PZS_MODE_PARKED);
     give(&r, PZS_COMMAND_FLAT);
-    ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.reference);
-    follow_ramp(&r, r.reference, ticks, PZS_W_PARKED, PZS_W_PARKED);
+    ticks = pzs_supervisor_ramp(&r.supervision, &r.problem.tables, r.given,
+                                r.problem.reference_voltage);
+    follow_ramp(&r, r.problem.reference_voltage, ticks, PZS_W_PARKED, PZS_W_PARKED);
     give(&r, PZS_COMMAND_RESUME);
     assert_int_equal(tick(&r, 1, true), PZS_W_PARKED);
     bring_to_control(&r);
@@ -424,7 +416,8 @@ static void test_stop(void **state)
         for (int k = 1; way == 1 && k < TIMEOUT; k++)
             assert_int_equal(tick(&r, 1, false), PZS_OK);
         assert_int_equal(mode_of(&r), way == 1 ? PZS_MODE_HOLDING : PZS_MODE_RUNNING);
-        const uint32_t ticks = pzs_supervisor_ramp(&r.supervision, &r.problem, r.given, r.park);
+        const uint32_t ticks =
+            pzs_supervisor_ramp(&r.supervision, &r.problem.tables, r.given, r.park);
         r.failure.status = way == 2 ? PZS_E_NONFINITE : PZS_OK;
         if (way == 1)
             r.noise = (double)NAN; /* no reading is usable */
@@ -458,8 +451,8 @@ static void test_loop_of_the_readme(void **state)
         ticks++;
     }
     assert_int_equal(status, PZS_E_LATCHED);
-    assert_true(ticks > 300 &&
-                (uint32_t)ticks <= 301 + pzs_supervisor_longest_ramp(&r.supervision, &r.problem));
+    assert_true(ticks > 300 && (uint32_t)ticks <= 301 + pzs_supervisor_longest_ramp(
+                                                            &r.supervision, &r.problem.tables));
     assert_memory_equal(r.given, r.park, sizeof r.park);
 }
 
@@ -506,13 +499,13 @@ static void test_ramp_lengths(void **state)
     (void)state;
     open_rig(&r, 6, false);
     for (int j = 0; j < N; j++)
-        r.step_limit[j] = j == 0 ? 0 : (pzs_real)HUGE_VAL;
-    assert_int_equal(pzs_supervisor_longest_ramp(&r.supervision, &r.problem), RAMP);
-    r.step_limit[1] = 1;
-    const uint32_t longest = pzs_supervisor_longest_ramp(&r.supervision, &r.problem);
+        r.problem.step_limit[j] = j == 0 ? 0 : (pzs_real)HUGE_VAL;
+    assert_int_equal(pzs_supervisor_longest_ramp(&r.supervision, &r.problem.tables), RAMP);
+    r.problem.step_limit[1] = 1;
+    const uint32_t longest = pzs_supervisor_longest_ramp(&r.supervision, &r.problem.tables);
     assert_in_range(longest, LIMIT + 10, LIMIT + 12); /* from 100 V to -10 V */
-    r.upper[1] = (pzs_real)HUGE_VAL;
-    assert_true(pzs_supervisor_longest_ramp(&r.supervision, &r.problem) == UINT32_MAX);
+    r.problem.upper[1] = (pzs_real)HUGE_VAL;
+    assert_true(pzs_supervisor_longest_ramp(&r.supervision, &r.problem.tables) == UINT32_MAX);
 }
 
 /* ---- divergence monitor ----------------------------------------------------------- */
@@ -553,7 +546,7 @@ static void loses_control(rig *r)
     assert_int_equal(mode_of(r), PZS_MODE_STOPPING);
     assert_int_equal(r->supervisor->info.cause, PZS_EVENT_ALARM);
     const uint32_t rest = r->supervisor->info.remaining;
-    assert_true(rest < pzs_supervisor_longest_ramp(&r->supervision, &r->problem));
+    assert_true(rest < pzs_supervisor_longest_ramp(&r->supervision, &r->problem.tables));
     follow_ramp(r, r->park, rest, PZS_W_RAMP, PZS_E_LATCHED);
     printf("# alarm after %u ticks, ramp of %u\n", ticks, rest + 1);
 }
@@ -662,7 +655,7 @@ static void test_random_faults(void **state)
         const pzs_status status = pzs_loop_tick(&r.loop, r.wanted, has_frame ? r.measured : NULL);
         take(&r);
         way = status == PZS_W_RAMP ? way + 1 : 0;
-        assert_true(way <= pzs_supervisor_longest_ramp(&r.supervision, &r.problem));
+        assert_true(way <= pzs_supervisor_longest_ramp(&r.supervision, &r.problem.tables));
         if (!PZS_IS_ERROR(status))
             continue;
         assert_int_equal(status, PZS_E_LATCHED);

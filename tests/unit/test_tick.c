@@ -12,7 +12,6 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../lib/core/guard.h"
-#include "../rigs/uniform.h"
 #include "../../lib/control/control.h"
 
 #ifndef LONG_TICKS
@@ -20,16 +19,18 @@
 #endif
 
 enum { N = 8, M = 20 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 #define EPS ((double)PZS_EPSILON)
 
 /* A controller of eight amplifiers on twenty outputs, in a workspace of exactly the promised size.
  */
 typedef struct rig {
-    pzs_problem problem;
+    problem_rig problem;
     pzs_control control;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], slew[N], prefer[N], wanted[M],
-        measured[M];
+    pzs_real wanted[M], measured[M];
     void *work;
     unsigned seed;
 } rig;
@@ -38,46 +39,29 @@ static void rig_open(rig *r)
 {
     memset(r, 0, sizeof *r);
     r->seed = 5;
-    for (int i = 0; i < M * N; i++)
-        r->influence[i] = (pzs_real)uniform(&r->seed, -1e-6, 1e-6);
-    for (int i = 0; i < M; i++) {
-        r->weight[i] = 1;
-        r->wanted[i] = (pzs_real)uniform(&r->seed, -1e-4, 1e-4);
-    }
-    for (int k = 0; k < N; k++) {
-        r->lower[k] = -30;
-        r->upper[k] = 50;
-        r->slew[k] = 7;
-    }
-    const pzs_problem problem = {.format = PZS_TABLE_FORMAT,
-                                 .scene = 1,
-                                 .inputs = N,
-                                 .outputs = M,
-                                 .influence = r->influence,
-                                 .weight = r->weight,
-                                 .lower = r->lower,
-                                 .upper = r->upper,
-                                 .step_limit = r->slew,
-                                 .reference_voltage = r->prefer};
-    r->problem = problem;
-    r->problem.crc = pzs_problem_crc(&r->problem);
+    problem_open(&r->problem, N, M, -30, 50, 7);
+    fill_random(&r->seed, r->problem.influence, M * N, 1e-6);
+    fill_random(&r->seed, r->wanted, M, 1e-4);
+    problem_seal(&r->problem);
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
     assert_non_null(r->work);
 }
 
 static pzs_status rig_start(rig *r)
 {
-    return pzs_control_init(&r->control, &r->problem, NULL, r->work, PZS_CONTROL_BYTES(N, M));
+    return pzs_control_init(&r->control, &r->problem.tables, NULL, r->work,
+                            PZS_CONTROL_BYTES(N, M));
 }
 
 static void assert_allowed(const rig *r, const pzs_real *before)
 {
     for (int k = 0; k < N; k++) {
         const pzs_real v = r->control.info.voltage[k];
-        assert_true(v >= r->lower[k] && v <= r->upper[k]);
+        assert_true(v >= r->problem.lower[k] && v <= r->problem.upper[k]);
         if (before) /* the window is rounded inwards, so the difference is exact up to its own
                        rounding */
-            assert_true(fabs((double)v - (double)before[k]) <= (double)r->slew[k] * (1 + 2 * EPS));
+            assert_true(fabs((double)v - (double)before[k]) <=
+                        (double)r->problem.step_limit[k] * (1 + 2 * EPS));
     }
 }
 
@@ -106,7 +90,7 @@ static void plant(rig *r, double disturbance)
     for (int i = 0; i < M; i++) {
         double y = disturbance * (i - M / 2);
         for (int k = 0; k < N; k++)
-            y += 0.9 * (double)r->influence[i * N + k] * (double)r->control.info.voltage[k];
+            y += 0.9 * (double)r->problem.influence[i * N + k] * (double)r->control.info.voltage[k];
         r->measured[i] = (pzs_real)y;
     }
 }
@@ -125,8 +109,8 @@ static void test_slew_then_optimum(void **state)
     assert_true((double)slow.kkt_violation < 1e3 * EPS);
     assert_true(slow.active_limits > 0);
     for (int k = 0; k < N; k++)
-        r.slew[k] = (pzs_real)HUGE_VAL;
-    r.problem.crc = pzs_problem_crc(&r.problem);
+        r.problem.step_limit[k] = (pzs_real)HUGE_VAL;
+    r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
     assert_int_equal(rig_start(&r), PZS_OK);
     tick(&r, NULL, PZS_OK);
     assert_true(fabs((double)(assess(&r).relative_error - slow.relative_error)) < 1e3 * EPS);
@@ -141,8 +125,8 @@ static void test_measured_disturbance(void **state)
     rig r;
     rig_open(&r);
     for (int k = 0; k < N; k++)
-        r.upper[k] = 5000, r.lower[k] = -5000, r.slew[k] = 500;
-    r.problem.crc = pzs_problem_crc(&r.problem);
+        r.problem.upper[k] = 5000, r.problem.lower[k] = -5000, r.problem.step_limit[k] = 500;
+    r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
     assert_int_equal(rig_start(&r), PZS_OK);
     for (int i = 0; i < 60; i++) {
         plant(&r, 1e-6);
@@ -153,8 +137,9 @@ static void test_measured_disturbance(void **state)
                                      = 0 */
         double slope = 0, scale = 0;
         for (int i = 0; i < M; i++) {
-            slope += (double)r.influence[i * N + k] * ((double)r.wanted[i] - (double)r.measured[i]);
-            scale += fabs((double)r.influence[i * N + k] * (double)r.wanted[i]);
+            slope += (double)r.problem.influence[i * N + k] *
+                     ((double)r.wanted[i] - (double)r.measured[i]);
+            scale += fabs((double)r.problem.influence[i * N + k] * (double)r.wanted[i]);
         }
         assert_true(fabs(slope) < 1e4 * EPS * scale);
     }
@@ -276,7 +261,7 @@ static void test_tick_after_step(void **state)
     for (int i = 0; i < M; i++) {
         r.measured[i] = 0;
         for (int k = 0; k < N; k++)
-            r.measured[i] += r.influence[i * N + k] * r.control.info.voltage[k];
+            r.measured[i] += r.problem.influence[i * N + k] * r.control.info.voltage[k];
     }
     memcpy(before, r.control.info.voltage, sizeof before);
     tick(&r, r.measured, PZS_OK);
@@ -320,10 +305,10 @@ static void test_unit_of_length(void **state)
         rig r;
         rig_open(&r);
         for (int i = 0; i < M * N; i++)
-            r.influence[i] *= unit;
+            r.problem.influence[i] *= unit;
         for (int i = 0; i < M; i++)
             r.wanted[i] *= unit;
-        r.problem.crc = pzs_problem_crc(&r.problem);
+        r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
         assert_int_equal(rig_start(&r), PZS_OK);
         for (int i = 0; i < 30; i++)
             tick(&r, NULL, PZS_OK);
@@ -344,34 +329,37 @@ static void test_misuse(void **state)
     const size_t bytes = PZS_CONTROL_BYTES(N, M);
     assert_int_equal(pzs_tick(&r.control, r.wanted, NULL), PZS_E_STAGE);
     assert_int_equal(pzs_step(&r.control, r.wanted), PZS_E_STAGE);
-    assert_int_equal(pzs_control_init(NULL, &r.problem, NULL, r.work, bytes), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(NULL, &r.problem.tables, NULL, r.work, bytes),
+                     PZS_E_ARGUMENT);
     assert_int_equal(pzs_control_init(&r.control, NULL, NULL, r.work, bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&r.control, &r.problem, NULL, NULL, bytes), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&r.control, &r.problem, NULL, r.work, bytes - 1),
+    assert_int_equal(pzs_control_init(&r.control, &r.problem.tables, NULL, NULL, bytes),
+                     PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&r.control, &r.problem.tables, NULL, r.work, bytes - 1),
                      PZS_E_WORKSPACE);
     assert_int_equal(r.control.info.where, bytes);
-    assert_int_equal(pzs_control_init(&r.control, &r.problem, NULL, (char *)r.work + 1, bytes),
-                     PZS_E_WORKSPACE);
-    r.influence[5] *= 2;
+    assert_int_equal(
+        pzs_control_init(&r.control, &r.problem.tables, NULL, (char *)r.work + 1, bytes),
+        PZS_E_WORKSPACE);
+    r.problem.influence[5] *= 2;
     assert_int_equal(rig_start(&r), PZS_E_CRC);
-    r.problem.crc = pzs_problem_crc(&r.problem);
-    r.problem.format++;
+    r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
+    r.problem.tables.format++;
     assert_int_equal(rig_start(&r), PZS_E_FORMAT);
-    r.problem.format--;
-    r.lower[3] = 51;
-    r.problem.crc = pzs_problem_crc(&r.problem);
+    r.problem.tables.format--;
+    r.problem.lower[3] = 51;
+    r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
     assert_int_equal(rig_start(&r), PZS_E_LIMITS);
     assert_int_equal(r.control.info.where, 3);
-    r.lower[3] = (pzs_real)NAN;
-    r.problem.crc = pzs_problem_crc(&r.problem);
+    r.problem.lower[3] = (pzs_real)NAN;
+    r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
     assert_int_equal(rig_start(&r), PZS_E_LIMITS);
-    r.lower[3] = -30;
-    r.influence[9] = (pzs_real)NAN;
-    r.problem.crc = pzs_problem_crc(&r.problem);
+    r.problem.lower[3] = -30;
+    r.problem.influence[9] = (pzs_real)NAN;
+    r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
     assert_int_equal(rig_start(&r), PZS_E_NONFINITE);
     assert_int_equal(pzs_tick(&r.control, r.wanted, NULL), PZS_E_STAGE);
-    r.influence[9] = 0;
-    r.problem.crc = pzs_problem_crc(&r.problem);
+    r.problem.influence[9] = 0;
+    r.problem.tables.crc = pzs_problem_crc(&r.problem.tables);
     assert_int_equal(rig_start(&r), PZS_OK);
     assert_int_equal(pzs_tick(&r.control, NULL, NULL), PZS_E_ARGUMENT);
     tick(&r, NULL, PZS_OK);

@@ -12,18 +12,19 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../lib/control/control.h"
-#include "../rigs/uniform.h"
 
 #ifndef WORK_TICKS
 #define WORK_TICKS 20000
 #endif
 
 enum { N = 25, M = 121 };
+enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
+
+#include "../rigs/problem_rig.h"
 
 typedef struct rig {
-    pzs_problem problem;
+    problem_rig problem;
     pzs_control control;
-    pzs_real influence[M * N], weight[M], lower[N], upper[N], step_limit[N], reference[N];
     pzs_real wanted[M], before[N];
     double work[PZS_CONTROL_BYTES(N, M) / sizeof(double) + 1];
     unsigned seed;
@@ -37,7 +38,8 @@ static void fill_influence(rig *r)
         for (int j = 0; j < N; j++) {
             const double past = fmax(x - j / 5, 0), across = y - (j % 5 + .5);
             const double bend = past < 1 ? past * past / 2 : past - .5;
-            r->influence[i * N + j] = (pzs_real)(1e-6 * bend * (.15 + exp(-.8 * across * across)));
+            r->problem.influence[i * N + j] =
+                (pzs_real)(1e-6 * bend * (.15 + exp(-.8 * across * across)));
         }
     }
 }
@@ -47,24 +49,10 @@ static void open_rig(rig *r, double step_limit)
     memset(r, 0, sizeof *r);
     r->seed = 3;
     fill_influence(r);
-    for (int i = 0; i < M; i++)
-        r->weight[i] = 1;
-    for (int j = 0; j < N; j++) {
-        r->lower[j] = -200;
-        r->upper[j] = 200;
-        r->step_limit[j] = (pzs_real)step_limit;
-    }
-    r->problem = (pzs_problem){.inputs = N,
-                               .outputs = M,
-                               .influence = r->influence,
-                               .weight = r->weight,
-                               .lower = r->lower,
-                               .upper = r->upper,
-                               .step_limit = r->step_limit,
-                               .reference_voltage = r->reference};
-    assert_int_equal(pzs_problem_seal(&r->problem), PZS_OK);
-    assert_int_equal(pzs_control_init(&r->control, &r->problem, NULL, r->work, sizeof r->work),
-                     PZS_OK);
+    problem_open(&r->problem, N, M, -200, 200, step_limit);
+    problem_seal(&r->problem);
+    assert_int_equal(
+        pzs_control_init(&r->control, &r->problem.tables, NULL, r->work, sizeof r->work), PZS_OK);
 }
 
 /* A target that voltages within 1.5 times the limits reach. */
@@ -74,7 +62,7 @@ static void jump(rig *r)
     for (int j = 0; j < N; j++) {
         const double voltage = uniform(&r->seed, -300, 300);
         for (int i = 0; i < M; i++)
-            r->wanted[i] += (pzs_real)(voltage * (double)r->influence[i * N + j]);
+            r->wanted[i] += (pzs_real)(voltage * (double)r->problem.influence[i * N + j]);
     }
 }
 
@@ -136,7 +124,7 @@ static long double objective(const rig *r)
     for (int i = 0; i < M; i++) {
         long double miss = -(long double)r->wanted[i];
         for (int j = 0; j < N; j++)
-            miss += (long double)r->influence[i * N + j] * r->control.info.voltage[j];
+            miss += (long double)r->problem.influence[i * N + j] * r->control.info.voltage[j];
         sum += miss * miss;
     }
     return sum;
