@@ -83,20 +83,25 @@ static pzs_status tick(rig *r, int exempt)
     return status;
 }
 
-/* Law: a voltage that is not finite becomes the last one; one beyond a limit is cut to it, the
- * others stay as they are. The tick says where, and the loop then reaches its target all the same.
+/* Law: a voltage that is not finite becomes the last one; one beyond a limit or step limit is cut
+ * to it, the others stay as they are. The tick says where, and the loop then reaches its target all
+ * the same.
  */
 static void test_damaged_voltage(void **state)
 {
-    static const double bad[] = {NAN, HUGE_VAL, -HUGE_VAL, 1e30, -LIMIT - 1, LIMIT + 1};
+    enum { CHANGES = 2 }; /* the last ones are changes of the voltage, inside the limits */
+    static const double bad[] = {NAN,        HUGE_VAL,  -HUGE_VAL,   1e30,
+                                 -LIMIT - 1, LIMIT + 1, 1.01 * STEP, -1.01 * STEP};
+    const size_t count = sizeof bad / sizeof *bad;
     (void)state;
-    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+    for (size_t k = 0; k < count; k++) {
         static rig r;
         open_rig(&r, 1);
         for (int t = 0; t < 5; t++)
             assert_int_equal(tick(&r, -1), PZS_OK);
         const pzs_real before = r.given[3];
-        r.damage = (damage){true, 3, (pzs_real)bad[k]};
+        const double damaged = k + CHANGES < count ? bad[k] : (double)before + bad[k];
+        r.damage = (damage){true, 3, (pzs_real)damaged};
         assert_int_equal(tick(&r, -1), PZS_W_OUTPUT);
         assert_int_equal(r.loop.info.where, 3);
         const double moved = (double)(r.given[3] - before);
