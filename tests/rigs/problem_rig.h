@@ -1,8 +1,8 @@
 /*
- * A voltage optimisation problem with arrays of its own, and the start of a control loop in a workspace of
- * exactly the size that the loop asks for. The test states the size of its largest problem as
- * constants MOST_INPUTS and MOST_OUTPUTS before it includes this header, and includes cmocka.h
- * before.
+ * A voltage optimisation problem with arrays of its own, and the start of a control loop in a
+ * workspace of exactly the size that the loop asks for. The test states the size of its largest
+ * problem as constants MOST_INPUTS and MOST_OUTPUTS before it includes this header, and includes
+ * cmocka.h before.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
