@@ -120,9 +120,10 @@ typedef enum pzs_status {
     PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other; the loop does not
                        yet control the voltages. */
     /*
-     * Warning: pzs_hold fixed input info.where, or the controller was started, at voltages that
-     * violate a limit of a sum of voltages and cannot be corrected in one tick: all voltages go
-     * gradually to the safe voltages of pzs_limit_rows, or stay if that way is not allowed either.
+     * Warning: where sums of voltages are limited, pzs_hold fixed input info.where, or the
+     * controller was started, at voltages from which the limits allow only a gradual way: all
+     * voltages go to the safe voltages of pzs_limit_rows in several ticks, or stay if that way is
+     * not allowed either.
      */
     PZS_W_LIMIT_ROWS,
     PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of

@@ -848,11 +848,11 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
  * from which their effect is subtracted.
  */
 typedef struct pzs_known_loads {
-    const pzs_feed_forward_table *shape; /* [outputs][loads] effect of the known loads on the shape
-                                          */
-    const pzs_feed_forward_table *readings; /* [sensors][loads] effect of the known loads on the
-                                               readings; NULL: the readings are the measured shape
-                                             */
+    const pzs_feed_forward_table *shape;    /* [outputs][loads] change of the shape (m) per unit of
+                                               each known load */
+    const pzs_feed_forward_table *readings; /* [sensors][loads] change of each reading (unit of the
+                                               sensor) per unit of each known load; NULL: the
+                                               readings are the measured shape */
 } pzs_known_loads;
 
 /*

@@ -90,9 +90,10 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
                              const pzs_real *gradient);
 
 /*
- * Return whether the rounding error of the Hessian times (voltages - base voltages) may raise the
- * objective by more than the machine epsilon times target_energy, the scale of the objective. The
- * gradient should then be computed from new base voltages.
+ * Return whether the rounding error of the Hessian times (voltages - base voltages, around which
+ * the gradient is computed) may raise the objective by more than the machine epsilon times
+ * target_energy, the scale of the objective. The gradient should then be computed from new base
+ * voltages.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

@@ -621,9 +621,9 @@ static void resolve_moves(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums over the electrodes whose voltages are not fixed, with which the part of their missing
- * voltages is computed that all have in common. The missing voltage of an electrode is the one that
- * it seems not to have received.
+ * Sums over the electrodes whose voltages are not fixed, from which the common part of their
+ * missing voltages is computed. The missing voltage of an electrode is the one that it seems not to
+ * have received.
  */
 typedef struct loss_sums {
     pzs_real losses; /* sum of the squared missing voltages (V2) */

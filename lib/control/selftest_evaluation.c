@@ -77,9 +77,9 @@
  * and rows (sensors) of responses that are too small beside noise and vibration. GAINS: compute the
  * gains of the amplifiers. COLUMNS and ROWS: find the amplifier and the sensor whose responses
  * differ most from the model. NEAREST: find the modelled response nearest to the measured one.
- * SIMILAR and EXCHANGED: look for exchanged cables. FIRST stages report only a reversed amplifier
- * or sensor. PAIR stages are repeated for each amplifier and sensor, the last GAINS to NEAREST for
- * each fault.
+ * SIMILAR and EXCHANGED: look for exchanged cables. The FIRST stages report only a reversed
+ * amplifier or sensor. PAIR_SIMILAR to PAIR_EXCHANGED are repeated for each amplifier and sensor,
+ * the last GAINS to NEAREST for each fault.
  */
 enum {
     STAGE_START = 0,
