@@ -17,10 +17,10 @@
 enum {
     CHANNELS = 10, /* largest number of channels (weighted sums of the readings) in which
                       frequencies are searched */
-    BLOCKS = 9, /* smallest number of delayed samples of each channel (weighted sum of the readings)
-                   in the signal subspace */
-    LEAST_ROWS = 40,    /* smallest number of delayed samples of all channels (weighted sums of the
-                           readings) together in the signal subspace */
+    BLOCKS = 9,    /* smallest number of samples of each channel (weighted sum of the readings) in a
+                      vector of delayed samples; these vectors span the signal subspace */
+    LEAST_ROWS = 40, /* smallest number of samples of all channels (weighted sums of the readings)
+                        together in a vector of delayed samples */
     LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
     SKIPPED = 4, /* number of samples at the beginning of an interval of constant voltages that are
                     not fitted, as the voltages may act up to so many samples late */
@@ -61,8 +61,8 @@ typedef struct fit {
     const pokes *samples;
     double rate;
     size_t intervals, longest, channels;
-    size_t blocks; /* number of delayed samples of each channel (weighted sum of the readings) in
-                      the signal subspace */
+    size_t blocks; /* number of samples of each channel (weighted sum of the readings) in a vector
+                      of delayed samples; these vectors span the signal subspace */
     interval *interval; /* [intervals] intervals of constant voltages */
     double *mixer;      /* [channels][outputs] orthonormal weights of the outputs in each channel, a
                            weighted sum of the readings */

@@ -206,9 +206,9 @@ static double loaded_rms(const design *design)
 }
 
 /*
- * Root mean square, over the target nodes, of the displacements that half the voltage range of each
- * amplifier causes, with random signs of the voltages (m). Amplifiers without finite limits do not
- * count.
+ * Root mean square, over the target nodes, of the displacements when each amplifier applies half
+ * its voltage range with a random sign (m): the root of the sum of the squares for single
+ * amplifiers. Amplifiers without finite limits do not count.
  */
 static double reachable_rms(const design *design)
 {
