@@ -9,9 +9,10 @@
 
 /*
  * MEASUREMENTS: number of measurements of a computing time, of which the shortest counts.
- * LEAST_ELEMENTS: least number of elements that one measurement computes.
+ * ELEMENTS: number of elements that one measurement computes, so few that most measurements are not
+ * interrupted by other programs.
  */
-enum { MEASUREMENTS = 5, LEAST_ELEMENTS = 4000 };
+enum { MEASUREMENTS = 40, ELEMENTS = 100 };
 
 /* Computation on one element whose time is measured. */
 typedef enum element_work { FORCE_OF_FULL, FORCE_OF_COMPACT, STIFFNESS } element_work;
@@ -45,12 +46,10 @@ static double seconds_of(const mesh *mesh, const compact_types *compact, element
                                 out the measured computations */
     double least = HUGE_VAL;
     for (int i = 0; i < MEASUREMENTS; i++) {
-        int elements = 0;
         const double begin = analysis_now();
-        while (elements < LEAST_ELEMENTS)
-            for (int type = 0; type < mesh->types; type++, elements++)
-                sum += work_on(mesh, compact, type, work);
-        least = fmin(least, (analysis_now() - begin) / elements);
+        for (int element = 0; element < ELEMENTS; element++)
+            sum += work_on(mesh, compact, (i * ELEMENTS + element) % mesh->types, work);
+        least = fmin(least, (analysis_now() - begin) / ELEMENTS);
     }
     return least;
 }

@@ -118,6 +118,9 @@ same 'actuation' roll-up
 ! compile 32 && grep -q 'the equilibrium solver needs double' "$scratch/found" && grep -q 'refused in float' "$scratch/told"
 tap $? 'roll-up: above the rule, refused in float'
 same 'loads that rise over two solves' hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4 --set 'equilibrium={ramp_solves: 2}'
+same 'loads that rise over as many solves as pzs finds' hyperboloid-soft --set mesh.theta1.elements=8 --set mesh.theta2.elements=8 --set equilibrium.load_steps=1
+grep -q 'T_RAMP_SOLVES 8$' "$scratch/t.h"
+tap $? 'the tables carry the number of solves over which loads rise'
 same 'follower load' ring-follower
 same 'contact' ring-contact
 for table in 'follower_pressure_0 torus-pressure' 'contact_area torus-contact'; do
