@@ -212,6 +212,9 @@ typedef struct storm {
     uint64_t random;
     int tick, history_ticks; /* number of the present tick; number of ticks whose readings are
                                 stored */
+    bool has_shape;          /* true while `shape` holds the present shape of the structure */
+    bool has_vibration; /* true while `part` holds the displacements of the targets by the present
+                           vibration */
     int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
     double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
     double *memory; /* one allocation that holds `limits` and all arrays of this struct that follow
@@ -607,13 +610,27 @@ static double *ring_entry(const storm *storm, double *ring, int tick, size_t len
     return ring + (size_t)((tick > 0 ? tick : 0) % storm->history_ticks) * length;
 }
 
-/* Compute the present shape of the simulated structure. */
+/*
+ * Compute the present displacements of the targets by vibration in storm->part, unless they are
+ * there already. These sums over all modes are most of the work of a storm.
+ */
+static void observe_vibration(storm *storm)
+{
+    if (!storm->has_vibration)
+        inertia_observe(&storm->inertia, 0, storm->rig->targets, storm->part);
+    storm->has_vibration = true;
+}
+
+/* Compute the present shape of the simulated structure, unless it is known already. */
 static void compute_shape(storm *storm)
 {
     const storm_rig *rig = storm->rig;
+    if (storm->has_shape)
+        return;
+    storm->has_shape = true;
     multiply(storm->shape, rig->influence, storm->acting, rig->targets, rig->amplifiers,
              storm->plant->gain);
-    inertia_observe(&storm->inertia, 0, rig->targets, storm->part);
+    observe_vibration(storm);
     for (size_t i = 0; i < rig->targets; i++)
         storm->shape[i] += storm->part[i] + offset_of(storm, i);
 }
@@ -634,8 +651,9 @@ static void store_readings(storm *storm)
     }
     multiply(reading, rig->direct, storm->acting, rig->sensors, amplifiers, storm->plant->gain);
     for (size_t i = 0; i < rig->sensors; i++) {
-        inertia_observe(&storm->inertia, rig->row[i], 1, storm->part);
-        reading[i] += storm->part[0] + offset_of(storm, rig->row[i]);
+        double vibrating;
+        inertia_observe(&storm->inertia, rig->row[i], 1, &vibrating);
+        reading[i] += vibrating + offset_of(storm, rig->row[i]);
     }
 }
 
@@ -692,6 +710,7 @@ static pzs_status run_tick(storm *storm)
     advance_ceramic(storm);
     inertia_jump(&storm->inertia, storm->acting);
     inertia_advance(&storm->inertia, storm->rig->interval);
+    storm->has_vibration = storm->has_shape = false;
     storm->tick++;
     return status;
 }
@@ -802,15 +821,13 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 static double amplitude(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
-    double *moved = storm->best_shape, *vibrating = storm->target;
+    double *moved = storm->best_shape;
     for (size_t k = 0; k < amplifiers; k++)
         storm->previous_voltage[k] = storm->voltage[k] - storm->previous_voltage[k];
     multiply(moved, storm->rig->influence, storm->previous_voltage, targets, amplifiers, 1);
-    inertia_observe(&storm->inertia, 0, targets, vibrating);
-    const double size =
-        hypot(weighted_distance(storm, moved, NULL), weighted_distance(storm, vibrating, NULL));
-    memset(vibrating, 0, targets * sizeof *vibrating);
-    return size;
+    observe_vibration(storm);
+    return hypot(weighted_distance(storm, moved, NULL),
+                 weighted_distance(storm, storm->part, NULL));
 }
 
 /*
@@ -842,6 +859,7 @@ static pzs_status run_free(storm *storm, int ticks, double *size, storm_result *
         storm->inertia.deviation[i] *= unit;
         storm->inertia.velocity[i] *= unit;
     }
+    storm->has_vibration = storm->has_shape = false;
     memset(storm->target, 0, storm->rig->targets * sizeof *storm->target);
     int k = 0;
     for (; k < ticks; k++) {
