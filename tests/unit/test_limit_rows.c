@@ -298,7 +298,7 @@ static wide cost_of_margins(const rig *r)
 {
     const pzs_row_solver *solver = r->b.control.state.row_solver;
     wide cost = 0;
-    for (unsigned row = r->b.problem.inputs; row < solver->extended.inputs; row++)
+    for (unsigned row = r->b.problem.tables.inputs; row < solver->extended.inputs; row++)
         if (!(solver->extended.free_set[row] > 0))
             cost += 4 * fabsl((wide)solver->extended.direction[row]) * (wide)solver->margin[row];
     return cost;
