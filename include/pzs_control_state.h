@@ -453,15 +453,15 @@ typedef struct pzs_pulse_detector_state {
                        the readings show, from an earlier interval in which the target shape stood
                        still to the last window of averaged readings (V) */
     /*
-     * [inputs] changes `move` of the voltages as the least-squares estimate would find them from
-     * the readings (V); while a healthy electrode is chosen with which a suspected one is compared,
-     * the scalar products of the scaled modelled readings of each electrode and of the suspected
-     * one (1/V2)
+     * [inputs] changes of the voltages, given in `move`, as the fault detector's least-squares
+     * estimate would find them from the readings (V); while a healthy electrode is chosen with
+     * which a suspected one is compared, the scalar products of the scaled modelled readings of
+     * each electrode and of the suspected one (1/V2)
      */
     pzs_real *resolved;
     /*
-     * [inputs] part of an error of the voltage of one electrode alone that the least-squares
-     * estimate finds at this electrode (0 to 1)
+     * [inputs] part (0 to 1) that the fault detector's least-squares estimate attributes to the
+     * right electrode if a single electrode lacks voltage; it attributes the rest to the others
      */
     pzs_real *resolution;
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */

@@ -886,7 +886,7 @@ static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, b
 /*
  * Choose the reference electrode (a healthy one) with which the suspected one is compared: another
  * one than before, if there was one. Without any, the suspicion ends. The test pulses begin at
- * once, or, where the target has moved, after a window in which it stands still.
+ * once, or, where the target has moved, after an interval in which it stands still.
  */
 static void choose_reference(pzs_pulse_detector *detector)
 {
@@ -1196,9 +1196,9 @@ static bool factor_matrix(pzs_pulse_detector_state *state)
 }
 
 /*
- * Whether a fault of electrode j can be found: the electrode has a test pulse, the readings tell
- * its lost voltage from those of others, and there is another electrode whose response to a test
- * pulse differs in shape.
+ * Whether a fault of electrode j can be found: the electrode has a test pulse, the readings tell a
+ * voltage that it lacks from voltages that others lack, and there is another electrode whose
+ * response to a test pulse differs in shape.
  */
 static bool can_be_tested(pzs_pulse_detector_state *state, uint32_t j)
 {
