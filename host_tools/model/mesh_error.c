@@ -9,6 +9,12 @@
 /* ---- estimate --------------------------------------------------------- */
 
 /*
+ * Smallest uncertainty relative to the result. It covers the rounding error of the linear solves,
+ * which is all that differs between meshes for reactions that equilibrium alone determines.
+ */
+static const double LEAST_UNCERTAINTY = 1e-9;
+
+/*
  * Remaining error of a monotone sequence of results on ever finer meshes, beyond the error that
  * convergence of second order predicts. The sum of all later differences is the last difference
  * divided by (ratio - 1), with the ratio of successive differences. A sequence that hardly
@@ -36,8 +42,8 @@ static double error_after_turn(double last, double before)
 
 mesh_estimate mesh_estimate_from(const double *value, int meshes)
 {
-    const double last = value[0] - value[1];
-    mesh_estimate result = {value[0], value[0] + last / 3, 1.5 * fabs(last), NAN};
+    const double last = value[0] - value[1], rounding = LEAST_UNCERTAINTY * fabs(value[0]);
+    mesh_estimate result = {value[0], value[0] + last / 3, fmax(1.5 * fabs(last), rounding), NAN};
     if (meshes < 3)
         return result;
     const double before = value[1] - value[2];
@@ -47,7 +53,8 @@ mesh_estimate mesh_estimate_from(const double *value, int meshes)
         result.uncertainty += remaining_error(last, ratio);
     if (ratio < 0)
         result.uncertainty = error_after_turn(last, before);
-    if (ratio > 1)
+    result.uncertainty = fmax(result.uncertainty, rounding);
+    if (ratio > 1 && fabs(last) > rounding)
         result.order = log2(ratio);
     return result;
 }

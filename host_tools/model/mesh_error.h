@@ -51,7 +51,8 @@ typedef struct mesh_error {
  * it where that is larger; for results that converge more slowly than with second order, the
  * expected remaining error is added. For results that rise and then fall, or fall and then rise, it
  * is the error of a sequence with terms of first and second order of opposite sign. With two meshes
- * the uncertainty is one and a half times the difference.
+ * the uncertainty is one and a half times the difference. It is never less than 1e-9 of the result,
+ * which covers rounding errors.
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 
