@@ -164,9 +164,12 @@ static int lasting_modes(const double *square, int modes, const double *damping,
     return count;
 }
 
-double certificate_radius(const double *loop, const double *square, int modes,
-                          const double *damping, const certificate_conditions *conditions,
-                          int squarings)
+/*
+ * Allocate and fill the transition matrix of a control loop, and behind it a work array of the same
+ * size. The caller frees the matrix; it is NULL where memory runs out.
+ */
+static transition make_transition(const double *loop, const double *square, int modes,
+                                  const double *damping, const certificate_conditions *conditions)
 {
     const int count = lasting_modes(square, modes, damping, conditions->interval);
     transition transition = {.loop = loop,
@@ -174,16 +177,35 @@ double certificate_radius(const double *loop, const double *square, int modes,
                              .modes = (size_t)count,
                              .order = (size_t)count * states_of(conditions),
                              .conditions = conditions};
-    const size_t order = transition.order;
-    double radius = (double)NAN;
-    transition.matrix = malloc((2 * order * order + 1) * sizeof *transition.matrix);
-    if (transition.matrix) {
+    const size_t entries = transition.order * transition.order;
+    transition.matrix = malloc((2 * entries + 1) * sizeof *transition.matrix);
+    if (transition.matrix)
         fill_loop(&transition, square, damping);
+    return transition;
+}
+
+double certificate_radius(const double *loop, const double *square, int modes,
+                          const double *damping, const certificate_conditions *conditions,
+                          int squarings)
+{
+    const transition made = make_transition(loop, square, modes, damping, conditions);
+    double radius = (double)NAN;
+    if (made.matrix)
         radius =
-            eigen_radius(transition.matrix, transition.matrix + order * order, order, squarings);
-    }
-    free(transition.matrix);
+            eigen_radius(made.matrix, made.matrix + made.order * made.order, made.order, squarings);
+    free(made.matrix);
     return radius;
+}
+
+bool certificate_decays(const double *loop, const double *square, int modes, const double *damping,
+                        const certificate_conditions *conditions, int squarings)
+{
+    const transition made = make_transition(loop, square, modes, damping, conditions);
+    const bool decays =
+        made.matrix &&
+        eigen_decays(made.matrix, made.matrix + made.order * made.order, made.order, squarings);
+    free(made.matrix);
+    return decays;
 }
 
 void certificate_free(certificate *certificate)

@@ -225,6 +225,13 @@ double certificate_radius(const double *loop, const double *square, int modes,
                           int squarings);
 
 /*
+ * Whether the spectral radius of the control loop is below 1: that of certificate_radius with the
+ * same arguments, found with fewer squarings. Returns false where memory runs out.
+ */
+bool certificate_decays(const double *loop, const double *square, int modes, const double *damping,
+                        const certificate_conditions *conditions, int squarings);
+
+/*
  * Describe the result of the stability tests of a control loop in sentences separated by line
  * feeds; the text is empty where there is nothing to report.
  */

@@ -281,19 +281,17 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Spectral radius of a control loop on a structure whose response to voltages and whose frequencies
+ * Conditions of a control loop on a structure whose response to voltages and whose frequencies
  * differ from the model's by the given factors. With time counted in units of 1/frequency only
  * interval and lag depend on the frequencies.
  */
-static double radius_at(const assessed_loop *loop, double gain, double frequency, double interval,
-                        int squarings)
+static certificate_conditions conditions_at(const assessed_loop *loop, double gain,
+                                            double frequency, double interval)
 {
-    const certificate_conditions conditions = {.gain = gain,
-                                               .delay = loop->delay,
-                                               .interval = interval * frequency,
-                                               .lag = loop->lag * frequency};
-    return certificate_radius(loop->matrix, loop->square, loop->modes, loop->damping, &conditions,
-                              squarings);
+    return (certificate_conditions){.gain = gain,
+                                    .delay = loop->delay,
+                                    .interval = interval * frequency,
+                                    .lag = loop->lag * frequency};
 }
 
 /*
@@ -305,9 +303,13 @@ static bool is_stable_at(const assessed_loop *loop, double interval)
 {
     const size_t count = loop->lag > 0 ? sizeof frequencies / sizeof *frequencies : 1;
     for (size_t k = 0; k < count; k++)
-        for (size_t i = 0; i < sizeof responses / sizeof *responses; i++)
-            if (!(radius_at(loop, responses[i], frequencies[k], interval, QUICK) < 1))
+        for (size_t i = 0; i < sizeof responses / sizeof *responses; i++) {
+            const certificate_conditions conditions =
+                conditions_at(loop, responses[i], frequencies[k], interval);
+            if (!certificate_decays(loop->matrix, loop->square, loop->modes, loop->damping,
+                                    &conditions, QUICK))
                 return false;
+        }
     return true;
 }
 
@@ -402,7 +404,10 @@ static void assess(certificate *certificate, const analysis *analysis)
     certificate->is_assessed = true;
     certificate->damping = damping[0];
     if (certificate->rate > 0) {
-        certificate->radius = radius_at(&assessed, 1, 1, 1 / certificate->rate, EXACT);
+        const certificate_conditions nominal =
+            conditions_at(&assessed, 1, 1, 1 / certificate->rate);
+        certificate->radius =
+            certificate_radius(loop, square, certificate->modes, damping, &nominal, EXACT);
         certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
     }
     certificate->stable_rate = (lag > 0 ? 1 : lowest_frequency) * scan_rates(&assessed);

@@ -3,6 +3,7 @@
 #ifndef EIGEN_H
 #define EIGEN_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /*
@@ -21,5 +22,14 @@ void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligib
  *   work [n][n] out  work array
  */
 double eigen_radius(double *a, double *work, size_t n, int squarings);
+
+/*
+ * Whether eigen_radius(a, work, n, squarings) is below 1, with fewer squarings where a power A^k
+ * decides: a norm of A^k below 1 bounds the spectral radius from above, and a mean of the
+ * eigenvalues of A^k whose magnitude exceeds 1 bounds it from below.
+ *   a    [n][n] in/out  matrix A; overwritten
+ *   work [n][n] out  work array
+ */
+bool eigen_decays(double *a, double *work, size_t n, int squarings);
 
 #endif
