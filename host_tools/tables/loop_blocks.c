@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "../../lib/control/limit_rows.h"
 #include "../../lib/core/guard.h"
 
 /*
@@ -668,6 +669,13 @@ bool loop_blocks_read_entries(const loop_blocks *blocks)
            (!has_own_matrix && (has_selftest(blocks) || has_delay(blocks)));
 }
 
+/* Return the number of coefficients in all limits of sums of voltages. */
+static size_t count_row_entries(const loop_blocks *blocks)
+{
+    const pzs_limit_rows *rows = blocks->design->problem.limit_rows;
+    return rows ? rows->sums.start[rows->sums.count] : 0;
+}
+
 static block_counts count(const loop_blocks *blocks)
 {
     const sparse_facts sparse =
@@ -676,6 +684,7 @@ static block_counts count(const loop_blocks *blocks)
         .inputs = blocks->design->problem.inputs,
         .outputs = blocks->design->problem.outputs,
         .rows = (size_t)blocks->design->limits.rows,
+        .row_entries = count_row_entries(blocks),
         .readings = (size_t)count_readings(blocks),
         .modes = blocks->damper->tables.modes,
         .plays = blocks->compensation.tables.plays,
@@ -719,6 +728,22 @@ static double tick_bound(const loop_blocks *blocks, const block_counts *of,
 }
 
 /*
+ * Return the smallest useful limit of the optimiser's work in one tick, and the default of the
+ * library (multiply-adds), as the controller computes them.
+ */
+static uint64_t least_work(const pzs_problem *problem)
+{
+    return problem->limit_rows ? problem->limit_rows->call->least_work(problem)
+                               : PZS_WORK_LEAST(problem->inputs);
+}
+
+static uint64_t usual_work(const pzs_problem *problem)
+{
+    return problem->limit_rows ? problem->limit_rows->call->usual_work(problem)
+                               : PZS_WORK_LIMIT(problem->inputs);
+}
+
+/*
  * Limit of the optimiser's work in one tick (multiply-adds) with which all blocks (stages) of the
  * tick together keep the time that the clock and the tick rate of the scene leave to a tick; at
  * least the smallest useful limit; 0 (default of the library) where the scene does not state both.
@@ -727,10 +752,8 @@ static uint64_t work_limit(const loop_blocks *blocks)
 {
     const scene_control *control = &blocks->design->control;
     const loop_processor *on = &loop_processor_table[0];
+    const uint64_t least = least_work(&blocks->design->problem);
     block_counts of = count(blocks);
-    const uint32_t inputs = (uint32_t)of.inputs, rows = (uint32_t)of.rows;
-    const uint64_t least =
-        rows > 0 ? PZS_LIMIT_ROW_WORK_LEAST(inputs, rows) : PZS_WORK_LEAST(inputs);
     if (!(control->clock > 0) || !(control->rate > 0))
         return 0;
     of.work_limit = 0;
@@ -738,14 +761,14 @@ static uint64_t work_limit(const loop_blocks *blocks)
     of.work_limit = 1;
     const double each = tick_bound(blocks, &of, on) - others;
     const double left = control->clock / control->rate / LOOP_WORK_CYCLES - others;
-    const double most = fmin(left / each, (double)PZS_WORK_LIMIT(of.inputs + of.rows));
+    const double most = fmin(left / each, (double)usual_work(&blocks->design->problem));
     return most > (double)least ? (uint64_t)most : least;
 }
 
 uint64_t loop_blocks_work_limit(const loop_blocks *blocks)
 {
     const block_counts of = count(blocks);
-    return of.work_limit > 0 ? of.work_limit : PZS_WORK_LIMIT(of.inputs + of.rows);
+    return of.work_limit > 0 ? of.work_limit : usual_work(&blocks->design->problem);
 }
 
 void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop_bounds *bounds)

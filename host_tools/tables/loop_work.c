@@ -60,7 +60,8 @@ static double second_prediction(const block_counts *of, const loop_processor *on
 
 double loop_work_rest(const block_counts *of, const loop_processor *on)
 {
-    const double blocks = 150 * (double)of->blocks, rows = 290 * (double)of->rows;
+    const double blocks = 150 * (double)of->blocks;
+    const double rows = 60 * (double)of->rows + 120 * (double)of->row_entries;
     return loops(of, on, 0, 210, 3260) + on->other * (blocks + rows);
 }
 
@@ -167,9 +168,16 @@ double loop_work_row_step(const block_counts *of, const loop_processor *on)
     return loop_work_step(of, on) + on->other * (4 * (double)of->work_limit + 400 * all);
 }
 
+/*
+ * Upper bound of the instructions of the amplifiers' converter steps. Each limit of a sum of
+ * voltages that the rounded voltages violate takes back the changes of its voltages, after which
+ * this limit holds; then all sums are computed again.
+ */
 double loop_work_amplifier(const block_counts *of, const loop_processor *on)
 {
-    return loops(of, on, 0, 150, 250) + on->other * 60 * (double)of->rows;
+    const size_t most = of->rows < of->inputs ? of->rows : of->inputs;
+    const double sums = 60 * (double)of->rows + 30 * (double)of->row_entries;
+    return loops(of, on, 0, 150, 250) + on->other * (double)(most + 1) * sums;
 }
 
 /*

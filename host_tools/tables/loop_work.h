@@ -24,8 +24,9 @@
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps, loads;
+    size_t row_entries; /* number of coefficients in all limits of sums of voltages */
     size_t entries; /* number of entries of the influence matrix in the tables, if it is stored as
-                       sparse rows; 0: it is stored as a full matrix */
+                   sparse rows; 0: it is stored as a full matrix */
     size_t blocks;  /* number of blocks (stages) of a control tick */
     size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
                                    (ticks); damper_delay: age that the stage of the tick that damps

@@ -88,6 +88,9 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
             --set 'simulate={ticks: 100, sensors: {delay: 2}, amplifiers: {step: 0.05}, events: [{at: 10, load: 0, factor: 1, feed_forward: true}, {at: 10, dead: [v_1_1], announced: detected}]}'
         loop 'limits between amplifiers' mirror --set 'control={rate: 10, clock: 168 MHz}' \
             --set 'limits={voltage: [-50, 50], step_limit: 5, difference: {limit: 30}}'
+        loop 'limits of sums of absolute values' mirror --set 'control={rate: 2, clock: 168 MHz}' \
+            --set 'limits={voltage: [-50, 50], step_limit: 5, absolute_sum: {limit: 150}, sum: {voltage: [-100, 100]}}' \
+            --set 'simulate={ticks: 100, amplifiers: {step: 0.05}}'
     fi
 fi
 tap_end
