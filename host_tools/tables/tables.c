@@ -819,9 +819,16 @@ static void write_sizes(const emitter *emitter, const design *design)
                 outputs);
 }
 
-/* Write the size of the influence matrix that a device computes with the tables. */
-static void write_influence_size(const emitter *emitter, const design *design)
+/*
+ * Write the size of the influence matrix that a device computes with the tables of a linear image.
+ * These contain the inputs and outputs of the controller alone, unless there are sensors or
+ * charges.
+ */
+static void write_influence_size(const emitter *emitter, const analysis *analysis)
 {
+    const design *design = &analysis->design;
+    const pzs_structure structure =
+        design->electrodes.count > 0 ? design->structure : controlled(analysis);
     const char *upper = emitter->upper;
     emit_comment(emitter,
                  "size of the matrix that pzs_influence writes: %s_ALL_OUTPUTS rows of "
@@ -832,7 +839,7 @@ static void write_influence_size(const emitter *emitter, const design *design)
         emit_comment(emitter, "some electrodes are open: pzs_influence_open must follow "
                               "pzs_influence");
     fprintf(emitter->file, "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n\n", upper,
-            design->structure.input.count, upper, design->structure.output.count);
+            structure.input.count, upper, structure.output.count);
 }
 
 int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,
@@ -855,7 +862,7 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
         write_structure(&emitter, analysis, image);
         write_electrodes(&emitter, analysis);
         fprintf(file, "#define %s_LINEAR 1\n", emitter.upper);
-        write_influence_size(&emitter, &analysis->design);
+        write_influence_size(&emitter, analysis);
     }
     if (controlled && write_loop(&emitter, analysis, image, size) < 0)
         status = -1;
