@@ -32,8 +32,11 @@ typedef struct pzs_prescribed_resultants {
                                 element by prescribed resultants is a load */
     const uint16_t *element; /* [start[inputs]] indices of the elements on which an input acts by
                                 prescribed stress resultants, one input after the other */
-    const uint16_t *which;   /* [start[inputs]] index of the prescribed stress resultants of each
-                                entry of the array `element`: a row of the array `value` */
+    /*
+     * [start[inputs]] for each entry of the array `element`, the index in the array `value` of the
+     * stress resultants that are prescribed on this element
+     */
+    const uint16_t *which;
     const pzs_real (*value)[10]; /* [values] stress resultants per unit of an input, times the area
                                     of the element (N m), in the strain order of pzs_element_type.d
                                   */

@@ -461,10 +461,10 @@ static bool descend(pzs_optimiser *optimiser)
 }
 
 /*
- * Choose the active input whose voltage may change again: of the inputs whose voltage is between
- * its bounds, the one that violates the optimality (KKT) conditions most; if none of them does, the
- * one at a bound that violates them most. Returns the number of inputs if no violation exceeds
- * `rounding` (m2/V).
+ * Choose the input that is kept (active) but whose voltage may change again: of the inputs whose
+ * voltage is between its bounds, the one that violates the optimality (KKT) conditions most; if
+ * none of them does, the one at a bound that violates them most. Returns the number of inputs if no
+ * violation exceeds `rounding` (m2/V).
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {

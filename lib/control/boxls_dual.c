@@ -384,8 +384,8 @@ static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
 
 /*
  * Choose the free input whose voltage is farthest outside its bounds, set its multiplier to zero,
- * and note at which bound it is to become active. Returns the number of inputs if all voltages are
- * inside up to rounding errors.
+ * and note at which bound it is to be kept. Returns the number of inputs if all voltages are inside
+ * up to rounding errors.
  */
 static uint32_t choose_outside(const pzs_optimiser *optimiser)
 {
@@ -507,9 +507,9 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
     const pzs_real *change = work_array(optimiser, CHANGE),
                    *response = work_array(optimiser, RESPONSE);
     /*
-     * Rounding errors explain why a voltage or sum that depends linearly on the active ones is
-     * outside its bounds; the dual active-set method therefore ignores it until the next exact
-     * computation of the gradient.
+     * Rounding errors explain why a voltage (or limited sum of voltages) is outside its bounds
+     * although it is a linear combination of those that are kept at their bounds; the dual active-
+     * set method therefore ignores it until the next exact computation of the gradient.
      */
     if (!may_join &&
         PIVOT_TO_VALUE * outside <= optimiser->pivot_rounding * optimiser->multiplier_change) {
@@ -537,7 +537,8 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 
 /*
  * Return the number of free inputs whose voltages are outside their bounds plus the number of
- * active inputs whose multipliers have the wrong sign by more than `rounding` (m2/V).
+ * active inputs (voltages at a bound) whose multipliers have the wrong sign by more than `rounding`
+ * (m2/V).
  */
 static uint32_t count_errors(const pzs_optimiser *optimiser, pzs_real rounding)
 {

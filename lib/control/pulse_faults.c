@@ -626,10 +626,12 @@ static void resolve_moves(pzs_pulse_detector_state *state)
  * have received.
  */
 typedef struct loss_sums {
-    pzs_real losses; /* sum of the squared missing voltages (V2) */
+    pzs_real losses; /* sum over the electrodes of the squared voltages that they seem not to have
+                        received (V2) */
     pzs_real moves;  /* sum of the products of voltage changes and of the estimates of these changes
                         from the readings (V2) */
-    pzs_real both;   /* sum of the products of missing voltages and voltage changes (V2) */
+    pzs_real both; /* sum over the electrodes of the products of the voltage that each seems not to
+                      have received and its voltage change (V2) */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -662,8 +664,9 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 typedef struct own_loss {
     pzs_real common; /* common part of all voltage changes that seems to be missing, at most
                         COMMON_LOSS; negative: the changes seem larger than they are (1) */
-    pzs_real lost;   /* voltage that the electrode seems not to have received, apart from the common
-                        part (V) */
+    pzs_real lost;   /* voltage that the electrode seems not to have received, without the part that
+                        all electrodes have in common because the gain of the structure differs from
+                        the model (V) */
 } own_loss;
 
 /*

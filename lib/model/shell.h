@@ -114,8 +114,9 @@ void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
                           pzs_real *resultant);
 
 /*
- * Internal nodal force of given stress resultants at a displacement.
- *   resultant [22]             in   stress resultants of all strain modes, times the area (N m)
+ * Internal nodal force of given stress resultants of an element at a displacement.
+ *   resultant [22]             in   stress resultants of all strain modes (constant, linear and
+ *                                   bilinear over the element), times the area (N m)
  *   force     [4 dof_per_node] out  internal force (N and N m)
  */
 void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node,
