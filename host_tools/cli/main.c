@@ -1039,6 +1039,7 @@ static int command_check(const options *options, analysis *analysis)
     warn_of_loop(analysis);
     progress_stop();
     work_report_make(&work, analysis);
+    work_report_search(&work, analysis);
     (options->as_json ? print_check_json : print_check)(analysis, &work);
     if (judge_loop(analysis, error) < 0 || judge_storms(analysis, error) < 0 ||
         work_report_check(&work, &analysis->design, error) < 0)

@@ -7,19 +7,14 @@
 
 /*
  * Compute upper bounds of the processor instructions of a control tick that runs a list of blocks
- * (stages of the tick): for any tick, and for the longest simulated tick.
+ * (stages of the tick).
  */
 static void find_bounds(work_report *report, const analysis *analysis, const loop_blocks *blocks)
 {
     const scene_control *control = &analysis->design.control;
     report->limit = loop_blocks_work_limit(blocks);
-    report->measured = tick_work_longest(&analysis->design, report->limit);
-    for (int k = 0; k < LOOP_PROCESSORS; k++) {
-        const loop_processor *on = &loop_processor_table[k];
-        const double unused = (double)report->limit - (double)report->measured;
-        loop_blocks_bound(blocks, on, &report->bounds[k]);
-        report->longest[k] = report->bounds[k].all - on->optimiser * unused;
-    }
+    for (int k = 0; k < LOOP_PROCESSORS; k++)
+        loop_blocks_bound(blocks, &loop_processor_table[k], &report->bounds[k]);
     report->rate = control->clock / LOOP_WORK_CYCLES / report->bounds[0].all;
     report->holds = !(control->clock > 0) || report->rate >= control->rate * (1 - 1e-9);
     report->is_made = true;
@@ -37,6 +32,17 @@ void work_report_make(work_report *report, const analysis *analysis)
         return;
     find_bounds(report, analysis, &parts.blocks);
     loop_parts_close(&parts);
+}
+
+void work_report_search(work_report *report, const analysis *analysis)
+{
+    if (!report->is_made)
+        return;
+    report->measured = tick_work_longest(&analysis->design, report->limit);
+    for (int k = 0; k < LOOP_PROCESSORS; k++) {
+        const double unused = (double)report->limit - (double)report->measured;
+        report->longest[k] = report->bounds[k].all - loop_processor_table[k].optimiser * unused;
+    }
 }
 
 /* Print one row of the table of instructions: a name, and a number for each processor. */

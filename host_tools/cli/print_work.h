@@ -26,11 +26,17 @@ typedef struct work_report {
 } work_report;
 
 /*
- * Compute the number of processor instructions of a control tick.
+ * Compute upper bounds of the number of processor instructions of a control tick.
  *   analysis in  analysis of a scene, with computed influence matrix, and after the stability tests
  *   of the control loop
  */
 void work_report_make(work_report *report, const analysis *analysis);
+
+/*
+ * Search for the longest of many control ticks with targets that jump, which takes minutes with a
+ * thousand amplifiers, and store its work in a report that work_report_make has filled.
+ */
+void work_report_search(work_report *report, const analysis *analysis);
 
 void print_work(const work_report *report, const design *design);
 void print_work_json(const work_report *report, json *json);
