@@ -293,6 +293,34 @@ static void test_half_cylinder_crossply(void **state)
     scene_run_close(&run);
 }
 
+/*
+ * The half cylinder of plies [0/90/0] has its first limit point where it folds at the free end of
+ * its straight edge, far from the force: the inner face is compressed there by a Green's strain
+ * below -0.3, at which the law of the material softens, while the thickness changes by less than a
+ * fifth of that. The message of the path names the compression.
+ */
+static void test_half_cylinder_softens(void **state)
+{
+    scene_run run;
+    load_path path;
+    (void)state;
+    open_run(&run, "semi-cylinder",
+             "layers=[{material: ply, thickness: 1}, {material: ply, thickness: 1, angle: 90}, "
+             "{material: ply, thickness: 1}]");
+    assert_int_equal(load_path_follow(&path, &run.analysis, run.error), 0);
+    assert_false(path.is_complete);
+    assert_int_equal(path.event[0].type, LOAD_PATH_LIMIT);
+    const load_path_point *point = &path.point[path.event[0].point];
+    const mesh *mesh = &run.analysis.design.mesh;
+    const double *theta = mesh->theta[mesh->element[point->compression.element][2]];
+    assert_true(point->compression.strain < -0.3 && point->compression.face == 0);
+    assert_true(fabs(point->thickness_strain) < 0.2 * fabs(point->compression.strain));
+    assert_true(theta[0] > 300 && theta[1] > 1.5);
+    assert_non_null(strstr(run.error, "Hooke's law for Green strains softens"));
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
 #endif
 
 /*
@@ -684,6 +712,7 @@ int main(void)
         cmocka_unit_test(test_contact_in_equal_steps),
 #if SLOW_ROWS
         cmocka_unit_test(test_half_cylinder_crossply),
+        cmocka_unit_test(test_half_cylinder_softens),
 #endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
