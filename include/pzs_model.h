@@ -212,8 +212,9 @@ typedef struct pzs_model {
 
 /*
  * Size of the workspace of a finite-element model (bytes). `envelope` is the number of stored
- * entries of its stiffness matrix, padding included; generated headers define it for each PZS_TILE.
- * Where the element types of the structure are compact, PZS_COMPACT_BYTES are added.
+ * entries of its stiffness matrix, padding included; generated headers define it for each size of
+ * the blocks in which the matrix is factored (PZS_TILE). Where the tables hold compact element
+ * types, which the device completes from the nodes, PZS_COMPACT_BYTES are added.
  */
 #define PZS_MODEL_BYTES(free_dof, envelope)                                                        \
     (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(free_dof)) +                           \

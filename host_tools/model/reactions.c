@@ -36,9 +36,10 @@ typedef struct all_dof {
                       */
     double *unit;    /* [free and constrained dof] force per unit of one load */
     double *value;   /* [nodes] value of one load at each node */
-    double (*prescribed)[LAMINATE_STRAINS]; /* [elements] stress resultants that voltages and
-                                               temperatures prescribe, times the area of the element
-                                               (N m) */
+    double (*prescribed)[LAMINATE_STRAINS]; /* [elements] stress resultants of each strain of an
+                                               element under voltages and temperatures without any
+                                               strain, times the area of the element: work per unit
+                                               of the strain (N m, for a curvature N m2) */
 } all_dof;
 
 static double *dof_vector(const all_dof *all, int k)

@@ -68,9 +68,10 @@ int vibration_take_measured(vibration *vibration, const design *design, size_t n
 /*
  * Compute the lowest vibration modes for small vibrations about a deformed equilibrium, with the
  * tangent stiffness matrix and the forces of the inputs there.
- *   about  in  tangent stiffness matrix at the equilibrium, which contains the prestress, and
- * forces number in  number of modes lumped in  part of the lumped mass matrix in the mass matrix,
- * from 0 to 1 Returns 0, or -1 with error filled and the result empty.
+ *   about  in  tangent stiffness matrix, which contains the prestress, and forces of the inputs
+ *   number in  number of modes
+ *   lumped in  part of the lumped mass matrix in the mass matrix, from 0 to 1
+ * Returns 0, or -1 with error filled and the result empty.
  */
 int vibration_solve_at(vibration *vibration, const design *design, const linearised *about,
                        int number, double lumped, char *error);

@@ -488,9 +488,9 @@ static void end_step(shell_motion *motion, double step)
 }
 
 /*
- * Norm of the last increment of Newton's method relative to the change of the displacement in half
- * the time step. Where the structure hardly moves, the change counts as a small part of the
- * displacement.
+ * Return the norm of the last increment of Newton's method, relative to the change of the
+ * displacement in half the time step, or, where the structure hardly moves, to a small fraction of
+ * the displacement.
  */
 static double relative_increment(const shell_motion *motion)
 {

@@ -57,9 +57,9 @@ bool tables_are_compact(const analysis *analysis);
  * Write the tables of a firmware as a C header. A scene always gives identical bytes, because the
  * header contains no dates and no paths.
  *   analysis in   analysis of the scene, whose influence matrix is computed if the scene has a
- *                 target (without a target the tables contain no voltage optimisation problem); for
- * a firmware that computes nonlinear equilibria, the displacement of the scene must be computed
- * before image    in   part of the library that the firmware uses: control, linear or nonlinear
+ *                 target (without a target the tables contain no voltage optimisation problem);
+ *                 for image nonlinear the displacement of the scene must be computed before
+ *   image    in   part of the library that the firmware uses: control, linear or nonlinear
  *   prefix   in   start of every name, a C identifier
  *   size     out  size of the tables
  * Returns 0, or -1 when writing failed.

@@ -186,9 +186,9 @@ static void renew_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Compute anew, after changes of signs, the rows of the optimiser's matrix and of its Cholesky
- * factor that belong to limits of sums of absolute values of voltages. Active limits stay active
- * with their multipliers.
+ * Compute anew, after the signs of voltages changed, those rows of the optimiser's tableau and of
+ * the Cholesky factor of its active limits that belong to limits of sums of absolute values. Active
+ * limits stay active with their multipliers.
  */
 static void renew_rows(const rows_run *run)
 {

@@ -555,8 +555,9 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
 /* ---- suspicion ------------------------------------------------------------ */
 
 /*
- * Turn the weighted sums over a window, a time over which the fault detector averages, into mean
- * voltages and mean readings, which replace first_voltage and first_reading.
+ * Compute the mean voltages and mean readings of a window, a time over which the fault detector
+ * averages, from the values in its first tick and the weighted sums of the deviations from them.
+ * The means replace the values of the first tick in the state of the detector.
  */
 static void find_means(pzs_pulse_detector_state *state)
 {

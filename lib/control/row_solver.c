@@ -54,7 +54,8 @@
 
 /*
  * Largest number of times in a tick that the optimiser for limited sums of voltages computes its
- * tableau anew (negative response matrix: changes of voltages and limited sums per multiplier).
+ * tableau anew: the matrix of the changes of all voltages and limited sums per unit of each
+ * multiplier of a limit.
  */
 #define REBUILDS 3u
 /*
