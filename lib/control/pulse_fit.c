@@ -164,7 +164,7 @@ static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
 pulse_response pzs_pulse_response(pzs_pulse_detector_state *state)
 {
     pulse_fit fit = compare_pulse(state);
-    pulse_response result = {{0, 0}, {0, 0}, false};
+    pulse_response result = {{0, 0}, {0, 0}, 0, false};
     pzs_real rest = fit.energy, product[COLUMNS];
     memcpy(product, fit.response, sizeof product);
     if (!factor_fit(&fit))
@@ -173,6 +173,7 @@ pulse_response pzs_pulse_response(pzs_pulse_detector_state *state)
     for (uint32_t k = 0; k < COLUMNS; k++)
         rest -= product[k] * fit.response[k];
     memcpy(result.gain, fit.response, sizeof result.gain);
+    result.unexplained = rest / fit.own;
     result.is_measured = rest <= DISTURBED * fit.own;
     find_jumps(state, &fit, &result);
     return result;
