@@ -417,6 +417,8 @@ typedef struct pzs_fault_detector_state {
 
 typedef struct pzs_pulse_detector_state {
     struct pzs_control *control;
+    const struct pzs_compensator *compensator; /* memory of the compensation of hysteresis; NULL:
+                                                  the loop does not compensate hysteresis */
     const struct pzs_selftest_tables *tables;
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
                                input (unit of each sensor / V) */
@@ -522,7 +524,6 @@ typedef struct pzs_pulse_detector_state {
                        has not responded */
     bool is_grown;  /* whether test pulses are large, because neither electrode under test responded
                        to small ones */
-    bool is_compensated; /* whether the loop compensates hysteresis */
     bool is_moving; /* whether the target shape has changed in the present window, the interval in
                        which readings are averaged */
     bool has_base, has_taken; /* has_base: there was an interval in which the target shape stood

@@ -1367,23 +1367,23 @@ extern const pzs_block_type pzs_selftest_block;
  * and keeps their voltages constant, while the loop goes on. It compares mean readings with those
  * of an earlier interval in which the target stood still. If the readings show less voltage on an
  * electrode, or less change of it, than its amplifier gave, the electrode makes slow test pulses of
- * voltage, together with an electrode that seems healthy. The suspected electrode is faulty if in
- * two pulses it does not respond although the other one does, or if it responds with the wrong
- * sign.
+ * voltage, together with an electrode that seems healthy. The suspected electrode is faulty if it
+ * does not respond although the other one does, or if it responds with the wrong sign: in one pulse
+ * that nothing disturbs, otherwise in two.
  *
  * The pulses begin a quarter of a pulse after the last motion of the target. During the pulses the
  * loop damps vibration, but does not follow loads. A target that moves interrupts them, and they
- * begin again afterwards: in a loop whose target never stands still for two and a quarter pulses,
+ * begin again afterwards: in a loop whose target never stands still for one and a quarter pulses,
  * no electrode is found. An electrode that lacks less than about 5 % of its voltage range is not
  * suspected until it lacks more.
  *
  * The gain (measured divided by modelled response) of the suspected electrode is compared with that
  * of the other electrode, so that what hides both responses makes no healthy electrode a faulty
  * one. Where the loop compensates hysteresis, the readings are predicted by the model of hysteresis
- * as it was measured. Where both electrodes respond weakly, as with strong hysteresis, the pulses
- * are repeated with up to four times their height, at most half the voltage range; with 30 %
- * hysteresis some faults are still not found, and without compensation most of them. A load that
- * jumps during a pulse is noticed, and the pulse is repeated.
+ * as it was measured. Where this model predicts that a pulse hardly moves an electrode, as with
+ * strong hysteresis, or where both electrodes respond weakly, the pulses have up to four times
+ * their height, at most half the voltage range. With 30 % hysteresis that is not compensated most
+ * faults are not found. A load that jumps during a pulse is noticed, and the pulse is repeated.
  *
  * At least four sensors are needed, because the evaluation of a pulse fits three responses to the
  * readings. Fewer sensors than electrodes cannot tell all electrodes apart: several electrodes are

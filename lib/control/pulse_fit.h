@@ -41,11 +41,16 @@ typedef struct pulse_response {
      * a fault [0] and of the healthy one with which it is compared [1] (1)
      */
     pzs_real gain[2];
-    pzs_real jumped[2];   /* jump of the readings during the test pulse that resembles the modelled
-                             response to the electrode suspected of a fault [0] and to the healthy one
-                             [1], relative to this response (1) */
-    pzs_real unexplained; /* part of the sum of squares of the measured response that no modelled
-                             response explains, relative to that of the modelled response (1) */
+    /*
+     * jump of the readings during the test pulse that resembles the modelled response to the
+     * electrode suspected of a fault [0] and to the healthy one [1], relative to this response (1)
+     */
+    pzs_real jumped[2];
+    /*
+     * part of the sum of squares of the measured response that no modelled response explains,
+     * relative to the sum of squares of the modelled response (1)
+     */
+    pzs_real unexplained;
     bool is_measured; /* whether the gains can be trusted; false: a load or a motion has disturbed
                          the test pulse, or readings were missing */
 } pulse_response;

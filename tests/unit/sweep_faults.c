@@ -507,7 +507,7 @@ static const row rows[] = {
     {"6 sensors, 20 % hysteresis, compensated", 0.2, 0.2, 1e-6, 0, 0, 90, SIX_READINGS},
     {"20 % hysteresis, 15 % compensated", 0.2, 0.15, 1e-7, 0, 0, 90, ""},
     {"10 % hysteresis, not compensated", 0.1, 0, 1e-7, 0, 0, 90, ""},
-    {"30 % hysteresis, compensated", 0.3, 0.3, 1e-7, 0, 0, 80, ""},
+    {"30 % hysteresis, compensated", 0.3, 0.3, 1e-7, 0, 0, 95, ""},
     {"30 % hysteresis, not compensated", 0.3, 0, 1e-7, 0, 0, 0, ""},
     {"20 % hysteresis, ten times the noise", 0.2, 0.2, 1e-6, 0, 0, 95, ""},
     {"20 % hysteresis, 5 % of the ticks missed", 0.2, 0.2, 1e-7, 0.05, 0, 85, ""},
