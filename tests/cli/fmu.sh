@@ -55,8 +55,8 @@ coupled few '[{at: 0, load: 0, factor: 0, feed_forward: true}, {at: 30, load: 0,
     plate-few-sensors --quasi-static --set simulate.influence=undeformed --set simulate.plant.kinematics=linear --set simulate.plant.inertia=false --set simulate.ticks=100
 check 'a quasi-static plant, few sensors, a known load' $?
 "$PZS" new measured >"$dir/measured.yaml" && "$PZS" new measured-matrix >"$dir/measured-matrix.csv" &&
-    coupled measured '[{at: 50, target: -0.5}]' 0 "$dir/measured.yaml" --set safety=none
-check 'a measured mirror' $?
+    coupled measured '[{at: 50, target: -0.5}]' 0 "$dir/measured.yaml" --set safety=none --set 'limits.absolute_sum={limit: 60}' --set 'limits.difference={limit: 20}'
+check 'a measured mirror with limits of differences and of a sum of absolute values' $?
 loop faults "$dir/vibrating-plant.fmu" "$dir/vibrating-controller.fmu"
 check 'order of calls, states, instances, bad input' $?
 "$PZS" fmu "$dir/measured.yaml" --controller --build --set simulate.sensors.delay=1 --set 'safety={park: -5, ramp_ticks: 20}' -o "$dir/late.fmu" >"$dir/said" 2>&1 &&
