@@ -53,11 +53,15 @@ extern const struct pzs_dual_calls pzs_dual_method;
 typedef struct pzs_sparse_influence {
     const struct pzs_sparse_calls *call; /* functions that implement sparse influence matrices:
                                             always &pzs_sparse_influence_calls */
-    pzs_rows rows; /* entries of the influence matrix (m/V): one row for each output, whose columns
-                      `dof` are inputs in ascending order */
+    pzs_rows rows; /* stored entries of the influence matrix (m/V): one sparse row for each output,
+                      in which `dof` holds the indices of the inputs, in ascending order, and
+                      `value` the entries */
 } pzs_sparse_influence;
 
-/* Functions that implement sparse influence matrices. */
+/*
+ * Functions with which the controller checks a sparse influence matrix (pzs_sparse_influence) and
+ * multiplies it by vectors.
+ */
 extern const struct pzs_sparse_calls pzs_sparse_influence_calls;
 
 /*

@@ -133,9 +133,10 @@ typedef struct pzs_optimiser {
     pzs_real *target_gradient; /* [width >= inputs] part of half the gradient of the objective, to
                                   be subtracted: B'W^2 (e - B v), with influence matrix B, output
                                   weights W, target error e, and v the voltages in `base` (m2/V) */
-    pzs_real *model_gradient;  /* [width >= inputs] part of half the gradient of the objective that
-                                  depends on the voltages: Hessian times (`voltage` - `base`) plus
-                                  `regularisation_gradient` (m2/V) */
+    pzs_real *model_gradient;  /* [width >= inputs] part of half the gradient of the optimiser's
+                                  objective that depends on the voltages: Hessian times (present
+                                  voltages - voltages in `base`) plus regularisation weight times
+                                  (voltages in `base` - reference voltages) (m2/V) */
     pzs_real *gradient;  /* [width >= inputs] half the gradient of the objective with respect to the
                             voltages: model_gradient minus target_gradient (m2/V) */
     pzs_real *direction; /* [width >= inputs] for an input whose voltage is free, the optimiser's
@@ -183,14 +184,16 @@ typedef struct pzs_optimiser {
     pzs_real target_energy;   /* weighted squared norm of the target error (target shape minus the
                                  shape without voltages), with which rounding errors of the
                                  objective are compared (m2) */
-    pzs_real kkt_violation;   /* largest violation of the optimality (KKT) conditions by an input
-                                 (m2/V); where the gradient was predicted by the tableau (pivoted
-                                 Hessian), instead the sum of the errors of this prediction for the
-                                 two inputs that were checked */
-    pzs_real rounding_bound;  /* bound below which rounding errors explain a violation of the
-                                 optimality (KKT) conditions (m2/V) */
-    uint32_t active_count; /* number of inputs in the active set, whose voltages are kept constant
-                            */
+    /*
+     * largest violation of the optimality (KKT) conditions by an input (m2/V); after an iteration
+     * that only predicted the gradient from the tableau (pivoted Hessian): sum of the prediction
+     * errors of two inputs, whose gradients are also computed exactly
+     */
+    pzs_real kkt_violation;
+    pzs_real rounding_bound; /* bound below which rounding errors explain a violation of the
+                                optimality (KKT) conditions (m2/V) */
+    uint32_t active_count;   /* number of inputs in the active set, whose voltages are kept constant
+                              */
     uint32_t active_most;  /* largest number of inputs that the dual active-set method may keep at a
                               bound */
     uint32_t checked_next; /* index of the next input whose gradient is computed from the Hessian,
@@ -494,8 +497,9 @@ typedef struct pzs_pulse_detector_state {
                             which readings are averaged) or test pulse */
     pzs_real ridge; /* weight of the regularisation in the least-squares estimate of the voltages
                        that amplifiers gave but that do not show in the readings (1/V2) */
-    pzs_real share_factor; /* factor, at least 1, of the smallest part of a change of the readings
-                              that must be explained before an electrode is suspected (1) */
+    pzs_real share_factor; /* factor, at least 1, on the smallest share of a change of the readings
+                              that a fault of one electrode must explain before the fault detector
+                              suspects the electrode; above 1 with few sensors (1) */
     pzs_real least_energy; /* sum of the squared weighted output changes that a full test pulse
                               causes, for the input with the smallest sum (m2) */
     pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
@@ -577,8 +581,9 @@ typedef struct pzs_damper_state {
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
-    uint16_t newest;  /* index of the newest row of the ring buffers `equilibrium` and `expected`,
-                         which belongs to the present voltages */
+    uint16_t newest; /* index of the row for the present voltages in two ring buffers with a row for
+                        each tick: `equilibrium` (static positions of the vibration modes) and
+                        `expected` (static readings of the sensors) */
     uint8_t stage;
 } pzs_damper_state;
 
@@ -615,8 +620,9 @@ typedef struct pzs_reading_delay_state {
                              were taken (unit of each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
-    uint16_t newest;  /* index of the newest row of the ring buffers `voltage` and `expected`, which
-                         belongs to the present tick */
+    uint16_t newest;  /* index of the row for the present tick in two ring buffers with a row for
+                         each tick: `voltage` (voltages) and `expected` (readings that the model
+                         predicts) */
 } pzs_reading_delay_state;
 
 typedef struct pzs_feed_forward_state {
@@ -642,8 +648,11 @@ typedef struct pzs_supervisor_core {
     uint32_t silent;    /* number of consecutive ticks without usable readings */
     uint32_t over;      /* number by which the supervisor judges the measured shape: a tick with an
                            implausible shape raises it by one, any other tick lowers it by two */
-    uint32_t cause;     /* event for which the supervisor has taken control away, a value of
-                           pzs_supervisor_event; 0: none */
+    /*
+     * event, a value of pzs_supervisor_event, for which the supervisor (safety monitor of the loop)
+     * has replaced the voltages of the controller by its own; 0: none
+     */
+    uint32_t cause;
 } pzs_supervisor_core;
 
 /*
@@ -719,22 +728,26 @@ typedef struct pzs_selftest_core {
 
 /*
  * Sums with which the self-test compares a measured and a modelled response: of all sensors to one
- * amplifier, or of one sensor to all amplifiers. Each response is multiplied by the scale of its
- * sensor.
+ * amplifier, or of one sensor to all amplifiers. A response is the change of a reading per volt of
+ * a test pulse, times the scale factor of the sensor (1 / unit of the sensor), which makes it a
+ * number per volt (1/V).
  */
 typedef struct pzs_selftest_sums {
-    pzs_real product; /* sum of the products of measured and modelled responses over the sensors
-                         (for one amplifier) or the amplifiers (for one sensor) of a self-test
-                         (1/V2) */
+    pzs_real product; /* sum of the products of measured and modelled responses (change of a reading
+                         per volt, times the scale factor of its sensor, 1/V) of all sensors to one
+                         amplifier, or of one sensor to all amplifiers (1/V2) */
     pzs_real size; /* sum of the absolute values of the products of measured and modelled responses
-                      over the sensors (for one amplifier) or the amplifiers (for one sensor) of a
-                      self-test (1/V2) */
-    pzs_real measured; /* sum of the squares of the measured responses of sensors to amplifiers in a
-                          self-test (1/V2) */
-    pzs_real modelled; /* sum of the squares of the modelled responses of sensors to amplifiers in a
-                          self-test (1/V2) */
+                      (change of a reading per volt, times the scale factor of its sensor, 1/V) of
+                      all sensors to one amplifier, or of one sensor to all amplifiers (1/V2) */
+    pzs_real measured; /* sum of the squares of the measured responses (change of a reading per
+                          volt, times the scale factor of its sensor, 1/V) of all sensors to one
+                          amplifier, or of one sensor to all amplifiers (1/V2) */
+    pzs_real modelled; /* sum of the squares of the modelled responses (change of a reading per
+                          volt, times the scale factor of its sensor, 1/V) of all sensors to one
+                          amplifier, or of one sensor to all amplifiers (1/V2) */
     pzs_real noise; /* expected contribution of noise and vibration to the sum of the squares of the
-                       measured responses of sensors to amplifiers in a self-test (1/V2) */
+                       measured responses (change of a reading per volt, times the scale factor of
+                       its sensor, 1/V) (1/V2) */
 } pzs_selftest_sums;
 
 typedef struct pzs_selftest_state {
@@ -769,8 +782,9 @@ typedef struct pzs_selftest_state {
                        (squared unit of each sensor) */
     pzs_real *start; /* [inputs] voltages before the self-test, to which each amplifier returns
                         after its test pulse (V) */
-    pzs_real difference[2]; /* largest squared difference, over all amplifiers [0] and over all
-                               sensors [1], between the measured and the modelled response (1/V2) */
+    pzs_real difference[2]; /* squared difference between measured and modelled response (change of
+                               a reading per volt, times the scale factor of its sensor, 1/V), the
+                               largest of all amplifiers [0] and of all sensors [1] (1/V2) */
     pzs_real least_angle;   /* smallest squared sine, so far, of the angle between the modelled
                                response of one amplifier (or sensor) and those of the others, as
                                vectors (1) */

@@ -156,7 +156,8 @@ typedef struct pzs_loop_info {
      * during the next tick. An interrupt reads them through pzs_loop_voltages.
      */
     const pzs_real *volatile voltage;
-    volatile uint32_t frames; /* number of voltage arrays that the loop has published so far */
+    volatile uint32_t frames; /* number of times that the loop has given out new voltages, by
+                                 pointing its member `voltage` at an array that a tick has filled */
     const pzs_real *measured; /* [outputs] measured shape that the last tick used (m); NULL: it used
                                  none */
     const uint8_t *electrode; /* [inputs] state of each electrode after the last tick, a value of
@@ -901,52 +902,59 @@ typedef struct pzs_hysteresis {
     uint16_t sets; /* number of sets of hysteresis parameters: 1 for all electrodes together,
                       otherwise one for each input */
     uint16_t plays, creeps;
-    const pzs_real *middle; /* [sets: 1 or inputs] middle of the voltage range of each electrode (V)
-                             */
-    const pzs_real *half_range; /* [sets: 1 or inputs] half of the voltage range of each electrode
-                                   (V) */
-    const pzs_real *offset;     /* [sets: 1 or inputs] effect of an electrode (voltage without
-                                   hysteresis) in the middle of its voltage range while its plays
-                                   (elements with backlash) and creep terms are at 0 (V) */
+    const pzs_real *middle;     /* [parameter sets: 1 or inputs] middle of the voltage range (V) */
+    const pzs_real *half_range; /* [parameter sets: 1 or inputs] half of the voltage range (V) */
+    const pzs_real *offset; /* [parameter sets: 1 or inputs] effect of an electrode (voltage that
+                               would cause its strain without hysteresis) in the middle of its
+                               voltage range while its plays (elements with backlash) and creep
+                               terms are at 0 (V) */
     /*
-     * [sets: 1 or inputs][4] slopes of the piecewise linear part of an electrode's effect (voltage
-     * without hysteresis), from the lowest quarter of the voltage range to the highest, at least
-     * PZS_LEAST_SLOPE (1)
+     * [parameter sets: 1 or inputs][4] slopes of the piecewise linear part of an electrode's effect
+     * (voltage without hysteresis), from the lowest quarter of the voltage range to the highest, at
+     * least PZS_LEAST_SLOPE (1)
      */
     const pzs_real *slope;
-    const pzs_real *slack; /* [sets: 1 or inputs][plays] slack of each play (element with backlash
-                              that models hysteresis) of an electrode: half the width of its
-                              backlash, above 0 and ascending (V) */
-    const pzs_real *above; /* [sets: 1 or inputs][plays] weight of the position of each play
-                              (element with backlash) in the effect of an electrode (voltage without
-                              hysteresis) while the position is positive, at least 0 (1) */
-    const pzs_real *below; /* [sets: 1 or inputs][plays] weight of the position of each play
-                              (element with backlash) in the effect of an electrode (voltage without
-                              hysteresis) while the position is negative, at least 0 (1) */
-    const pzs_real *creep; /* [sets: 1 or inputs][creeps] final value of each creep term of an
-                              electrode per volt on it, at least 0 (1); the creep terms add to the
-                              effect of the electrode (voltage without hysteresis) */
+    const pzs_real *slack; /* [parameter sets: 1 or inputs][plays] slack of each play (element with
+                              backlash that models hysteresis) of an electrode: half the width of
+                              its backlash, above 0 and ascending (V) */
+    const pzs_real *above; /* [parameter sets: 1 or inputs][plays] weight of the position of each
+                              play (element with backlash) in the effect of an electrode (voltage
+                              without hysteresis) while the position is positive, at least 0 (1) */
+    const pzs_real *below; /* [parameter sets: 1 or inputs][plays] weight of the position of each
+                              play (element with backlash) in the effect of an electrode (voltage
+                              without hysteresis) while the position is negative, at least 0 (1) */
+    const pzs_real *creep; /* [parameter sets: 1 or inputs][creeps] value that each creep term of an
+                              electrode reaches in the end, per volt on the electrode, at least 0
+                              (1); creep terms add to the effect of the electrode (voltage that
+                              would cause its strain without hysteresis) */
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
     /*
-     * Two hysteresis models of the electrodes may differ. The fault detector uses the parameters as
-     * they were measured: identified_offset, identified_slope, identified_above and
-     * identified_below. The compensation uses offset, slope, above and below, which may describe a
-     * ceramic with less hysteresis, because the inverse of that model is more robust. The
-     * identified arrays are NULL where both models are equal.
+     * The tables may hold two hysteresis models of the electrodes. The fault detector uses the
+     * model as it was measured, whose arrays begin with `identified_`. The compensation uses the
+     * arrays without this prefix, which may describe a ceramic with less hysteresis, because the
+     * inverse of such a model is more robust. The identified arrays are NULL where both models are
+     * equal.
      */
-    const pzs_real *identified_offset; /* [sets: 1 or inputs] effect of an electrode (voltage
-                                          without hysteresis) in the middle of its voltage range, by
-                                          the hysteresis model as it was measured (V) */
-    const pzs_real *identified_slope;  /* [sets: 1 or inputs][4] slopes of the piecewise linear part
-                                          of an electrode's effect (voltage without hysteresis), by
-                                          the hysteresis model as it was measured (1) */
-    const pzs_real *identified_above;  /* [sets: 1 or inputs][plays] weight of each play (element
-                                          with backlash) of an electrode at positive positions, by
-                                          the hysteresis model as it was measured (1) */
-    const pzs_real *identified_below;  /* [sets: 1 or inputs][plays] weight of each play (element
-                                          with backlash) of an electrode at negative positions, by
-                                          the hysteresis model as it was measured (1) */
+    const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] effect of an electrode
+                                          (voltage without hysteresis) in the middle of its voltage
+                                          range, by the hysteresis model as it was measured (V) */
+    /*
+     * [parameter sets: 1 or inputs][4] slopes, in the four quarters of the voltage range, of the
+     * effect of an electrode (voltage without hysteresis) apart from plays and creep, in the
+     * hysteresis model as it was measured (1)
+     */
+    const pzs_real *identified_slope;
+    const pzs_real *identified_above; /* [parameter sets: 1 or inputs][plays] weight of the position
+                                         of each play (element with backlash) in the effect of an
+                                         electrode (voltage without hysteresis) while the position
+                                         is positive, in the hysteresis model as it was measured (1)
+                                       */
+    const pzs_real *identified_below; /* [parameter sets: 1 or inputs][plays] weight of the position
+                                         of each play (element with backlash) in the effect of an
+                                         electrode (voltage without hysteresis) while the position
+                                         is negative, in the hysteresis model as it was measured (1)
+                                       */
 } pzs_hysteresis;
 
 /*

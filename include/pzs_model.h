@@ -82,7 +82,7 @@ typedef struct pzs_node {
 } pzs_node;
 
 /*
- * One element type in compact form, for meshes on which nearly every element is a type of its own.
+ * One element type in a short form, for meshes on which nearly every element is a type of its own.
  * The matrices and base vectors of pzs_element_type (its members s, t, g_mean and g_diff) are left
  * out; the library computes them, to the same bits, from the nodes of one element of this type. 104
  * of 293 reals remain.
@@ -133,10 +133,12 @@ typedef struct pzs_structure {
                                      member and `compact` are NULL, the model solves without
                                      iterative refinement, the nonlinear solver cannot be used, and
                                      `stiffness` must not be NULL */
-    const pzs_compact_type *compact; /* [types] element types in compact form; not used where `type`
-                                        is not NULL */
-    const pzs_node *node;            /* [nodes] nodes of the structure, from which compact element
-                                        types are completed; NULL where `compact` is NULL */
+    const pzs_compact_type *compact; /* [types] element types without the matrices and base vectors
+                                        that the library computes from the nodes; not used where
+                                        `type` is not NULL */
+    const pzs_node *node; /* [nodes] nodes of the structure, from which the library computes the
+                             matrices and base vectors that the element types in `compact` leave
+                             out; NULL where `compact` is NULL */
     pzs_rows input; /* force vector on the free degrees of freedom per unit of each input (N/V, N/K,
                        N/Pa or 1) */
     pzs_rows output; /* outputs of the structure, one row for each displacement (m): coefficients of
@@ -197,8 +199,9 @@ typedef struct pzs_model_state {
     pzs_real *work; /* [6][free_dof] work array of six vectors for the linear solves of the model */
     const pzs_real *stiffness_factor; /* [types] factor of the stiffness matrix of each element
                                          type, as passed to the last pzs_assemble; NULL: all 1 */
-    pzs_element_type *rebuilt; /* element type that was last completed from compact tables; not used
-                                  where the tables are not compact */
+    pzs_element_type *rebuilt;  /* element type whose matrices and base vectors were last computed
+                                   from the nodes; not used where the tables hold them for all
+                                   element types */
     const uint8_t *constrained; /* [free_dof] nonzero: this degree of freedom is kept at zero in
                                    addition to those of the supports, as passed to the last
                                    pzs_assemble; NULL: none is */
@@ -213,14 +216,17 @@ typedef struct pzs_model {
 /*
  * Size of the workspace of a finite-element model (bytes). `envelope` is the number of stored
  * entries of its stiffness matrix, padding included; generated headers define it for each size of
- * the blocks in which the matrix is factored (PZS_TILE). Where the tables hold compact element
- * types, which the device completes from the nodes, PZS_COMPACT_BYTES are added.
+ * the blocks in which the matrix is factored (PZS_TILE). If the tables of the element types leave
+ * out what the library computes from the nodes (pzs_compact_type), PZS_COMPACT_BYTES are added.
  */
 #define PZS_MODEL_BYTES(free_dof, envelope)                                                        \
     (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(free_dof)) +                           \
      sizeof(uint32_t) * ((size_t)(free_dof) / PZS_TILE + 2u) + 2u * sizeof(pzs_real))
 
-/* Bytes of the workspace of a model in which a compact element type is completed. */
+/*
+ * Bytes of the workspace of a model in which the library computes the parts that the tables of an
+ * element type leave out (pzs_compact_type).
+ */
 #define PZS_COMPACT_BYTES                                                                          \
     (sizeof(pzs_real) * (sizeof(pzs_element_type) / sizeof(((pzs_element_type *)0)->thickness)))
 
@@ -229,8 +235,8 @@ typedef struct pzs_model {
  *   model     out  the model
  *   structure in   must outlive the model
  *   work      in   memory of the caller, aligned for pzs_real; the model uses it from now on
- *   bytes     in   size of the workspace, at least PZS_MODEL_BYTES, for compact tables
- *                  PZS_COMPACT_BYTES more
+ *   bytes     in   size of the workspace, at least PZS_MODEL_BYTES; PZS_COMPACT_BYTES more if the
+ *                  element types are given as pzs_compact_type
  * Errors: PZS_E_ARGUMENT (also for an index out of range), PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE
  * (info.where = bytes needed).
  */
@@ -258,11 +264,12 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 pzs_status pzs_factor(pzs_model *model);
 
 /*
- * Compute the displacement under given input values. If the structure contains element types
- * (pzs_structure.type or compact), the solution is refined iteratively with residuals computed from
- * the strains of the elements.
+ * Compute the displacement under given input values. If the tables of the structure contain its
+ * element types, the solution is refined iteratively with residuals computed from the strains of
+ * the elements.
  *   value        [inputs]   in   input values (V, K, Pa or load factors)
- *   displacement [free_dof] out  displacement (m and 1)
+ *   displacement [free_dof] out  displacements of the free degrees of freedom: means over the
+ *                                thickness (m) and differences over the thickness divided by it (1)
  * Errors: PZS_E_STAGE, PZS_E_NONFINITE, PZS_E_RESIDUAL (the displacement is then the best that was
  * reached).
  */

@@ -25,8 +25,11 @@ extern "C" {
  * with the shell. A load that keeps its direction is a row of pzs_structure.input instead.
  */
 typedef struct pzs_prescribed_resultants {
-    uint16_t values; /* number of different sets of stress resultants, the rows of the array `value`
-                      */
+    /*
+     * number of rows of the array `value`: each row holds the ten stress resultants that an input
+     * prescribes on an element, and elements with equal resultants share a row
+     */
+    uint16_t values;
     const uint32_t *start;   /* [inputs + 1] index in the arrays `element` and `which` at which the
                                 elements begin on which each input acts; an input that acts on no
                                 element by prescribed resultants is a load */
@@ -57,8 +60,8 @@ typedef struct pzs_prescribed_motion {
 } pzs_prescribed_motion;
 
 /*
- * Tables of the nonlinear solver, in addition to those of the structure, which must contain element
- * types (pzs_structure.type or compact). All arrays are const and may stay in flash.
+ * Tables of the nonlinear solver, in addition to those of the structure, which must contain its
+ * element types (pzs_element_type or pzs_compact_type). All arrays are const and may stay in flash.
  */
 typedef struct pzs_nonlinear {
     uint32_t format, scene; /* format number of the nonlinear tables and hash of their scene file,
@@ -394,8 +397,12 @@ typedef struct pzs_contact_face {
     uint16_t input; /* index of the input that moves the contact body by its value times `motion`,
                        with an empty force vector; 0xFFFF: the body does not move */
     pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */
-    pzs_real size; /* size of the mesh or of the contact body, a length (m); a gap between shell and
-                      contact body below 1e-8 of it counts as closed */
+    /*
+     * length that scales tolerances of the contact (m): largest side of the axis-parallel box
+     * around the contact face of the shell; a gap between shell and contact body below 1e-8 of this
+     * length (in single precision 32 times the machine epsilon) counts as closed
+     */
+    pzs_real size;
     const pzs_real (*place)[3]; /* [nodes] positions of the nodes on the undeformed contact face (m)
                                  */
     const pzs_real (*triad)[3][3]; /* [nodes] unit vectors e1, e2, e3 of the frame of each node, in
@@ -423,7 +430,10 @@ typedef struct pzs_contact_settings {
     pzs_real stiffness;
 } pzs_contact_settings;
 
-/* Ways in which a rigid contact body penetrates the shell. */
+/*
+ * Faults that the check of a contact may find in the computed shape: the rigid contact body reaches
+ * into the shell.
+ */
 typedef enum pzs_penetration {
     PZS_PENETRATION_NONE = 0,
     PZS_PENETRATION_AT_NODE,       /* kind of penetration: a node lies in the contact body, and the

@@ -23,8 +23,9 @@
 #include "../core/product.h"
 
 /*
- * Odd factor near 2^32 divided by the golden ratio. It spreads the numbers of successive iterations
- * over all 32 bits, so that each input gets another random bit in each iteration.
+ * Factor, odd and near 2^32 divided by the golden ratio, that makes the start of a pseudo-random
+ * sequence from the number of the iteration. A bit of this sequence decides for each input whether
+ * the sign chosen for its voltage is reversed.
  */
 #define SPREAD 2654435769u
 
@@ -165,8 +166,9 @@ static void split_bounds(const rows_run *run)
 /* ---- response matrix ------------------------------------------------------- */
 
 /*
- * Compute row and column k, which belong to a limited sum of absolute values of voltages, of the
- * optimiser's matrix anew, as a sum of the rows of the inputs with the chosen signs.
+ * Compute anew row and column k, which belong to a limited sum of absolute values of voltages, of
+ * the optimiser's tableau (matrix that gives changes of voltages and sums from changes of
+ * multipliers), as a sum of the rows of the inputs with the chosen signs.
  */
 static void renew_row(const rows_run *run, uint32_t k)
 {
@@ -186,9 +188,10 @@ static void renew_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Compute anew, after the signs of voltages changed, those rows of the optimiser's tableau and of
- * the Cholesky factor of its active limits that belong to limits of sums of absolute values. Active
- * limits stay active with their multipliers.
+ * After the signs chosen for some voltages have changed, compute anew what depends on them through
+ * limits of sums of absolute values of voltages: the rows of these limits in the optimiser's
+ * tableau (matrix that gives changes of voltages and sums from changes of multipliers) and in the
+ * Cholesky factor for the active limits. Active limits stay active with their multipliers.
  */
 static void renew_rows(const rows_run *run)
 {

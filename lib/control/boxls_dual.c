@@ -31,8 +31,9 @@
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
- * Ratio of pivot_rounding, the estimated rounding error of the pivots, to the rounding error of a
- * voltage (or limited sum of voltages) for each unit by which the multipliers change (1).
+ * The dual active-set method takes a voltage outside its bounds for a rounding error if the
+ * distance from the bound, times this number, is at most the estimated rounding error of the pivots
+ * (V2/m2) times the largest change of a multiplier (m2/V).
  */
 #define PIVOT_TO_VALUE 16
 /*

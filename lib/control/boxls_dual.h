@@ -73,9 +73,10 @@ void pzs_dual_free(pzs_optimiser *optimiser, uint32_t i);
 void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
 
 /*
- * Change the multipliers of the active inputs (whose voltages are kept at a bound), in the array
- * `direction`, so that their voltages in next_voltage reach their bounds, and let the voltages of
- * the free inputs follow.
+ * Solve for the voltages with all active inputs exactly at their bounds. The function changes the
+ * multipliers of the active inputs, which the array `direction` holds (m2/V), and in the array
+ * next_voltage (V) sets the voltages of the active inputs to their bounds and lets those of the
+ * free inputs follow.
  */
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 

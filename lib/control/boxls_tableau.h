@@ -87,7 +87,8 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /*
  * Return the trace of the inverse of the Hessian restricted to the inputs whose voltages are free
- * (V2/m2). Inputs that depend linearly on the free ones are added with the largest possible value.
+ * (V2/m2). For each input at a bound whose effect depends linearly on those of the free inputs, an
+ * upper bound of its diagonal entry in the inverse is added.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

@@ -106,8 +106,9 @@ void pzs_control_find_step_limits(pzs_control *control);
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
 
 /*
- * Set the constants of the optimiser that follow from the diagonal of the Hessian and from the
- * regularisation.
+ * Set the constants of a controller that follow from the diagonal of the Hessian and from the
+ * regularisation weight: smallest admissible pivot, largest norm of a column of the weighted
+ * influence matrix, and bound of the trace of the inverse Hessian.
  */
 void pzs_control_set_constants(pzs_control *control);
 

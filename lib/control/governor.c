@@ -56,8 +56,9 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
 }
 
 /*
- * Return the influence matrix with which pzs_control_init must initialise the governor's own
- * controller to be like that of the loop: NULL if the loop uses the matrix of its tables.
+ * Return the influence matrix with which the governor (stage of the control tick that limits how
+ * fast the target moves) must initialise the controller on which it tries targets, so that this
+ * controller computes as that of the loop does. NULL: the loop uses the matrix of its tables.
  */
 static const pzs_real *influence_of(const pzs_control *control)
 {

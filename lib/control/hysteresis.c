@@ -137,8 +137,9 @@ static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 }
 
 /*
- * Whether the numbers of set k in the arrays identified_... of hysteresis tables, the model of the
- * electrodes as it was measured, are finite; true where the tables have no such arrays.
+ * Whether all numbers in parameter set k of the measured hysteresis model (arrays identified_... of
+ * the tables, with one parameter set for each electrode or one for all) are finite; true where the
+ * tables have no such arrays.
  */
 static bool is_identified_valid(const pzs_hysteresis *tables, uint32_t k)
 {
@@ -436,8 +437,9 @@ typedef struct effect_walk {
     pzs_real place; /* voltage that the search along the characteristic of an electrode (effect as a
                        function of the voltage) has reached, relative to the middle of the voltage
                        range (V) */
-    pzs_real gain; /* slope of the effect (voltage without hysteresis) as a function of the voltage,
-                      just ahead of the voltage that the search has reached (1) */
+    pzs_real gain;  /* slope of the characteristic of an electrode (effect, the voltage without
+                       hysteresis, as a function of the voltage), from the voltage that the search
+                       along it has reached onwards in the direction of the search (1) */
     uint32_t plays;
     uint32_t moving;  /* number of plays (elements with backlash) that have used up their slack and
                          move with the voltage: the first ones in the order of their slack */

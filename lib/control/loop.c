@@ -160,7 +160,10 @@ static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
     return gate;
 }
 
-/* Publish the array of voltages that the last check before the amplifiers has just filled. */
+/*
+ * Make the output array that has just been filled with voltages the one that the program reads for
+ * its amplifiers (pzs_loop.info.voltage).
+ */
 static void publish(pzs_loop *loop, const pzs_loop_core *core)
 {
     const uint32_t frames = loop->info.frames + 1u;
@@ -198,8 +201,9 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
- * Initialise the blocks (stages of the control tick), except pzs_step_block, that run in
- * PZS_PHASE_OBSERVE, or all others, from the last of the list to the first.
+ * Initialise some blocks (stages of the control tick) of a loop, from the last of its list to the
+ * first: either those that estimate the shape from the readings (PZS_PHASE_OBSERVE), or all others.
+ * The block of the step limits (pzs_step_block) is left out in both cases.
  *   observes in  true: the blocks of PZS_PHASE_OBSERVE; false: all others
  */
 static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool observes)

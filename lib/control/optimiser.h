@@ -11,8 +11,9 @@
 /*
  * Return the number of entries that a loop over the inputs (voltages) visits: the number of inputs,
  * or, where PZS_TILE (matrix rows processed together) is above 4 for vector processors, this number
- * rounded up to a multiple of PZS_TILE. The bit mask tells the compiler that the loop has no
- * remainder. The entries beyond the inputs are zero.
+ * rounded up to a multiple of PZS_TILE. The function clears the lowest bits of the result, which
+ * are zero already, to tell the compiler that the loop has no remainder. The entries beyond the
+ * inputs are zero.
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {

@@ -31,19 +31,24 @@ static pzs_real square(pzs_real number)
 }
 
 /*
- * Least-squares fit of the measured response to a test pulse by three modelled responses: to the
- * suspected electrode, to the healthy reference electrode, and to all other electrodes.
+ * Least-squares fit of the measured response to a test pulse (changes of the readings, each times
+ * the scale factor of its sensor, so that they are numbers without unit) by three modelled
+ * responses: to the suspected electrode, to the healthy reference electrode, and to all other
+ * electrodes.
  */
 typedef struct pulse_fit {
     pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the scalar products, over the sensors,
                                           of the modelled responses to the suspected electrode, to
                                           the healthy one and to all others with each other;
                                           afterwards the L D L^T factors of this matrix (1) */
-    pzs_real response[COLUMNS]; /* scalar products, over the sensors, of the measured response with
-                                   each of the three modelled ones; after the solution the gains
-                                   (measured over modelled response) (1) */
-    pzs_real own;    /* sum of squares of the modelled response to the suspected electrode (1) */
-    pzs_real energy; /* sum of squares of the measured response (1) */
+    pzs_real response[COLUMNS]; /* scalar products, over the sensors, of the measured response to a
+                                   test pulse with the modelled responses to the suspected
+                                   electrode, to the healthy one and to all others; after the
+                                   solution the three gains (measured over modelled response) (1) */
+    pzs_real own;    /* sum over the sensors of the squared modelled response (change of a reading
+                        times the scale factor of its sensor) to the suspected electrode (1) */
+    pzs_real energy; /* sum over the sensors of the squared measured response (change of a reading
+                        times the scale factor of its sensor) to a test pulse (1) */
 } pulse_fit;
 
 /*

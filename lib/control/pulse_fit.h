@@ -51,8 +51,9 @@ typedef struct pulse_response {
      * relative to the sum of squares of the modelled response (1)
      */
     pzs_real unexplained;
-    bool is_measured; /* whether the gains can be trusted; false: a load or a motion has disturbed
-                         the test pulse, or readings were missing */
+    bool is_measured; /* whether the gains (measured over modelled response) of the suspected and of
+                         the healthy electrode can be trusted; false: a load or a motion has
+                         disturbed the test pulse, or readings were missing */
 } pulse_response;
 
 /*

@@ -54,8 +54,8 @@
 
 /*
  * Largest number of times in a tick that the optimiser for limited sums of voltages computes its
- * tableau anew: the matrix of the changes of all voltages and limited sums per unit of each
- * multiplier of a limit.
+ * tableau anew. The tableau is the matrix that gives, with negative sign, the changes of all
+ * voltages and limited sums from a change of the multipliers of their limits.
  */
 #define REBUILDS 3u
 /*
@@ -65,8 +65,8 @@
 #define ROUNDS 40u
 /*
  * Work of the optimiser for each limited sum of absolute values of voltages when it chooses the
- * signs of the voltages anew: at most this number of products of its tableau (negative response
- * matrix) with a vector.
+ * signs of the voltages anew: at most this number of products of its tableau (matrix that gives
+ * changes of voltages and sums from changes of multipliers) with a vector.
  */
 #define SIGN_PRODUCTS 8u
 /*
@@ -153,7 +153,7 @@ static uint64_t remaining_work(const rows_run *run)
     return spent < run->optimiser->work_limit ? run->optimiser->work_limit - spent : 0;
 }
 
-/* ---- tableau (negative response matrix) ----------------------------------- */
+/* ---- tableau: changes of voltages and limited sums per change of multipliers ----- */
 
 /* Return the largest diagonal entry of the Hessian (m2/V2). */
 static pzs_real stiffest_of(const rows_run *run)
@@ -191,9 +191,11 @@ static void set_scales(const rows_run *run)
 }
 
 /*
- * Begin to compute the tableau (negative response matrix: changes of voltages and limited sums per
- * multiplier) anew from Hessian and coefficients of the sums. All inputs wait for their pivot
- * exchange, and no voltage or sum is kept at a bound any more.
+ * Begin to compute the tableau anew, from the Hessian and the coefficients of the limited sums of
+ * voltages. The complete tableau gives, with negative sign, the changes of voltages and limited
+ * sums from a change of the multipliers of their limits. It is computed by one pivot exchange
+ * (elimination step) for each input, none of which has been made yet, and no voltage or sum is kept
+ * at a bound any more.
  */
 static void reset_tableau(const rows_run *run)
 {
@@ -224,10 +226,10 @@ static void reset_tableau(const rows_run *run)
 }
 
 /*
- * Return the input for the next pivot exchange while the tableau (negative response matrix: changes
- * of voltages and limited sums per multiplier) is computed anew: of those not yet exchanged, the
- * one with the largest pivot. Returns the number of inputs if all are exchanged, or if the largest
- * pivot is so small that the diagonal of the Hessian must be shifted.
+ * Return the input for the next pivot exchange (elimination step) while the optimiser's tableau is
+ * computed anew: of those not yet exchanged, the one with the largest pivot. Returns the number of
+ * inputs if all are exchanged, or if the largest pivot is so small that the diagonal of the Hessian
+ * must be shifted.
  */
 static uint32_t next_pivot(const rows_run *run)
 {
@@ -243,8 +245,9 @@ static uint32_t next_pivot(const rows_run *run)
 }
 
 /*
- * Estimate the rounding error of the pivots in the dual active-set method from the largest diagonal
- * entry of the response matrix (changes of voltages and limited sums per multiplier).
+ * Estimate the rounding error of the pivots in the dual active-set method from the largest absolute
+ * diagonal entry of the optimiser's tableau (matrix that gives changes of voltages and limited sums
+ * from changes of the multipliers of their limits).
  */
 static void measure_pivots(const rows_run *run)
 {
@@ -258,9 +261,9 @@ static void measure_pivots(const rows_run *run)
 }
 
 /*
- * Begin to compute the tableau (negative response matrix: changes of voltages and limited sums per
- * multiplier) anew, with a larger shift of the diagonal of the Hessian: ten times the last one,
- * between the fixed bounds LEAST_CURVATURE and MOST_CURVATURE.
+ * Begin to compute the optimiser's tableau (matrix that gives changes of voltages and limited sums
+ * from changes of multipliers) anew, with a larger shift of the diagonal of the Hessian: ten times
+ * the last one, between the fixed bounds LEAST_CURVATURE and MOST_CURVATURE.
  */
 static void raise_shift(const rows_run *run)
 {
@@ -270,9 +273,10 @@ static void raise_shift(const rows_run *run)
 }
 
 /*
- * Continue to compute the tableau (negative response matrix: changes of voltages and limited sums
- * per multiplier) anew, as far as the work limit of the optimiser allows. The diagonal of the
- * Hessian is shifted if one of its pivots is too small. Returns whether the tableau is complete.
+ * Continue to compute the optimiser's tableau (matrix that gives changes of voltages and limited
+ * sums from changes of multipliers) anew, as far as the work limit of the optimiser allows. The
+ * diagonal of the Hessian is shifted if one of its pivots is too small. Returns whether the tableau
+ * is complete.
  */
 static bool complete_tableau(const rows_run *run)
 {
@@ -461,12 +465,12 @@ static pzs_real largest_of(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Predict the step to the minimum of the objective over the free quantities (voltages and limited
- * sums), with the active ones at their bounds. The array next_voltage of run->tableau receives the
- * values of all quantities after the step, its array `direction` the multipliers of the active
- * ones. The equations are solved for the change of the present multipliers, so that rounding errors
- * of the tableau (negative response matrix) decay with repeated steps. measure_violation must have
- * been called before.
+ * Predict the step to the minimum of the objective with the active voltages and limited sums of
+ * voltages at their bounds and all others free. The array next_voltage of the tableau's optimiser
+ * receives the voltages and sums after the step; its array `direction` receives the multipliers of
+ * the active ones. The equations are solved for the change of the present multipliers, so that
+ * rounding errors of the tableau decay with repeated steps. The function uses the gradient that the
+ * preceding call of measure_violation has computed.
  */
 static void predict_step(const rows_run *run)
 {
@@ -647,9 +651,9 @@ static void undo_round(const rows_run *run)
 
 /*
  * After iterations that no longer reduce the duality gap: free all voltages and limited sums from
- * their bounds, or, at every second call in a tick, begin to compute the tableau (negative response
- * matrix) anew with a larger shift of the diagonal of the Hessian. Returns whether further
- * iterations may help.
+ * their bounds, or, at every second call in a tick, begin to compute the optimiser's tableau
+ * (matrix that gives changes of voltages and sums from changes of multipliers) anew with a larger
+ * shift of the diagonal of the Hessian. Returns whether further iterations may help.
  */
 static bool start_anew(const rows_run *run)
 {
@@ -799,8 +803,9 @@ static bool make_round(const rows_run *run)
 }
 
 /*
- * Compute the rest of the optimiser's tableau (negative response matrix) if it is incomplete.
- * Returns whether the work limit then allows another round (sequence of iterations).
+ * Compute the rest of the optimiser's tableau (matrix that gives changes of voltages and limited
+ * sums from changes of multipliers) if it is incomplete. Returns whether the work limit then allows
+ * another round (sequence of iterations).
  */
 static bool may_make_round(const rows_run *run)
 {

@@ -9,17 +9,19 @@
 #include "limit_rows.h"
 
 /*
- * The parts of the controller on which the optimiser for limit rows (limits of sums of voltages)
- * works.
+ * Pointers to what the optimiser for limit rows (limits of sums of voltages) works on: the
+ * controller, its tables, its two optimisers (one with, one without the limited sums) and the
+ * memory that the optimiser for limit rows keeps between ticks.
  */
 typedef struct rows_run {
     pzs_control *control;
     const pzs_problem *problem;
     const pzs_limit_rows *rows;
     pzs_row_solver *solver;
-    pzs_optimiser *tableau;   /* tableau (negative response matrix: changes of voltages and limited
-                                 sums per multiplier), active set, bounds and multipliers for the
-                                 inputs and the limited sums together */
+    pzs_optimiser *tableau;   /* tableau (matrix that gives, with negative sign, changes of voltages
+                                 and limited sums from changes of the multipliers of their limits),
+                                 active set, bounds and multipliers for the inputs and the limited
+                                 sums together */
     pzs_optimiser *optimiser; /* voltages, bounds and gradients of the optimiser for the inputs
                                  alone, without the limited sums of voltages */
     uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
@@ -74,10 +76,10 @@ void pzs_rows_load_values(const rows_run *run);
 pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient);
 
 /*
- * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limited
- * sums of voltages and multipliers of the active ones, where no voltage may change its sign. Also
- * stores the duality gap, an upper bound of the distance of half the objective from its minimum, in
- * solver->gap.
+ * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages,
+ * limited sums of voltages and multipliers. A voltage in a sum of absolute values keeps its sign: a
+ * possible gain by another sign is not counted. Also stores the duality gap, an upper bound (m2) of
+ * how much half the objective can still decrease, in solver->gap.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  */
 pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced);

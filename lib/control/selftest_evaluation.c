@@ -66,20 +66,22 @@
 #define SWAP_NOISE PZS_R(9)
 /*
  * Two amplifiers, or two sensors, are so similar that exchanged cables cannot be noticed if the
- * squared sine of the angle between their modelled responses is less than SIMILAR times (noise
- * energy divided by response energy), plus SAME_DIRECTION.
+ * squared sine of the angle between their modelled responses is less than SIMILAR times the
+ * expected sum of squares of the noise in a response, divided by the sum of squares of the modelled
+ * response, plus SAME_DIRECTION.
  */
 #define SIMILAR PZS_R(36)
 #define SAME_DIRECTION PZS_R(1e-4)
 
 /*
- * Stages of the self-test's evaluation, in their order. HIDDEN: mark modelled columns (amplifiers)
- * and rows (sensors) of responses that are too small beside noise and vibration. GAINS: compute the
- * gains of the amplifiers. COLUMNS and ROWS: find the amplifier and the sensor whose responses
- * differ most from the model. NEAREST: find the modelled response nearest to the measured one.
- * SIMILAR and EXCHANGED: look for exchanged cables. The FIRST stages report only a reversed
- * amplifier or sensor. PAIR_SIMILAR to PAIR_EXCHANGED are repeated for each amplifier and sensor,
- * the last GAINS to NEAREST for each fault.
+ * Stages in which the self-test evaluates its matrix of responses, with a column for each amplifier
+ * and a row for each sensor, in their order. HIDDEN stages mark columns and rows that are too small
+ * beside noise and vibration. GAINS stages compute the gains of the amplifiers. COLUMNS and ROWS
+ * stages find the amplifier and the sensor that differ most from the model. NEAREST stages find the
+ * modelled response that is nearest to a measured one. Stages with FIRST in their names report only
+ * reversed amplifiers and sensors. Stages with PAIR in their names look for exchanged cables and
+ * are repeated for each amplifier and sensor. STAGE_GAINS to STAGE_NEAREST are repeated for each
+ * fault.
  */
 enum {
     STAGE_START = 0,
@@ -123,9 +125,10 @@ typedef struct selftest_axis {
                                        numbers, between the first entries of two columns or rows
                                        (model_line), and between two entries of a column or row
                                        (model_entry) */
-    pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault): `line` for all
-                                 amplifiers and `entry` for all sensors if `is_row` is false,
-                                 otherwise the other way round */
+    pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault) for the columns
+                                 and rows of the matrix of responses. If `is_row` is false: `line`
+                                 for all amplifiers, `entry` for all sensors; otherwise `line` for
+                                 all sensors, `entry` for all amplifiers */
     bool has_gains; /* whether, before measured and modelled responses are compared, each modelled
                        response of a sensor to an amplifier is multiplied by the measured gain of
                        this amplifier */
@@ -164,9 +167,10 @@ static selftest_axis rows_of(const pzs_selftest *selftest)
 }
 
 /*
- * Compare the measured response of an amplifier (vector over the sensors), or of a sensor (vector
- * over the amplifiers), with the modelled response of index `modelled`. Entries of sensors (or
- * amplifiers) at which the self-test has found a fault do not count.
+ * Return sums over the products and squares of two responses: the measured one of the amplifier (or
+ * sensor) number `measured` and the modelled one of the amplifier (or sensor) number `modelled`.
+ * The response of an amplifier has an entry for each sensor, that of a sensor an entry for each
+ * amplifier; entries at which the self-test has found a fault do not count.
  */
 static pzs_selftest_sums compare_lines(const pzs_selftest *selftest, const selftest_axis *axis,
                                        uint32_t measured, uint32_t modelled)
@@ -541,9 +545,9 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
 }
 
 /*
- * Store, for the amplifier (or sensor) `subject`, the index of another one if its modelled response
- * is the most similar one so far, and so similar that the self-test would not notice exchanged
- * cables.
+ * Compare the modelled response of the amplifier (or sensor) with the index `subject` with that of
+ * another one. If no other has been more similar, and if the self-test could not notice that the
+ * cables of both are exchanged, store the index of the other one.
  */
 static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                          uint32_t step)
@@ -581,8 +585,9 @@ static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *o
 }
 
 /*
- * Compare the measured response of an amplifier (or sensor) whose cable may be exchanged with that
- * of `subject`: in step 0 with its own modelled response, in step 1 with that of `subject`.
+ * In the search for exchanged cables of the amplifier (or sensor) with the index `subject`, compare
+ * the measured response of the other one of the possible pair with a modelled response: with its
+ * own (`step` 0), or with that of `subject` (`step` 1).
  */
 static void compare_partner(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                             uint32_t step)
@@ -677,7 +682,8 @@ static void give_verdict(pzs_selftest *selftest)
 typedef struct stage_plan {
     selftest_axis axis;
     uint32_t subject; /* index of the amplifier (or sensor) whose measured response is compared with
-                         the modelled ones, in a stage about one amplifier or sensor */
+                         modelled ones, in the stages that examine one amplifier or sensor; 0 in the
+                         stages that go through all of them */
     uint32_t steps;   /* number of comparisons of responses in a stage of the self-test's evaluation
                        */
 } stage_plan;
@@ -690,9 +696,10 @@ static uint32_t count_lines(const pzs_selftest *selftest)
 }
 
 /*
- * Return which comparisons a stage of the self-test's evaluation makes if it compares the measured
- * response of the amplifier or sensor that differs most from the model with all modelled responses:
- * none where no response differs.
+ * Return the comparisons that the self-test makes to find the modelled response nearest to a
+ * measured one. The measured response of the amplifier (or sensor) that differs most from the model
+ * is compared with the modelled responses of all amplifiers (or sensors). No comparison is made if
+ * no amplifier and no sensor differs.
  */
 static stage_plan plan_of_worst(const pzs_selftest *selftest)
 {
@@ -706,10 +713,11 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
 }
 
 /*
- * Return which comparisons a stage of the self-test's evaluation makes if it looks for exchanged
- * cables of one amplifier (or sensor) without a fault: with all others, or with the one of the
- * nearest modelled response alone. The amplifiers or the sensors, whichever are fewer, come first,
- * because a fault of one among few changes the responses of the others more.
+ * Return the comparisons that the self-test makes to find out whether the cable of one amplifier
+ * (or sensor), at which no fault has been found, is exchanged with that of another one. It is
+ * compared with all others, or, in the stage STAGE_PAIR_EXCHANGED, only with the one whose modelled
+ * response is nearest to its measured one. The kind with fewer members, amplifiers or sensors,
+ * comes first, because a fault of one among few changes the responses of the others more.
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {

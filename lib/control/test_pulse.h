@@ -54,9 +54,9 @@ static inline pzs_real test_pulse_odd(pzs_real place)
 }
 
 /*
- * Return the late weight of a reading at the time `place` from -1 (start of a test pulse) to 1
- * (end), which measures a sudden step of the readings: the weights are antisymmetric in time, and a
- * step in the middle contributes a twelfth of the number of ticks.
+ * Return the weight of a reading at the time `place`, from -1 (start of a test pulse) to 1 (end),
+ * in a sum that detects a sudden step of the readings. The weights are antisymmetric in time. If
+ * the readings step by 1 in the middle of the pulse, the sum is a twelfth of the number of ticks.
  */
 static inline pzs_real test_pulse_late(pzs_real place)
 {

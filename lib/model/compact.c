@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Element types of a structure, from full or compact tables (compact.h). */
+/*
+ * Access to the element types of a structure, whose tables may leave out what the library computes
+ * from the nodes (compact.h).
+ */
 #include "compact.h"
 #include <string.h>
 #include "../core/vector3.h"

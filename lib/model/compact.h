@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Element types of a structure whose tables are full or compact. Compact tables leave out the
- * corner tables of each element type (matrices s and t and base vectors g_mean and g_diff), which
- * are computed from the nodes at its corners where they are needed.
+ * Access to the element types of a structure. Their tables either hold all data (pzs_element_type),
+ * or leave out what the library computes from the nodes where it is needed (pzs_compact_type): the
+ * base vectors at the corners, g_mean and g_diff, and the matrices s and t, which turn
+ * displacements of the corners into derivatives along the surface.
  */
 #ifndef PZS_LIB_COMPACT_H
 #define PZS_LIB_COMPACT_H
@@ -26,22 +27,26 @@ void pzs_corner_tables(const pzs_node *corner, const pzs_node *neighbour, pzs_re
                        pzs_real g_diff[3]);
 
 /*
- * Compute a full element type (pzs_element_type) from a compact one, which leaves out what follows
- * from the nodes.
+ * Compute an element type with all its data (pzs_element_type) from tables that leave out what
+ * follows from the nodes (pzs_compact_type).
  *   node [nodes] in   nodes of the structure
  */
 void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node,
                       pzs_element_type *type);
 
-/* Return whether the tables of a structure contain its element types, full or compact. */
+/*
+ * Return whether the tables of a structure contain its element types, with all their data
+ * (pzs_element_type) or without the parts that follow from the nodes (pzs_compact_type).
+ */
 bool pzs_structure_has_types(const pzs_structure *structure);
 
 /* Return the thickness of the shell (m), which all element types of a structure share. */
 pzs_real pzs_structure_thickness(const pzs_structure *structure);
 
 /*
- * Return the element type of an element of a structure that has element types. Where its tables are
- * compact, the type is computed into the workspace of the model, and the next call replaces it.
+ * Return the element type of an element of a structure whose tables contain its element types. If
+ * the tables leave out what follows from the nodes (pzs_compact_type), the type is computed into
+ * the workspace of the model, and the next call replaces it.
  */
 const pzs_element_type *pzs_model_element_type(const pzs_model *model, uint32_t element);
 

@@ -104,7 +104,10 @@ static bool turns_in_range(const pzs_structure *structure)
     return true;
 }
 
-/* Whether the corners of all compact element types are nodes of the structure. */
+/*
+ * Whether the node indices at the corners of all element types that the library completes from
+ * nodes (pzs_compact_type) are below the number of nodes of the structure.
+ */
 static bool corners_in_range(const pzs_structure *structure)
 {
     for (uint32_t type = 0; structure->compact != NULL && type < structure->types; type++)

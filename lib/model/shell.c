@@ -230,9 +230,10 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Distribute the in-plane shear stress resultant 12 (mean of both faces) that is constant over the
- * element to other stress resultants of a warped element: the transpose of the correction of the
- * strains for warp.
+ * Add the effect of the in-plane shear resultant of an element that is constant over the element
+ * (component 12, mean of outer and inner face of the shell) to the other stress resultants of a
+ * warped (not plane) element. This is the transpose of add_warp, which adds other strains to the
+ * shear strain.
  */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
@@ -364,8 +365,10 @@ static shape shape_of(const shell_corner *corner)
 }
 
 /*
- * Return the base vectors at one corner of a shell element after the part `part` of a displacement
- * whose derivatives there are given.
+ * Return base vectors, director and degree of freedom q at one corner of a shell element that has
+ * been deformed by a fraction of a displacement (shell_corner).
+ *   derivative in  derivatives of the whole displacement at this corner along the surface
+ *   part       in  fraction of the displacement, from 0 to 1
  */
 static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *derivative,
                                     pzs_real part, int at_corner)
@@ -391,11 +394,12 @@ static void all_derivatives(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Add, to the strains of an element's four strain modes (constant, linear and bilinear over the
- * element), their first variation for a displacement increment v, taken at the fraction `part` of a
+ * Add the first variation of the strains of an element to the array `strain` [4][10], with ten
+ * strains for each of the four strain modes (constant, linear and bilinear over the element). The
+ * strains vary by a displacement increment v, at a shape deformed by the fraction `part` of a
  * displacement u.
- *   derivative [4] in  derivatives of u at the four corners
- *   variation  [4] in  derivatives of v at the four corners
+ *   derivative [4] in  derivatives of u along the surface coordinates at the four corners
+ *   variation  [4] in  derivatives of v along the surface coordinates at the four corners
  */
 static void add_variation(const pzs_element_type *type, const shell_corner derivative[4],
                           pzs_real part, const shell_corner variation[4], pzs_real strain[4][10])

@@ -543,9 +543,10 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
 }
 
 /*
- * Whether the supports allow the shell to move as a rigid body, found by elimination on the Gram
- * matrix of the constrained degrees of freedom. A pivot counts as positive only above
- * the rounding error of its sum and above 1e-6; the entries of the rows are about 1.
+ * Whether the supports allow the shell to move as a rigid body. The function eliminates in a Gram
+ * matrix [6][6], the sum of r' r over all supported degrees of freedom, where the row r holds the
+ * displacements by three unit translations and three rotations, of about 1. A pivot counts as
+ * positive only if it exceeds 1e-6 plus a bound of its rounding error.
  */
 static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {

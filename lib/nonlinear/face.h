@@ -37,8 +37,9 @@ void pzs_face_scatter(const pzs_model *model, const uint16_t *node, unsigned cou
 /*
  * Compute the base vectors of the deformed face at one corner of an element: its tangents in the
  * two mesh directions xi1 and xi2 of the element. All vectors have components in the orthonormal
- * frame of the corner. displacement [4][3] in   displacement of the face at the corners (m) base
- * [2][3] out  base vectors (1)
+ * frame of the corner.
+ *   displacement [4][3] in   displacement of the face at the corners (m)
+ *   base         [2][3] out  base vectors (1)
  */
 void pzs_face_base(const pzs_element_type *type, pzs_real height, const pzs_real (*displacement)[3],
                    unsigned corner, pzs_real base[2][3]);

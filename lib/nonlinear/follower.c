@@ -39,8 +39,9 @@ typedef struct vector_slope {
 enum { CORNER_DOF = 6, FACE_DOF = 24 };
 
 /*
- * Add the vector product of two vectors at a corner of an element, times a factor, to `sum`, and
- * its derivatives with respect to displacement and director likewise.
+ * Add the vector product of two vectors at a corner of an element (base vectors or directions of a
+ * follower pressure), times a factor, to the vector `sum`, and the derivatives of this product by
+ * displacements and director of the corner to those of `sum`.
  */
 static void add_cross(pzs_real factor, const vector_slope *left, const vector_slope *right,
                       vector_slope *sum)

@@ -670,16 +670,18 @@ static pzs_real largest_part(const pzs_solver *solver, const pzs_real *value)
 
 /*
  * Progress of the input values from the last equilibrium to the wanted values. The way between them
- * is divided into equal units: units in total, units done, units of the next load step, and units
- * of the longest load step.
+ * is divided into a number of equal units, in which load steps are counted: units in total, units
+ * done, units of the next load step, and units of the longest load step.
  */
 typedef struct load_progress {
     uint32_t total, done, stride, longest;
 } load_progress;
 
 /*
- * Halve the units into which the way to the wanted input values is divided, until a load step by
- * `part` of the remaining way can be halved as often as the first load step.
+ * Make the units in which load steps are counted smaller, so that a shortened load step can still
+ * be halved STEP_HALVINGS times. Between the last equilibrium and the wanted input values lie
+ * progress->total equal units; the function doubles this number as often as necessary.
+ *   part in  shortened load step, as a fraction (0 to 1) of the remaining way
  */
 static void refine_units(load_progress *progress, pzs_real part)
 {

@@ -37,18 +37,19 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 
 /*
  * Rows of the array of nodal strains (strains per unit of each nodal degree of freedom) to which
- * the seventh degree of freedom q of a node, the excess of u3 at the middle surface over the faces,
- * contributes. The row of strain 12, mean of both faces, is one of them because the correction for
- * warp adds transverse shear strains to it.
+ * the seventh degree of freedom q of a node contributes: the transverse displacement u3 of the
+ * middle surface minus the mean of both faces, divided by the thickness. The row of strain 12, mean
+ * of both faces, is one of them because the correction for warp adds transverse shear strains to
+ * it.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
  * Where the stresses of one strain mode (constant, linear or bilinear over the element) lie in the
  * array of stress rows, the stresses per unit of each nodal degree of freedom: number of rows,
- * number of rows to which the seventh degree of freedom q (excess of the middle surface over the
- * faces) contributes, index of the first row, strain that belongs to each row, and its row in the
- * packed stiffness of the mode (pzs_element_type.d).
+ * number of rows to which the seventh degree of freedom of a node (q, displacement of the middle
+ * surface minus the mean of both faces) contributes, index of the first row, strain that belongs to
+ * each row, and its row in the packed stiffness of the mode (pzs_element_type.d).
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS], kept[ROWS];
@@ -65,15 +66,13 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * A pair of rows, of two strain modes (constant, linear or bilinear over the element), that
- * contribute to the same stress of a node; a row holds a stress per unit of each nodal degree of
- * freedom. A node needs only the sum or the difference of both rows, depending on the signs that
- * the mode `mode` has at the node itself and at the node to which a column belongs. Sum and
- * difference therefore replace the pair: in columns of negative sign the first row receives the
- * sum, in columns of positive sign the second row does. The first row then serves all nodes of
- * negative sign, the second row all nodes of positive sign. In the columns of the seventh degree of
- * freedom of the nodes only the first PAIRS_WITH_Q pairs are replaced, because the others have
- * zeros there.
+ * Two rows of stresses per unit of each nodal degree of freedom, from two strain modes (constant,
+ * linear or bilinear over the element), that contribute to the same stress at a node. A strain mode
+ * is 1 or -1 at a node; a node needs the sum of both rows or their difference, depending on the
+ * signs of strain mode `mode` at this node and at the node of the column. Sum and difference
+ * replace the rows: where the sign is negative at the node of the column, the first row receives
+ * the sum, otherwise the second row does. The last four of the 14 pairs (PAIRS - PAIRS_WITH_Q) are
+ * zero in the columns of the seventh degree of freedom of a node.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -86,10 +85,10 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: index of the row that holds stress k of node p per unit of each nodal degree of
- * freedom, after the rows of the four strain modes (constant, linear and bilinear over the element)
- * have been combined into rows of the nodes. The stresses are in the order of the enum A33M to
- * A12D.
+ * stress_row[p][k]: index of a row in the array of stresses per unit of each nodal degree of
+ * freedom. The row holds the stress at node p that belongs to strain k, in the order of the strains
+ * from A33M to A12D, after modes_to_nodes has summed the contributions of the four strain modes
+ * (constant, linear and bilinear over the element).
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -108,11 +107,11 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute the derivative of a strain with respect to the displacement of one node of an element.
- * The strain depends on the derivative of the displacement along the surface coordinate
- * `direction`, by the vector `own` at the corner of the node and by the vector `other` at the
- * neighbouring corner. The matrices s and t of the element type turn nodal displacements into these
- * derivatives.
+ * Compute the derivative of a strain by the displacement of one node of an element. The strain is
+ * the scalar product of a vector (`own` at the corner of the node, `other` at the neighbouring
+ * corner in the direction `direction`) and the derivative of the displacement along the surface at
+ * this corner. The matrices s and t of the element type give that derivative from the nodal
+ * displacements.
  */
 static void transpose_derivative(const pzs_element_type *type, int node, int direction,
                                  const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
@@ -125,9 +124,13 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
 }
 
 /*
- * Write the rows of a mean strain of the two faces and of the corresponding difference of the
- * strains in the array of nodal strains (strains per unit of each nodal degree of freedom), for one
- * node, from the derivatives of the mean and of the difference of the base vectors.
+ * Write, for one node, two rows of the array of nodal strains (strains per unit of each nodal
+ * degree of freedom): the mean of an in-plane strain of the outer and inner face of the shell, and
+ * its difference between both faces.
+ *   mean [3] in  derivative of the strain by the displacement of the node, with the mean of the
+ *                base vectors of both faces (1/m)
+ *   diff [3] in  derivative of the strain by the displacement of the node, with the difference of
+ *                the base vectors of both faces over the thickness (1/m2)
  */
 static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3],
                                       const pzs_real diff[3], pzs_real *row_mean,
@@ -265,9 +268,10 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Set the columns of the seventh degree of freedom of the four nodes (q, excess of the middle
- * surface over the faces) in one row `to` of a product with the array of nodal strains: the sum of
- * factor[i stride] times row[i], over the `count` nodal strains to which q contributes.
+ * Set, in one row `to` of stresses per unit of nodal degree of freedom, the four columns of the
+ * seventh degree of freedom of the nodes (q, displacement of the middle surface minus the mean of
+ * both faces): the sum of factor[i stride] times row[i] over the `count` nodal strains to which q
+ * contributes.
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -283,9 +287,9 @@ static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, i
 }
 
 /*
- * Whether the seventh degree of freedom of the nodes (q, excess of the middle surface over the
- * faces) contributes to a strain, given by its row among those of a strain mode (constant, linear
- * or bilinear over the element).
+ * Whether the seventh degree of freedom of the nodes (q, displacement of the middle surface minus
+ * the mean of both faces) contributes to a strain, given by its row among those of a strain mode
+ * (constant, linear or bilinear over the element).
  */
 static bool has_q(const mode_rows *mode, int row)
 {
@@ -293,10 +297,11 @@ static bool has_q(const mode_rows *mode, int row)
 }
 
 /*
- * Compute the stresses per unit of each nodal degree of freedom: the products of the stiffness of
- * each strain mode (constant, linear or bilinear over the element) with the nodal strains.
- *   nodal         [ROWS][COLUMNS] in   strains per unit of each nodal degree of freedom
- *   stress_row_of [22][COLUMNS]   out  products, in the order of rows_of_mode
+ * Compute the stresses of an element per unit of each nodal degree of freedom: the stiffness of
+ * each strain mode (constant, linear or bilinear over the element) times the nodal strains. The
+ * strain modes have ten, five, five and two stresses, together 22.
+ *   nodal         [10][28] in   ten strains per unit of each of the 28 nodal degrees of freedom
+ *   stress_row_of [22][28] out  stresses, one strain mode after the other (rows_of_mode)
  */
 static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
@@ -326,8 +331,8 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Collect the strains of all four strain modes (constant, linear and bilinear over the element)
  * that a unit displacement of one degree of freedom of a node causes, from its column in the array
- * of nodal strains. Strains to which the seventh degree of freedom of a node (q, excess of the
- * middle surface over the faces) does not contribute are zero in its columns.
+ * of nodal strains. Strains to which the seventh degree of freedom of a node (q, displacement of
+ * the middle surface minus the mean of both faces) does not contribute are zero in its columns.
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -390,10 +395,11 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 }
 
 /*
- * Combine the stresses of the four strain modes (constant, linear and bilinear over the element) of
- * an element, each per unit of each nodal degree of freedom, into the stresses of its four nodes,
- * in place.
- *   stress_row_of [22][COLUMNS] in/out  stresses, in the order of rows_of_mode, then of stress_row
+ * Turn, in place, the stresses of the four strain modes of an element (constant, linear and
+ * bilinear over the element) into the stresses at its four nodes, both per unit of each of the 28
+ * nodal degrees of freedom. Pairs of rows are replaced by their sum and difference (row_pairs).
+ *   stress_row_of [22][28] in/out  stresses, first one strain mode after the other (rows_of_mode),
+ *                                  afterwards in the order that the table stress_row lists
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
@@ -486,9 +492,10 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 }
 
 /*
- * Add the geometric stiffness of the transverse stresses 33, 13 and 23 at one corner of an element,
- * in which the director and the degree of freedom q (excess of the middle surface over the faces)
- * are multiplied by the derivatives of the displacement along the surface.
+ * Add the geometric stiffness by the transverse stresses 33, 13 and 23 at one corner of an element.
+ * The strains 13 and 23 contain products of the derivatives of the displacement along the surface
+ * with the director and with the degree of freedom q (displacement of the middle surface minus the
+ * mean of both faces, divided by the thickness).
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
@@ -546,7 +553,7 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 
 /*
  * Write the rows of one node into the packed tangent stiffness of an element, except that of its
- * seventh degree of freedom (q, excess of the middle surface over the faces).
+ * seventh degree of freedom (q, displacement of the middle surface minus the mean of both faces).
  *   stress [ROWS + 1] in  pointers to the ROWS (10) stresses at the node per unit of each nodal
  *                         degree of freedom [COLUMNS], followed by NULL
  */
@@ -566,8 +573,8 @@ static void write_node(const pzs_element_type *type, unsigned dof_per_node, int 
 }
 
 /*
- * Write row and column of the seventh degree of freedom of one node (q, excess of the middle
- * surface over the faces) into the packed tangent stiffness of an element.
+ * Write row and column of the seventh degree of freedom of one node (q, displacement of the middle
+ * surface minus the mean of both faces) into the packed tangent stiffness of an element.
  */
 static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
                     pzs_real *stiffness)
