@@ -16,7 +16,7 @@ void keys_print(FILE *file, const char *section);
 /* Whether scenes may have a section with this key. */
 bool keys_has(const char *section);
 
-/* Print the keys of all sections, separated by blanks. */
+/* Print the keys of all sections that a scene file may have, separated by blanks. */
 void keys_names(FILE *file);
 
 /*

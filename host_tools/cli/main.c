@@ -263,8 +263,8 @@ static int write_solution(const options *options, analysis *analysis, solution *
 }
 
 /*
- * Recover the stresses of a displacement, and write the displacement and the stresses as the
- * solution.
+ * Compute the stresses that belong to a displacement of the structure, and write the result of `pzs
+ * solve` with both, the displacement and the stresses.
  */
 static int write_stressed(const options *options, analysis *analysis, solution *result)
 {
@@ -401,8 +401,9 @@ static int write_shape(const report_job *job, const void *result)
 }
 
 /*
- * Estimate the discretisation error of the shape error that the optimal voltages leave, under the
- * first pair of voltage limits. Returns an exit code.
+ * Estimate the discretisation error of the shape error that the optimal voltages leave. The voltage
+ * limits are those of the first option --limit, or those of the scene file where no such option is
+ * given. Returns an exit code.
  */
 static int shape_error(shape_run *run, const options *options)
 {
@@ -530,8 +531,8 @@ static int write_simulate(const report_job *job, const void *result)
 }
 
 /*
- * Add a warning where the static loads of a scene change the first natural frequency and the tables
- * of its control loop are made without them, or hold the vibration modes without them.
+ * Add a warning where the static loads of a scene change the first natural frequency, but the
+ * controller's tables use natural frequencies of the unloaded structure.
  */
 static void warn_of_prestress(analysis *analysis)
 {
@@ -718,8 +719,8 @@ static int is_damped(const analysis *analysis, char *reason)
 }
 
 /*
- * Name the readings of a control loop that is refused, where they are the displacements of all
- * target nodes because the scene file names no sensors.
+ * Write the end of the error message about an unstable control loop: where the scene file names no
+ * sensors, the readings of the loop are the displacements of all target nodes.
  *   text [SCENE_ERROR] out  end of the error message; empty where the scene file names sensors or
  *       has a measured influence matrix, whose outputs are the sensors
  */

@@ -34,8 +34,9 @@ int outfile_take_stdout(void);
 int outfile_check(const char *path);
 
 /*
- * Open an output file for writing; the path "-" is standard output, after outfile_take_stdout. The
- * path must outlive `output`. Returns 0, or 1 after printing an error message on standard error.
+ * Open an output file for writing. The path "-" stands for standard output; the caller must then
+ * have called outfile_take_stdout, which keeps standard output free of other text. The path must
+ * outlive `output`. Returns 0, or 1 after printing an error message on standard error.
  */
 int outfile_begin(outfile *output, const char *path);
 

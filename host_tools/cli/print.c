@@ -222,8 +222,8 @@ void print_test_plans(const analysis *analysis)
 }
 
 /*
- * Print how the tables of the control image hold a measured influence matrix with many zeros: as
- * sparse rows or as a full matrix, with the reason and the numbers.
+ * Print how the controller's tables hold a measured influence matrix with many zeros: as sparse
+ * rows or as a full matrix, with the reason and the numbers.
  */
 static void print_sparse(const sparse_facts *facts)
 {
@@ -262,7 +262,10 @@ static sparse_facts print_image(const analysis *analysis, tables_image image, co
     return size.influence;
 }
 
-/* Return the analysis with the option that makes its tables compact. */
+/*
+ * Return a copy of an analysis with the option that leaves out of its tables what a device can
+ * compute from the nodes.
+ */
 static analysis compact_analysis(const analysis *from)
 {
     analysis compact = *from;
@@ -270,7 +273,10 @@ static analysis compact_analysis(const analysis *from)
     return compact;
 }
 
-/* Print what compact tables cost in time, where the mesh has compact element types. */
+/*
+ * Print how much more computing time a device needs where its tables leave out what it can compute
+ * from the nodes. Nothing is printed where the mesh needs full tables.
+ */
 static void print_compact_cost(const analysis *analysis)
 {
     compact_cost cost;
@@ -283,8 +289,9 @@ static void print_compact_cost(const analysis *analysis)
 }
 
 /*
- * Print the memory that firmwares with each part of the library (control, linear, nonlinear) need,
- * and that with compact tables where it differs much.
+ * Print the memory that firmwares with each part of the library (control, linear, nonlinear) need.
+ * Where the tables become much smaller without the numbers that a device can compute from the
+ * nodes, print the memory with those tables also.
  */
 static void print_images(const analysis *from)
 {
@@ -460,8 +467,8 @@ static void json_path(json *json, const analysis *analysis)
 }
 
 /*
- * Write the solver's data on a linear structure as JSON: one linear solve with iterative
- * refinement.
+ * Write status, residual and number of refinement iterations of the linear solve of a structure
+ * with linear kinematics as JSON.
  */
 static void json_linear(json *json, const analysis *analysis)
 {
@@ -658,8 +665,8 @@ static double reached(const analysis *analysis, int k, const voltages *result)
 }
 
 /*
- * Print the displacements of single nodes that the scene file lists as outputs, under the voltages
- * of each result.
+ * Print a table of the displacements of single nodes that the scene file lists as outputs: one row
+ * without voltages, and one row for each set of voltages that `pzs shape` has computed.
  */
 static void print_reached(const shape_run *run)
 {
@@ -725,8 +732,7 @@ static void print_target_rows(const design *design, const voltages *result)
 
 /*
  * Print the displacements of the scene's outputs that have several nodes, under the optimal
- * voltages within the first pair of voltage limits. Then print the names of the outputs that only
- * `pzs solve` computes.
+ * voltages `best`. Then print the names of the outputs that only `pzs solve` computes.
  */
 static void print_reached_nodes(const analysis *analysis, const voltages *best, double *value)
 {

@@ -38,9 +38,9 @@ void print_estimate_json(json *json, const estimator *estimator);
 
 /*
  * Print heights and duration of the voltage pulses of the self-test of amplifiers, cables and
- * sensors, which runs before the control loop starts, and of how many electrodes the fault detector
- * of a loop that damps vibration finds faults, with a warning of the amplifiers that they cannot
- * judge; nothing where the scene has neither.
+ * sensors, which runs before the control loop starts. Then print on how many electrodes the fault
+ * detector of the control loop can find faults, with a warning that names the other electrodes.
+ * Nothing is printed where the scene has neither self-test nor fault detector.
  */
 void print_test_plans(const analysis *analysis);
 
@@ -76,7 +76,7 @@ void print_electrodes_json(json *json, analysis *analysis);
 void print_bare_faces(const analysis *analysis);
 void print_bare_faces_json(json *json, const analysis *analysis);
 
-/* Print the voltages of all results with their shape errors. */
+/* Print the results of `pzs shape`: each set of voltages with its shape error. */
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 

@@ -9,8 +9,8 @@
 
 /* Records and files that receive the results of every tick of a simulation. */
 typedef struct simulate_sinks {
-    simulate_record *record; /* shape errors of all control laws in every tick; the caller has
-                                opened the record */
+    simulate_record *record; /* shape errors of all control laws in every tick, in a record that the
+                                caller has prepared with record_open */
     FILE *csv; /* CSV file that receives a header and one line for each tick of the controller, or
                   NULL */
     history *history; /* record of every tick of the controller, opened by the caller, or NULL */

@@ -45,7 +45,10 @@ void work_report_search(work_report *report, const analysis *analysis)
     }
 }
 
-/* Print one row of the table of instructions: a name, and a number for each processor. */
+/*
+ * Print one row of the table of processor instructions in a control tick: the name of a stage of
+ * the tick, and its number of instructions on each processor.
+ */
 static void print_row(const char *name, const double value[LOOP_PROCESSORS])
 {
     printf("    %-28s", name);

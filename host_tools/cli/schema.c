@@ -9,7 +9,10 @@
 #include "../scene/scene_units.h"
 #include "../text/json.h"
 
-/* Largest magnitude of a plain number that the scene reader accepts. */
+/*
+ * Largest magnitude of a number that the scene reader accepts, where the key of the scene sets no
+ * narrower limit.
+ */
 static const double largest_number = 1e60;
 
 static void write_form(json *json, const form *form);

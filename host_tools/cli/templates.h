@@ -8,7 +8,7 @@
 /* Names of the example scenes and data files, ended by NULL. */
 extern const char *const templates_name[];
 
-/* Text of the example with a given name, or NULL where there is none. */
+/* Text of the example scene or data file with a given name, or NULL where there is none. */
 const char *templates_text(const char *name);
 
 #endif

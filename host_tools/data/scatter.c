@@ -18,8 +18,8 @@ struct scatter {
                        coordinates beyond `axes` are 0 */
     double *value;  /* [count] given values at the scattered points, in the order of the k-d tree
                        that holds the points */
-    size_t *source; /* [count] number of the point at each position of the tree, while the tree is
-                       built */
+    size_t *source; /* [count] number, in the order of the caller, of the scattered point at each
+                       position of the k-d tree; used while the tree is built */
 };
 
 /*

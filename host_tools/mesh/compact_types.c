@@ -42,7 +42,10 @@ static void fill_nodes(const compact_types *compact, const mesh *mesh)
     }
 }
 
-/* Fill the compact element type of one element. */
+/*
+ * Copy from the full type of an element those numbers that a device cannot compute from the nodes,
+ * into the compact type.
+ */
 static void fill_type(const compact_types *compact, const mesh *mesh, int element)
 {
     const pzs_element_type *full = &mesh->type[mesh->element_type[element]];
@@ -58,8 +61,8 @@ static void fill_type(const compact_types *compact, const mesh *mesh, int elemen
 }
 
 /*
- * Fill all compact element types; each is completed from the corners of the first element of the
- * type.
+ * Fill all compact element types. A device computes the numbers that a compact type leaves out from
+ * the nodes at the corners of the first element of this type.
  */
 static void fill_types(const compact_types *compact, const mesh *mesh)
 {
@@ -67,7 +70,10 @@ static void fill_types(const compact_types *compact, const mesh *mesh)
         fill_type(compact, mesh, element);
 }
 
-/* Return whether the library completes all compact element types to the bits of the full ones. */
+/*
+ * Return whether the library, from the compact element types and the nodes, computes the full
+ * element types bit by bit.
+ */
 static bool is_exact(const compact_types *compact, const mesh *mesh)
 {
     for (int k = 0; k < mesh->types; k++) {

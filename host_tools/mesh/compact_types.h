@@ -8,19 +8,22 @@
 
 #include "mesh.h"
 
-/* Compact element types of a mesh. */
+/*
+ * Element types of a mesh without the numbers that a device computes from the nodes, and the nodes.
+ */
 typedef struct compact_types {
-    pzs_compact_type *type; /* [types] compact element types; NULL where the mesh has none */
+    pzs_compact_type *type; /* [types] element types without the numbers that a device computes from
+                               the nodes; NULL where the mesh needs full element types */
     pzs_node *node;         /* [nodes] positions and triads (local axes) of the nodes; the positions
                                count from an origin near the mesh, so that single precision keeps
                                the differences between neighbours */
 } compact_types;
 
 /*
- * Make the compact element types of a mesh. The result has no types in three cases: the library
- * would not complete them to the bits of the full types (element option `published`, and meshes
- * along lines of curvature, whose edges have a length each); the full types take no more memory;
- * memory for the compact types is lacking.
+ * Make element types of a mesh that leave out what a device computes from the nodes (compact
+ * types). The result has no types in three cases: the library would not compute the full types bit
+ * by bit (element option `published`, and meshes along lines of curvature, whose edges have a
+ * length each); the full types take no more memory; memory for the compact types is lacking.
  */
 void compact_types_make(compact_types *compact, const mesh *mesh);
 void compact_types_free(compact_types *compact);

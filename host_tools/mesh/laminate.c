@@ -192,9 +192,10 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
         return -1;
     turn(layer->angle, transform);
     for (int i = 0; i < 6; i++)
-        turn_back(transform, stiffness[i], half[i]); /* product of stiffness and transform of the
-                                                        ply, computed row by row because the
-                                                        stiffness is symmetric */
+        turn_back(transform, stiffness[i], half[i]); /* product of the ply's stiffness matrix and
+                                                        the matrix that transforms strains from the
+                                                        axes of the shell to those of the ply, one
+                                                        row at a time */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             ply->c[i][j] = 0;
@@ -626,13 +627,14 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 }
 
 /*
- * Return the part of the bending flexibility that is used in the two strain modes that are linear
- * over the element: 01 (direction 0) or 10 (direction 1). In these strain modes the bubble
- * displacement (which vanishes at the nodes) is antisymmetric across the element, so that it twists
- * the element as well: the part is 1/(1 + 0.6 (f/ft) (L_a/L_b)^2), with f and ft the compliances of
- * bending and of twist and L_a, L_b the lengths of the element along the direction and across it.
- * For a square isotropic element with Poisson's ratio 0.3 the exact part is 0.784, and this formula
- * gives 0.813.
+ * Return the factor by which the bending flexibility is multiplied before it is added to the
+ * transverse shear flexibility in a strain mode that is linear over the element along one
+ * direction. In such a strain mode the bubble displacement (which vanishes at the nodes) is
+ * antisymmetric across the element, so that it twists the element as well. The factor is 1/(1 + 0.6
+ * (f/ft) (L_a/L_b)^2), with f and ft the compliances of bending and of twist and L_a, L_b the
+ * lengths of the element along the direction and across it. For a square isotropic element with
+ * Poisson's ratio 0.3 the exact factor is 0.784, and this formula gives 0.813.
+ *   direction in  direction in which the strain is linear: 0 for theta1, 1 for theta2
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -680,9 +682,10 @@ static int shear_block(double modal[N][N], int mode, int index[N])
 }
 
 /*
- * Add a flexibility to the compliance of each transverse shear that a strain mode (constant, linear
- * or bilinear over the element) contains. Returns 0, or -1 if the stiffness of the strain mode is
- * singular.
+ * Make the two transverse shears softer in the stiffness matrix of one strain mode (constant,
+ * linear or bilinear over the element).
+ *   flexibility [2] in  compliance that is added to that of each of the two transverse shears
+ * Returns 0, or -1 if the stiffness matrix is singular.
  */
 static int soften_shear(double modal[N][N], int mode, const double flexibility[2])
 {
@@ -796,9 +799,10 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
 }
 
 /*
- * Replace the prescribed resultants of a field (voltage or temperature) that causes transverse
- * shear. Those of the plies are replaced by resultants that cause the same free strains with the
- * stiffness of the strain mode that is constant over the element.
+ * Correct the stress resultants that a voltage or temperature prescribes where it causes transverse
+ * shear. The laminate would deform freely by certain strains under the original resultants and its
+ * uniform shear stiffness. The new resultants cause the same free strains with the stiffness that
+ * the element uses for strains constant over the element.
  */
 static void keep_free_strains(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, free_field *field)
@@ -916,10 +920,11 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return the part of an electrode's charge per area that the element options for transverse shear
- * would otherwise change: the product of the free strains of two fields (voltages or temperatures)
- * with the stiffness of uniform shear strain less the stiffness that the element uses. With this
- * part a free ply has the charge of its material, whatever the options.
+ * Return a correction of an electrode's charge per area. Element options may make an element softer
+ * in transverse shear than its material, which would change the charge. The correction is the
+ * product of the free strains of the two voltages or temperatures `first` and `second` with the
+ * stiffness of uniform shear strain less the stiffness that the element uses. With it a free ply
+ * has the charge of its material, whatever the options.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,

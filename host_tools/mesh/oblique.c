@@ -25,10 +25,10 @@ typedef struct held_axes {
     int count;
     double axis[3][3]; /* [count] orthogonal unit vectors in the triad (local axes) of the node that
                           span the held directions, followed by axes that complete them to three */
-    double value[3];   /* [count] displacement that supports prescribe along each of the held axes
-                          (length unit of the scene file) */
-    int holder[3];     /* [count] index, among the scene's supports, of the one that holds the node
-                          along each axis */
+    double value[3]; /* [count] displacement that supports prescribe along each of the directions in
+                        which they hold the node (length unit of the scene file) */
+    int holder[3];   /* [count] index, among the scene's supports, of the one that holds the node
+                        along each axis */
 } held_axes;
 
 /*
@@ -90,8 +90,8 @@ static double remove_held(const held_axes *held, held_direction *rest)
 }
 
 /*
- * Return the largest displacement that supports prescribe at a node, along the axes held so far and
- * along one more direction.
+ * Return the largest absolute displacement that supports prescribe at a node: along the directions
+ * in `held`, and along `direction`.
  */
 static double largest_value(const held_axes *held, const held_direction *direction)
 {

@@ -36,10 +36,9 @@ typedef struct quad_rule {
                             sum of both absolute skew coefficients (0 on a parallelogram), and
                             largest distance of a node from the mean of its neighbours, relative to
                             their distances */
-    double bubble_share; /* fraction of the transverse shear flexibility added on coarse meshes
-                            (element option rho) that the element uses, 1 on regular meshes and
-                            smaller where thin elements are irregular: 1/(1 + (irregularity times
-                            thinness/3)^2), with the members irregularity and thinness */
+    double bubble_share; /* factor, 0 to 1, of the transverse shear flexibility that is added on
+                            coarse meshes: 1 on regular meshes, smaller where thin elements are
+                            irregular */
     double lock; /* factor by which the bending of the element would have to be stiffened to keep
                     stresses smooth, from the members thinness and irregularity: [thinness
                     clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. No bending is actually stiffened; a

@@ -21,9 +21,9 @@ typedef struct line_mesh {
 } line_mesh;
 
 /*
- * Build the general quadrilateral mesh; direction 1 of its elements is that of the surface
- * coordinate theta1. The caller releases quads with quad_mesh_free. Returns 0, or -1 with quads
- * empty when memory runs out.
+ * Build the mesh of quadrilaterals from nodes and elements between the coordinate lines of a
+ * surface; direction 1 of its elements is that of the surface coordinate theta1. The caller
+ * releases quads with quad_mesh_free. Returns 0, or -1 with quads empty when memory runs out.
  */
 int quads_of_lines(const line_mesh *lines, quad_mesh *quads);
 

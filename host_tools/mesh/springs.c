@@ -36,7 +36,8 @@ typedef struct spring_builder {
     double *weight;
     size_t room_rows, room_entries;
     double largest[2]; /* largest diagonal entries of the stiffness matrices of the elements: for
-                          mean displacements (N/m), and for differences of the faces (N m) */
+                          the mean displacement of both faces of the shell (N/m), and for the
+                          difference of their displacements divided by the thickness (N m) */
 } spring_builder;
 
 static int fault_of_memory(const spring_builder *builder)
@@ -194,7 +195,10 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
 
 /* ---- list of rows -------------------------------------------------------- */
 
-/* Make room for the sparse row of one more spring. Returns 0, or -1 when memory runs out. */
+/*
+ * Make room for one more spring in the list of springs: the sparse row of factors by which the dof
+ * of the mesh give the spring's elongation. Returns 0, or -1 when memory runs out.
+ */
 static int grow(spring_builder *builder)
 {
     mesh_springs *springs = builder->springs;
@@ -382,7 +386,8 @@ static int check_envelope(mesh *mesh, char *error)
 
 /*
  * Find the largest diagonal entries of the stiffness matrices of the elements.
- *   largest  [2] out  entry for mean displacements (N/m), and for differences of the faces (N m)
+ *   largest [2] out  entry for the mean displacement of both faces of the shell (N/m), and entry
+ *       for the difference of their displacements divided by the thickness (N m)
  */
 static void find_largest(const mesh *mesh, double largest[2])
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Supports on a mesh of mesh lines that give a direction: they rotate the triads (local axes) of
- * their nodes about the normal (mesh_turn_axes in mesh.h).
+ * Rotation of the triads (local axes) of nodes about the surface normal, to the direction that a
+ * support gives, on a mesh between coordinate lines (mesh_turn_axes in mesh.h).
  */
 #include <math.h>
 #include <stdlib.h>

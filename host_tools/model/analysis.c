@@ -236,7 +236,8 @@ static int explain_equilibrium(const analysis *analysis, char *error)
 }
 
 /*
- * Return whether an output is a quantity of contact that is one value for all nodes of its place.
+ * Return whether an output of the scene is a total over all its nodes: a component of the contact
+ * force, or the number of nodes in contact.
  */
 static bool is_contact_total(const scene_output *output)
 {

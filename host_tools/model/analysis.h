@@ -211,8 +211,9 @@ const char *analysis_output_electrode(const analysis *analysis, int k, int i);
 double analysis_capacitance(const analysis *analysis, int k, int is_free);
 
 /*
- * Ratio of the stiffness with open sensor electrodes to the stiffness with short-circuited ones,
- * under the scene's loads without temperature changes, in the reference state. Returns NAN where
+ * Ratio of the work that the scene's loads do on the structure with short-circuited sensor
+ * electrodes to the work with open ones, in the reference state and without temperature changes.
+ * Open electrodes make the structure stiffer, so that the ratio is at least 1. Returns NAN where
  * the scene has no loads or no open sensors, and for nonlinear kinematics.
  */
 double analysis_stiffening(analysis *analysis);

@@ -13,9 +13,10 @@ typedef struct arc_contact {
     pzs_contact *contact; /* contact of the equilibrium solver with the rigid body; NULL: the scene
                              has no contact */
     pzs_solver *solver;   /* equilibrium solver to which the contact is attached */
-    void *pressures;      /* copy of the contact pressures and of the set of nodes in contact */
-    size_t bytes;         /* size of the copy `pressures` (bytes) */
-    pzs_status refused;   /* status for which the last converged step was refused, or PZS_OK */
+    void *pressures; /* contact pressures and set of nodes in contact at the last converged point of
+                        the load path */
+    size_t bytes;    /* size of the copy `pressures` (bytes) */
+    pzs_status refused; /* status for which the last converged step was refused, or PZS_OK */
 } arc_contact;
 
 /*

@@ -99,8 +99,9 @@ static void add_temperatures(const design *design, int layer, int element, doubl
 }
 
 /*
- * Add the charges at the electric potentials of a layer in an element, per volt of the potentials
- * of another layer, to the matrix of charges per unit of the inputs.
+ * Add the electric charges on the faces without electrode of one layer of an element, per volt of
+ * the potentials of the faces of another layer (the argument `other`), to the matrix of charges.
+ *   dense in/out  charges, one row for each electrode and potential, per unit of each input
  */
 static void add_pair(const design *design, int layer, int other, int element, double *dense)
 {

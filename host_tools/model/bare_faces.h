@@ -83,8 +83,9 @@ const double (*bare_faces_capacitance(const bare_faces *bare, int layer, int oth
 /*
  * Return the electric potential at a node on a face of a layer (V), 0 where the face has no
  * potential there.
- *   value [inputs] in  values of all inputs of the structure, which include the potentials of its
- * faces without electrodes (V) face           in  0: inner face of the layer; 1: outer face
+ *   value [inputs] in  values of all inputs of the structure, including the potentials of its
+ *       faces without electrodes (V)
+ *   face           in  0: inner face of the layer; 1: outer face
  */
 double bare_faces_potential(const bare_faces *bare, const double *value, int layer, int face,
                             int node);

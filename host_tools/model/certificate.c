@@ -422,7 +422,7 @@ static void target_text(const certificate_target *target, char text[CERTIFICATE_
         target->storms - target->failed, target->storms);
 }
 
-/* Append all sentences on the stability tests of a control loop with a vibration model. */
+/* Append to `text` a description of all stability tests of a control loop that damps vibration. */
 static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     verdict_text(loop, text);

@@ -45,8 +45,9 @@ typedef struct certificate_target {
     double amplitude;         /* largest displacement of a target node, divided by the thickness */
     double first;   /* first natural frequency of the deformed structure, relative to that of the
                        reference state */
-    bool is_stable; /* true where small vibrations decay on every structure and every storm
-                       (simulation with fast jumps of the target) settles */
+    bool is_stable; /* true where, on every structure tried, small vibrations decay and every storm
+                       (simulation with fast jumps of the target) settles; the structures have
+                       static responses and frequencies above and below those of the model */
     double radius;  /* largest growth factor of small vibrations per tick under the control loop,
                        with no voltage at its limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
@@ -71,8 +72,9 @@ typedef struct certificate_target {
  */
 typedef struct certificate_loop {
     bool is_made;
-    bool is_stable; /* true where small vibrations decay on every simulated structure and every
-                       storm (simulation with fast jumps of the target) settles */
+    bool is_stable; /* true where, on every simulated structure, small vibrations decay and every
+                       storm (simulation with fast jumps of the target) settles; the structures have
+                       static responses and frequencies above and below those of the model */
     int modes;      /* number of vibration modes of the structure in the simulations that test the
                        stability of the control loop */
     int observed;   /* number of vibration modes that the observer of the control tick estimates */
@@ -119,8 +121,8 @@ typedef struct certificate_loop {
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            controller's model, with which the control loop is stable */
-    bool ends_at_most;  /* true where the control loop is stable with the oldest readings that were
-                           tried, so that the member `older` could be larger */
+    bool ends_at_most; /* true where the control loop is stable even with the oldest sensor readings
+                          that the simulations have tried */
     double margin_slow, margin_fast; /* lowest and highest natural frequencies of the structure,
                                         relative to the controller's model, with which the control
                                         loop is stable */

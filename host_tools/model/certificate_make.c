@@ -17,7 +17,7 @@ enum {
     EXACT = 40, /* number of squarings of the control loop's transition matrix by which its spectral
                    radius is found at the scene's tick rate */
     QUICK = 16, /* number of squarings of the control loop's transition matrix by which its spectral
-                   radius is found at the other tick rates for which stability is checked */
+                   radius is found at tick rates above and below that of the scene */
     STATE_LIMIT = 300, /* largest number of states of the control loop for which the stability is
                           computed */
     DELAY_LIMIT = 100, /* largest delay of the measurements for which the stability of the control
@@ -281,9 +281,12 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Conditions of a control loop on a structure whose response to voltages and whose frequencies
- * differ from the model's by the given factors. With time counted in units of 1/frequency only
- * interval and lag depend on the frequencies.
+ * Return the conditions under which the stability of a control loop is checked on a structure that
+ * differs from the model. Time counts in units of 1/frequency, so that only the time between ticks
+ * and the lag of the amplifiers depend on the frequency.
+ *   gain      in  static response of the structure to voltages, relative to the model
+ *   frequency in  natural frequencies of the structure, relative to the model
+ *   interval  in  time between ticks (s)
  */
 static certificate_conditions conditions_at(const assessed_loop *loop, double gain,
                                             double frequency, double interval)

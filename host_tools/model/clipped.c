@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Clipped least squares with and without regularisation (clipped.h). */
+/*
+ * Voltages by least squares without limits, with or without regularisation, each then clipped to
+ * its limits (clipped.h).
+ */
 #include "clipped.h"
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Computing times with full and with compact element types (compact_cost.h). */
+/*
+ * Computing times with full element types, and with compact ones, which contain only what a device
+ * cannot compute from the nodes (compact_cost.h).
+ */
 #include "compact_cost.h"
 #include <math.h>
 #include "../../lib/model/compact.h"
@@ -14,12 +17,16 @@
  */
 enum { MEASUREMENTS = 40, ELEMENTS = 100 };
 
-/* Computation on one element whose time is measured. */
+/*
+ * Computation for one element whose duration is measured: nodal forces with a full or a compact
+ * element type, or the stiffness matrix.
+ */
 typedef enum element_work { FORCE_OF_FULL, FORCE_OF_COMPACT, STIFFNESS } element_work;
 
 /*
- * Make one of the measured computations once for an element type. Returns a number that depends on
- * its result, so that the compiler cannot leave the computation out.
+ * Compute the nodal forces or the stiffness matrix of an element once, to measure how long that
+ * takes. Returns a number that depends on the result, so that the compiler cannot leave the
+ * computation out.
  */
 static double work_on(const mesh *mesh, const compact_types *compact, int type, element_work work)
 {
@@ -39,11 +46,12 @@ static double work_on(const mesh *mesh, const compact_types *compact, int type, 
     return vector[0];
 }
 
-/* Measure the time that one of the computations takes for one element (s). */
+/* Measure the time to compute the nodal forces or the stiffness matrix of one element (s). */
 static double seconds_of(const mesh *mesh, const compact_types *compact, element_work work)
 {
-    volatile double sum = 0; /* sum of the results; volatile, so that the compiler does not leave
-                                out the measured computations */
+    volatile double sum = 0; /* sum of the numbers that work_on returns; volatile, so that the
+                                compiler does not leave out the computations whose time is measured
+                              */
     double least = HUGE_VAL;
     for (int i = 0; i < MEASUREMENTS; i++) {
         const double begin = analysis_now();

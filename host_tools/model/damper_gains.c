@@ -128,11 +128,10 @@ static int invert(double *a, double *x, size_t order)
  */
 typedef struct doubling {
     size_t n;
-    double *a, *g, *h; /* [n][n] iterates a, g and h, with n states, of the doubling iteration; h
+    double *a, *g, *h; /* [n][n] matrices that each iteration of the structured doubling replaces; h
                           converges to the solution of the vibration observer's Riccati equation */
-    double *w, *work, *aw, *other; /* [n][n] w: inverse of 1 + g h, with the iterates g and h of the
-                                      doubling iteration for the Riccati equation; aw: its iterate a
-                                      times this inverse; `work` and `other`: work matrices */
+    double *w, *work, *aw, *other; /* [n][n] work matrices; w: inverse of (unit matrix + g h); aw:
+                                      product of the matrices a and w */
     double *memory;
 } doubling;
 

@@ -36,10 +36,11 @@ typedef struct damper_settings {
                       angle in a tick */
     double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
                             voltages that the voltages cover in one control tick */
-    double mix;  /* weight, 0 to 1, of the deviation of a vibration mode computed from the change of
-                    its velocity; the deviation computed from its position has the weight 1 - mix */
-    double kick; /* process noise of the observer: root mean square random change of the first
-                    vibration mode's velocity in a tick, relative to the noise of one sensor */
+    double mix;   /* weight, 0 to 1, with which the deviation of a vibration mode from its static
+                     equilibrium is computed from the change of its velocity; the deviation computed
+                     from its position has the weight 1 - mix */
+    double kick;  /* process noise of the observer: root mean square random change of the first
+                     vibration mode's velocity in a tick, relative to the noise of one sensor */
     double drift; /* process noise of the observer: root mean square random change of the load on
                      the first vibration mode in a tick, relative to the noise of one sensor */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus

@@ -62,8 +62,8 @@ typedef struct design_dropped {
     double error;   /* largest displacement of an output by the entries of the influence matrix that
                        count as zero, with all voltages at their limits; infinite without limits
                        (length unit) */
-    int output; /* number, from 0, of the output (target row) with the largest displacement that is
-                   left out */
+    int output; /* number, from 0, of the output (row of the influence matrix) whose displacement
+                   changes most where small entries of the influence matrix count as zero */
 } design_dropped;
 
 /*
@@ -111,8 +111,9 @@ typedef struct design {
     int free_functions; /* number of free functions of the target: shapes that may be added to it at
                            no cost */
     double *free_value; /* [free_functions][targets] free functions of the target (shapes that may
-                           be added at no cost), combined so that they are orthonormal in the
-                           weighted scalar product */
+                           be added at no cost), combined so that they are orthonormal: the sum over
+                           the targets of weight squared times the product of two functions is 1 for
+                           equal functions, else 0 */
     double *influence;  /* [targets][amplifiers] influence matrix without its part along the free
                            functions of the target (shapes that may be added at no cost), filled by
                            design_control */
@@ -182,7 +183,7 @@ int design_measured(design *design, char *error);
 
 /*
  * Build the least-squares problem for the voltages within their limits (member `problem`).
- * influence [outputs][inputs] in  influence matrix of the whole structure, from pzs_influence
+ *   influence [outputs][inputs] in  influence matrix of the whole structure, from pzs_influence
  * Returns 0, or -1 with error filled.
  */
 int design_control(design *design, const double *influence, char *error);

@@ -204,11 +204,12 @@ static bool add_charges_of_load(arc_search *arc_search)
 }
 
 /*
- * Assemble and factor the tangent stiffness at the present point, and solve for the changes of
- * displacement and voltages by the residuals and per unit of the load factor. Returns false if the
- * tangent stiffness is singular.
+ * Assemble and factor the tangent stiffness matrix at the displacement and load factor that the
+ * present iteration of an arc-length step has reached. Then solve for the changes of displacement
+ * and voltages: those that the residual forces cause, and those per unit of the load factor.
+ * Returns false if the tangent stiffness matrix is singular.
  *   uses_true_resultants in  true: the geometric stiffness comes from the stress resultants of the
- *       displacement; false: from the resultants extrapolated from the last point of the iteration
+ *       displacement; false: from resultants extrapolated from the previous iteration
  */
 static bool solve_both(arc_search *arc_search, bool uses_true_resultants)
 {
@@ -256,8 +257,9 @@ static double constrained_change(const arc_search *arc_search, double arc)
 }
 
 /*
- * Add the changes by the residuals and by a change of the load factor to the increment. Returns the
- * squared norm of the sum of these changes.
+ * Add two changes of displacement and voltages to their increment in an arc-length step: those that
+ * the residual forces cause, and those that a change of the load factor causes. Returns the squared
+ * norm of the sum of these changes.
  */
 static double add_changes(arc_search *arc_search, double change)
 {
@@ -479,7 +481,8 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
  */
 typedef struct step_control {
     double arc;     /* length of the next step on a load path */
-    double longest; /* largest length of a step on a load path */
+    double longest; /* largest length of a step on a load path: norm of the change of displacement
+                       (m) */
     int usual; /* number of linear solves of a step on a load path after which the next step has the
                   same length */
     int before;      /* number of linear solves of the step on a load path before the last one */

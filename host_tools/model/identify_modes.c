@@ -287,9 +287,10 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
 
 /*
  * Compute the derivatives of the decaying cosine and sine of each vibration mode with respect to
- * its angular frequency and its damping ratio, without their parts along the orthonormal functions
- * of the interval of constant voltages. Rows 4 k to 4 k + 3 of fit->slope belong to mode k: cosine
- * and sine by the frequency, cosine and sine by the damping ratio.
+ * its angular frequency and its damping ratio, over an interval of constant voltages. The parts of
+ * the derivatives along the orthonormal functions in fit->function (which span a constant and all
+ * decaying cosines and sines) are removed. Rows 4 k to 4 k + 3 of fit->slope belong to mode k:
+ * cosine and sine by the frequency, cosine and sine by the damping ratio.
  */
 static void fill_slopes(const fit *fit, const interval *interval)
 {
@@ -325,9 +326,9 @@ typedef struct normal {
     double squares; /* sum of the squares of the parts of all signals (weighted sums of the
                        readings) that the fitted vibration modes do not explain (squared unit of the
                        readings) */
-    double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each vibration mode in all
-                                        signals, weighted sums of the readings (squared unit of the
-                                        readings) */
+    double energy[IDENTIFIED_MODES]; /* sum, over all signals (weighted sums of the readings) and
+                                        samples, of the squares of each vibration mode's part of the
+                                        signal (squared unit of the readings) */
     size_t values; /* number of samples of all signals (weighted sums of the readings) minus number
                       of fitted coefficients */
 } normal;

@@ -32,8 +32,9 @@ typedef struct free_vibration {
     size_t modes;
     const double *frequency, *damping; /* [modes] angular frequencies of the vibration modes (rad/s)
                                           and their damping ratios */
-    double rate;                       /* number of samples of the record in a second (1/s) */
-    size_t intervals;                  /* number of intervals of constant voltages in the record */
+    double rate; /* number of samples in a second of the record of voltages and readings (1/s) */
+    size_t intervals;    /* number of intervals of constant voltages in the record of voltages and
+                            readings */
     size_t skipped;      /* number of samples between a step of the voltages and the first sample to
                             which free vibration is fitted */
     const size_t *first; /* [intervals] number of the first sample of each interval of constant

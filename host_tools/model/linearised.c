@@ -7,7 +7,8 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * Compute the tangent stiffness matrix in the model of the solver, and copy it.
+ * Compute the tangent stiffness matrix at the equilibrium that the solver has reached, and copy it.
+ * The matrix overwrites the stiffness matrix in the solver's memory.
  *   imbalance [free_dof] out  work array
  */
 static void copy_tangent(linearised *linearised, pzs_solver *solver, double *imbalance)

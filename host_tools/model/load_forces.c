@@ -51,11 +51,11 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 
 /*
  * Express a load vector, given in the local axes of the node `from`, in the local axes of the node
- * `to`. With the element formulation that interpolates displacement vectors in space (Cartesian), a
- * load of fixed direction keeps its direction in space; with the published one, which interpolates
- * components, it keeps its components. A pressure always keeps its components, because the
- * interpolation of its vector between two nodes would lose a part angle^2/6 of its length, with the
- * angle between the normals at both nodes.
+ * `to`. With the improved element formulation, which interpolates displacement vectors in space, a
+ * load of fixed direction keeps its direction in space. With the element formulation `published`,
+ * which interpolates components along the local axes, the load keeps its components. A pressure
+ * always keeps its components, because the interpolation of its vector between two nodes would lose
+ * a part angle^2/6 of its length, with the angle between the normals at both nodes.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])

@@ -19,8 +19,8 @@ static bool has_loads(const scene *scene)
 }
 
 /*
- * Compute the first natural frequency, in the state of the structure in which the modes of an
- * analysis are computed.
+ * Compute the first natural frequency of an analysed structure: about the equilibrium under its
+ * loads where the analysis has computed one, otherwise in the reference state.
  *   first out  frequency (Hz), 0 for a rigid motion
  * Returns 0, or -1 with error filled.
  */

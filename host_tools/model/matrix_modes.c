@@ -6,7 +6,11 @@
 #include <string.h>
 #include "../../lib/core/linalg.h"
 
-enum { SWAPS = 40 }; /* largest number of pairs of rows of the influence matrix that are swapped */
+/*
+ * Largest number of swaps of two rows of the influence matrix, in the search for outputs that stand
+ * in another order in the matrix than in the mode shapes.
+ */
+enum { SWAPS = 40 };
 
 /*
  * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower vibration

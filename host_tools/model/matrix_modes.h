@@ -25,8 +25,9 @@ typedef struct matrix_modes {
                            mode shapes, if the rows of the shapes stood in random order (mean) */
     double rest; /* share of the influence matrix outside the span of the mode shapes, which no
                     static responses explain */
-    double swapped_rest; /* share of the influence matrix that the mode shapes do not explain after
-                            all swaps of outputs */
+    double swapped_rest; /* share of the influence matrix outside the span of the mode shapes, after
+                            the search has swapped those rows of the matrix that seem to stand in
+                            the wrong order */
 } matrix_modes;
 
 /*

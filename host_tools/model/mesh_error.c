@@ -114,8 +114,8 @@ static int read_coarser(scene *coarse, const scene *fine, const int elements[2],
 }
 
 /*
- * Compute the results on one coarser mesh, and check that their names are those of the results on
- * the mesh of the scene. Returns 0, or -1 with error filled.
+ * Compute, on one coarser mesh, the results whose discretisation error is estimated, and check that
+ * they are as many as on the mesh of the scene. Returns 0, or -1 with error filled.
  */
 static int measure_coarser(const mesh_error *result, const scene *fine, const int elements[2],
                            mesh_measure *measure, const void *context, mesh_values *values,

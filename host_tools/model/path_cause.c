@@ -39,8 +39,8 @@ bool path_has_lost_normal(const load_path *path, const mesh *mesh)
 }
 
 /*
- * Name the turn of the shell at the last point of the load path as the cause, with the element that
- * has no seventh degree of freedom at its nodes.
+ * Write into `text` that the shell has turned too far from its undeformed normal at the last point
+ * of a load path, and which element option avoids the loss of stiffness that follows.
  */
 static void name_tilt(const load_path_point *point, int index, const mesh *mesh, char *text)
 {

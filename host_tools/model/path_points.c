@@ -25,8 +25,9 @@ static bool wants_reactions(const design *design)
 }
 
 /*
- * Record the largest bend and tilt and the strongest compression of the shell in a point of the
- * load path. Where memory runs out the compression stays zero.
+ * Store in a point of the load path the largest angle by which the shell has bent within an
+ * element, the largest angle by which it has turned from its undeformed normal (both in degrees),
+ * and the lowest principal strain of its faces. Where memory runs out the strain stays zero.
  */
 static void measure_shape(const mesh *mesh, const double *displacement, load_path_point *point)
 {

@@ -61,9 +61,10 @@ int measure_modulus(const subject *of, int k, measured *found)
 }
 
 /*
- * Measure one constant of the material with index k.
- *   name, unit  in  name and physical dimension of the constant
- *   constant    in  offset of the constant, a double, in scene_material
+ * Copy one constant of the material with index k into `found`, for a plausibility rule that
+ * compares it with usual values. Returns whether there is a material k.
+ *   name, unit in  name and physical dimension of the constant
+ *   constant   in  offset of the constant, a double, in scene_material
  */
 static int measure_constant(const subject *of, int k, const char *name, size_t constant,
                             const units_unit *unit, measured *found)

@@ -86,9 +86,10 @@ static bool has_file(const subject *of)
 }
 
 /*
- * Measure the thickness over the shorter side of the structure. The flag is_from_file restricts the
- * rule to structures whose node positions come from a mesh file or measured points (true) or to all
- * others (false).
+ * Store the ratio of the thickness of the structure to its shorter side in `found`, for a
+ * plausibility rule. Structures of the other kind than is_from_file says are left out.
+ *   is_from_file in  true: structures whose node positions come from a mesh file or measured
+ *       points; false: all others
  */
 static int measure_thin(const subject *of, int k, bool is_from_file, measured *found)
 {
@@ -127,10 +128,12 @@ int measure_points_height(const subject *of, int k, measured *found)
 }
 
 /*
- * Compute the bending and shear stiffnesses of the laminate, and the squared wave number of a half
- * wave with the length of the shorter side of the structure. Plausibility rules on transverse shear
- * measure a single number, with the index k = 0: returns false for any other k, and where nothing
- * can be computed.
+ * Compute the bending and shear stiffnesses of the laminate, for plausibility rules on transverse
+ * shear.
+ *   k    in   index of the number that the rule asks for; there is one, with the index 0
+ *   wave out  squared wave number of a half sine wave over the shorter side of the structure
+ *       (1/m2)
+ * Returns false for any other k, and where nothing can be computed.
  */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,
                       double *wave)

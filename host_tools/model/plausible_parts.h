@@ -59,7 +59,8 @@ enum { WHAT = 300 };
 typedef struct measured {
     double value; /* number that a plausibility rule has measured; NAN if the rule does not apply */
     scene_at at;
-    char what[WHAT]; /* description of the measured number, for example "thickness of layer 1" */
+    char what[WHAT]; /* description, for the text of a warning, of the number that a plausibility
+                        rule has found, for example "thickness of layer 1" */
 } measured;
 
 /*

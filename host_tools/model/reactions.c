@@ -432,8 +432,9 @@ static double reaction_on(const all_dof *all, size_t dof)
 
 /*
  * Add the reactions on the dof of one node to those of the node, of its supports and of all
- * supports. support [supports of the scene] in/out  reactions, at the index of the first support of
- * each name
+ * supports.
+ *   support [supports of the scene] in/out  reactions, at the index of the first support of each
+ *       name
  */
 static void add_node(const all_dof *all, int node, reactions *reactions, support_reaction *support)
 {

@@ -24,7 +24,7 @@ typedef struct stencil {
     double angle;      /* angle from shell axis 1 of the element to the first direction of principal
                           curvature (rad) */
     double k[2];       /* principal curvatures of the surface along their two directions (1/m) */
-    int count;         /* number of neighbouring elements from which gradients are formed */
+    int count; /* number of neighbouring elements from which the gradients of stresses are formed */
     int neighbour[STRESS_NEIGHBOURS];
     double turn[STRESS_NEIGHBOURS]; /* angle from the first direction of principal curvature to the
                                        shell axis 1 of each neighbouring element (rad) */
@@ -236,8 +236,10 @@ static void balance(const stress_field *field, const stencil *stencil, gradient 
 }
 
 /*
- * Compute the two values of a profile of transverse shear stresses at the outer face of the
- * laminate (left[0], left[1]; Pa) and its two shear resultants (left[2], left[3]; N/m).
+ * Compute the end values and the resultants of a profile through the thickness of the two
+ * transverse shear stresses 13 and 23.
+ *   left [4] out  stresses 13 and 23 at the outer face of the laminate (Pa), then the shear forces
+ *       per length that both stresses make (N/m)
  */
 static void resultants_of(const stress_field *field, const stencil *stencil, profile values,
                           double left[4])

@@ -118,9 +118,10 @@ static void gather(const mesh *mesh, int element, const double *displacement, do
 
 /*
  * Add the voltages, or the temperatures of heaters, that an actuator or sensor applies in an
- * element through one grid of patches. value   in      voltages of the electrodes (V) or
- * temperatures of the heaters (K) part    [most_parts] out  work array applied [layers] in/out
- * voltages or temperatures of the layers of the element
+ * element through one grid of patches.
+ *   value                in      voltages of the electrodes (V) or temperatures of the heaters (K)
+ *   part    [most_parts] out     work array
+ *   applied [layers]     in/out  voltages or temperatures of the layers of the element
  */
 static void add_drive(const stress_field *field, int element, const scene_drive *drive,
                       const double *value, design_part *part, double *applied)

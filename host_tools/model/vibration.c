@@ -266,9 +266,9 @@ static void append(search *search, double *column)
         }
     }
     /*
-     * The product of the mass matrix and `next` was computed before the second iteration, and is
-     * still right for the norm of `next`: the part that the second iteration has removed is
-     * orthogonal to what is left.
+     * The product of the mass matrix and the vector `next` is older than the last orthogonalisation
+     * of `next` against the basis. The norm of `next` is right nevertheless, because the removed
+     * part is orthogonal, with the mass matrix, to the new vector.
      */
     const double norm = sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)
@@ -329,8 +329,8 @@ static void append_random(search *search)
 }
 
 /*
- * Apply the operator of the Lanczos method to all basis vectors that wait for it, at most BATCH of
- * them.
+ * Apply the Lanczos operator (inverse of the shifted stiffness matrix, times the mass matrix) to
+ * the basis vectors to which it has not been applied yet, at most BATCH of them.
  */
 static void apply_to_waiting(search *search)
 {

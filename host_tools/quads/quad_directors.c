@@ -304,10 +304,10 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
 typedef struct slopes {
     double tangent[2][3]; /* tangents t1 and t2, unit vectors along which the director (unit normal)
                              of a node is inclined */
-    double matrix[3]; /* entries 11, 12 and 22 of the 2 x 2 matrix of the normal equations for the
-                         slopes of a director */
-    double right_side[2]; /* right-hand side of the normal equations for the slopes of a director
-                             (unit normal of a node) */
+    double matrix[3];     /* entries 11, 12 and 22 of the symmetric matrix of the least-squares
+                             equations for the two slopes of a director (unit normal of a node) */
+    double right_side[2]; /* right-hand side of the least-squares equations for the slopes of a
+                             director (unit normal of a node) along two tangents */
 } slopes;
 
 static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *sum)
@@ -328,9 +328,10 @@ static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *
 }
 
 /*
- * Solve the normal equations for the slopes of a director (unit normal) on a free edge, and compute
- * the director from them (out [3] out). Returns whether the chords (straight lines) to the
- * neighbouring nodes determine the director.
+ * Solve the least-squares equations for the slopes by which the director (unit normal) of a node on
+ * a free edge inclines along two tangents, and compute the new director. Returns whether the chords
+ * (straight lines) to the neighbouring nodes determine the director.
+ *   out [3] out  the new director
  */
 static bool solve_slopes(const slopes *sum, const double director[3], double out[3])
 {

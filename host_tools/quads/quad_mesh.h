@@ -21,7 +21,7 @@ enum { QUAD_DOF = 7 };
 typedef struct quad_set {
     char *name;      /* name of the set of nodes, elements or edges, as the mesh file or the mesh
                         generator gives it */
-    size_t count;    /* number of nodes, elements or edges in the set */
+    size_t count;    /* number of nodes, elements or edges in this named set of the mesh */
     uint32_t *index; /* [count] numbers of the nodes, elements or edges, ascending, without
                         repetition */
 } quad_set;

@@ -30,7 +30,8 @@ typedef struct page {
                          reached minus target value, NAN outside the target */
     double *row; /* [targets] work array for the misfit (reached minus target value) of each target
                     row (controlled displacement) */
-    double largest; /* largest length of the drawn displacement of any node */
+    double largest; /* largest displacement of any node before magnification (length unit of the
+                       scene file) */
 } page;
 
 /*

@@ -16,8 +16,9 @@ enum { SHELL_MAP_WIDTH = 320 };
  */
 typedef struct view {
     double axis[3][3]; /* unit vectors to the right, up and towards the viewer of the picture */
-    double low[2], high[2]; /* smallest and largest coordinates of the included points, to the right
-                               and up */
+    double low[2], high[2]; /* smallest and largest coordinates, to the right and up, of the points
+                               that the picture must show (length unit of the scene file, or surface
+                               coordinates on a map) */
     double zoom;            /* number of pixels per length unit in the picture */
     double width, height;   /* width and height of the picture in pixels */
 } view;
@@ -67,7 +68,8 @@ typedef struct shell {
     bool *is_held; /* [nodes] whether a support includes the node; only in a picture in space */
     int *plan;  /* [actuators] index of the map on which the patches of each actuator are drawn, so
                    that no patches overlap on a map; -1: the actuator has no patches or stacks */
-    int plans;  /* number of maps on which the patches of all actuators are drawn */
+    int plans;  /* number of maps (plane drawings of the mesh) on which the patches of all actuators
+                   are drawn */
     void *work; /* work memory in which the cells (quadrilaterals) of the mesh, or their sides, are
                    sorted */
     const double *vector; /* [nodes][3] displacement along x, y and z that is drawn; NULL: the
@@ -85,9 +87,9 @@ void shell_close(shell *shell);
 /*
  * shell_place computes the coordinates of a point with its displacement, and shell_at its pixel
  * coordinates. In a picture of the shell in space the points are the nodes of the mesh.
- * shell_inside computes the pixel coordinates of a point inside a cell (quadrilateral). share [2]
- * in  from 0 to 1; the first increases from corner 0 to corner 1, the second from corner 0 to
- * corner 3
+ * shell_inside computes the pixel coordinates of a point inside a cell (quadrilateral).
+ *   share [2] in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
+ *       corner 0 to corner 3
  */
 void shell_place(const shell *shell, int point, double place[3]);
 void shell_at(const shell *shell, int point, double at[2]);

@@ -74,7 +74,10 @@ static bool cut_line(const double a[2], const double b[2], double (*line)[2])
     return true;
 }
 
-/* Draw those parts of the sides of an electrode's polygon that lie in the element. */
+/*
+ * Pass those parts of the sides of an electrode's polygon that lie in the element
+ * `drawing->element` to the drawing function.
+ */
 static void draw_sides(const piece_drawing *drawing, const polygon *polygon)
 {
     for (size_t i = 0; i < polygon->count; i++) {

@@ -217,8 +217,8 @@ typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on o
     int *patch;  /* [elements] number of the patch to which each element of a mesh from a file
                     belongs; -1: the element has no patch; NULL on other meshes */
     outline_plane plane; /* plane in whose coordinates the outlines of the electrodes are given */
-    bool cut; /* true: an outline may extend beyond the surface, and its part on the surface counts;
-                 false: such an outline is refused */
+    bool cut; /* true: the outline of an electrode may extend beyond the surface, and its part on
+                 the surface counts; false: such an outline is refused */
     scene_outlines *outlines; /* electrodes with outlines of any shape, which replace the coordinate
                                  ranges or element sets of the patches; NULL: patches of whole
                                  elements */
@@ -450,8 +450,8 @@ typedef struct scene_contact {
     scene_body body;
     double move[3]; /* displacement x, y, z of the rigid body at full load (length unit of the scene
                        file) */
-    double stiffness; /* penalty stiffness of the contact, as a multiple of the stiffness of the
-                         structure */
+    double stiffness; /* penalty stiffness of the contact at a node in the first iteration of a load
+                         step, as a multiple of the stiffness of the shell at this node (1) */
     scene_at at;
 } scene_contact;
 
@@ -523,8 +523,8 @@ typedef struct scene_output {
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
                                        neither a displacement nor a quantity of contact; only
                                        ELECTRIC_POTENTIAL has a place on the mesh */
-    bool of_sensor;   /* electric output: true: of sensor electrodes; false: of the electrodes of
-                         amplifiers */
+    bool of_sensor;   /* true: the output is a voltage or charge of sensor electrodes; false: of
+                         electrodes that amplifiers drive; only for electric outputs */
     int first, count; /* range of the electrodes of an electric output: numbers first to first +
                          count - 1 */
     scene_where where;
@@ -570,7 +570,8 @@ typedef struct scene_compare {
 /* Own limits of the amplifiers with the numbers first to first + count - 1. */
 typedef struct scene_limit {
     int first, count;
-    bool has_voltage; /* whether the entry gives voltage limits; otherwise the common ones apply */
+    bool has_voltage;    /* whether these amplifiers have voltage limits of their own; otherwise the
+                            limits of all amplifiers apply to them */
     double lower, upper; /* lower and upper voltage limit (V); equal limits fix the voltage */
     double step_limit; /* largest change of the voltage in one tick (V); infinite if not given; the
                           narrowest of all step limits of an amplifier applies */
@@ -677,9 +678,9 @@ typedef struct scene_event {
                     ascending order */
     double size; /* size of an event: factor of the target or of a load, temperature (K), or
                     probability that a sensor is affected */
-    int ticks;   /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
-                    from EVENT_SINE on */
-    int load;    /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
+    int ticks; /* duration of those simulation events that end by themselves, such as missing sensor
+                  readings or missed ticks (ticks) */
+    int load;  /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
     double frequency;  /* frequency (Hz) at which EVENT_SINE varies a load */
     bool feed_forward; /* EVENT_LOAD: whether the controller is given the factor of the load one
                           tick in advance */

@@ -176,8 +176,8 @@ static int read_formulas(reader *reader, int node, scene_support *support)
 
 /*
  * Read the direction of a support: the first local axis at its nodes, or the direction of an
- * oblique support. Such a direction is an error with the element formulation `published`. Returns
- * 0, or -1 after an error message about the scene.
+ * oblique support. The element formulation `published` of the scene file allows no such direction.
+ * Returns 0, or -1 after an error message about the scene.
  */
 static int read_direction_of(reader *reader, int node, void *to, const void *rule)
 {

@@ -15,7 +15,8 @@
  */
 typedef struct edit {
     size_t from, length;
-    char *insert; /* text that is inserted, allocated and owned by the edit */
+    char *insert; /* text that replaces a part of the scene file, allocated by this program;
+                     released with the list of replacements */
 } edit;
 
 /* Text of a scene file with its YAML tree and the edits that are collected for it. */

@@ -136,8 +136,8 @@ field_read read_safety;
 field_read read_hysteresis_section;
 
 /*
- * Readers of the simulated wiring faults of amplifiers (scene_imperfections.c); the argument `to`
- * is the scene_simulate.
+ * Readers of the simulated wiring faults of amplifiers (scene_imperfections.c). The argument `to`
+ * points at the struct scene_simulate that they fill.
  */
 field_read read_reversed, read_swapped;
 

@@ -770,8 +770,9 @@ static int check_motion(reader *reader, int node)
 }
 
 /*
- * Refuse tables about a nonlinear equilibrium where the scene, or for tables about the loaded
- * structure the plant, has linear kinematics.
+ * Refuse an influence matrix at the nonlinear optimum or at the loaded equilibrium where the scene
+ * has linear kinematics, and one at the loaded equilibrium where the simulated structure (plant)
+ * has linear kinematics.
  */
 static int check_influence(reader *reader, int node)
 {

@@ -407,8 +407,9 @@ static const form each_item_form = {.type = FORM_MAP, .fields = each_fields, .ca
 static const form each_form = {.type = FORM_LIST, .item = &each_item_form};
 
 /*
- * Refuse an entry of `each` without any limit, with two ranges of the voltage, or with a voltage
- * that is held and a limit of its change.
+ * Check the keys of an item of the list `each` in the scene file, which limits the voltages of some
+ * amplifiers. Refused are an item without any limit, one with both a voltage range and a fixed
+ * voltage, and one with both a fixed voltage and a limit of the voltage's change.
  */
 static int check_each_keys(reader *reader, int node)
 {

@@ -19,7 +19,9 @@ enum {
     SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps
                  */
     STORMS = PLANTS * 2 * SEEDS,
-    CORNERS = 9,  /* number of structures for which the growth of small vibrations is measured */
+    CORNERS = 9,  /* number of simulated structures for which the growth of small vibrations is
+                     measured: all combinations of three static responses and three scales of the
+                     frequencies */
     PERIODS = 24, /* periods of the first vibration mode during which the growth of vibrations is
                      measured */
     TICKS_LEAST = 600, /* fewest (TICKS_LEAST) and most (TICKS_MOST) ticks of a simulation that
@@ -205,7 +207,8 @@ static int grow(const storm_rig *rig, double gain, double frequency, int more_de
 
 /*
  * Measure the growth of small vibrations of the control loop on structures with all combinations of
- * the gains and frequencies in `gains` and `frequencies`. Returns 0, or -1 with error filled.
+ * static responses in `gains` and natural frequencies in `frequencies`, both relative to the
+ * controller's model. Returns 0, or -1 with error filled.
  */
 static int measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is_stable,
                           char *error)
@@ -312,8 +315,9 @@ static int certify_target(const trial *trial, certificate_target *target, char *
 }
 
 /*
- * Determine whether small vibrations decay and the shape settles after fast jumps of the target on
- * every structure, with readings that are `older` ticks older than the scene file states.
+ * Determine whether small vibrations decay and the shape settles after fast jumps of the target,
+ * with readings that are `older` ticks older than the scene file states, on the model and on
+ * structures whose static responses and frequencies are higher or lower.
  *   storms in  number of storms (simulations with fast jumps of the target) to run
  * Returns 0, or -1 with error filled.
  */

@@ -25,7 +25,10 @@ int imperfections_check(const design *design, char *error);
  */
 imperfection_tables imperfections_of_scene(const design *design);
 
-/* List the imperfections of a scene as text; the text is empty where there are none. */
+/*
+ * List as text the imperfections of amplifiers, cables, ceramic and sensors that a scene simulates;
+ * the text is empty where there are none.
+ */
 void imperfections_text(const design *design, char *text, size_t room);
 
 #endif

@@ -15,9 +15,10 @@
 
 typedef struct inertia {
     const modal *modal;
-    double gain;    /* ratio of the static response of the vibration modes to the inputs, to the
-                       response that the member `modal` states */
-    double stretch; /* ratio of the natural frequencies to those that the member `modal` states */
+    double gain; /* ratio of the static responses of the simulated vibration modes to those of the
+                    model in `modal` */
+    double stretch; /* ratio of the simulated natural frequencies to those of the model in `modal`
+                     */
     double *memory; /* one allocated block of memory that holds the arrays `deviation`, `velocity`,
                        `input` and `propagator`; NULL if the caller provides their memory */
     double *deviation; /* [modes] deviation of the modal coordinate of each vibration mode from its

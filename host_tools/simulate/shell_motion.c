@@ -30,9 +30,10 @@ enum { SOLVES_MOST = 16 };
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * Size of the last increment of Newton's method in a time step, relative to the change of the
- * displacement in half the step, below which the error of the energy is removed in place of another
- * linear solve; and the largest part of the last increment that is added to remove it.
+ * balanced: size of the last increment of Newton's method in a time step, relative to the change of
+ * the displacement in half the step. Below it, the residual forces make an error of the energy so
+ * small that part of the last increment removes it, without another linear solve.
+ * largest_correction: largest part of the last increment that may be added for this.
  */
 static const double balanced = 1e-6, largest_correction = 0.1;
 
@@ -203,10 +204,9 @@ static void gather(const shell_motion *motion, uint32_t element, const double *v
 }
 
 /*
- * Return the factor by which viscosity increases the elastic part of an element's tangent in a time
- * step: 1 plus viscosity divided by step length, because half of the
- * viscosity acts on the material, and a strain rate is twice the change of the strain in half
- * the step, divided by the step length.
+ * Return the factor 1 + b/step by which viscosity b (s) increases the elastic part of an
+ * element's tangent stiffness in a time step. Half of b is a viscosity of the material, and the
+ * strain rate is twice the change of the strain in half the step, divided by the step length.
  */
 static double tangent_factor(const shell_motion *motion, double step)
 {

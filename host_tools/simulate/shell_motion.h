@@ -56,25 +56,29 @@ typedef struct shell_motion {
     double *mode_force;   /* [modes][free_dof] product of the mass matrix and the shape of each
                              individually damped mode */
     double *memory;       /* one allocation that holds all vectors of length free_dof */
-    double *displacement; /* [free_dof] present displacement of the shell (m and 1) */
+    double *displacement; /* [free_dof] present displacement of the shell: translations (m) and
+                             dimensionless dof */
     double *velocity;     /* [free_dof] present velocity of the shell (m/s and 1/s) */
     double *acceleration; /* [free_dof] mean acceleration of the shell in the last time step (m/s2
                              and 1/s2) */
     double *half_change;  /* [free_dof] displacement at half the time step minus the displacement at
-                             its start (m and 1) */
-    double *increment; /* [free_dof] last increment of the displacement by Newton's method (m and 1)
-                        */
-    double *last_increment; /* [free_dof] copy of the last increment of Newton's method, for the
-                               correction of the energy (m and 1) */
-    double *end; /* [free_dof] displacement of the shell at the end of the time step (m and 1) */
+                             its start: translations (m) and dimensionless dof */
+    double *increment;    /* [free_dof] last increment of the displacement by Newton's method:
+                             translations (m) and dimensionless dof */
+    double *last_increment; /* [free_dof] copy of the last increment of the displacement by Newton's
+                               method: translations (m) and dimensionless dof; part of it is added
+                               to keep the energy of the motion right */
+    double *end; /* [free_dof] displacement of the shell at the end of the time step: translations
+                    (m) and dimensionless dof */
     double *scratch;               /* [free_dof] work array of the computation of the motion */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element, times its area,
                                       at the start of the time step (N m) */
     double work; /* work that the remaining force imbalance of a time step does on the change of the
                     displacement in half the step, before the last increment of Newton's method (N
                     m) */
-    long corrections;    /* number of time steps so far whose energy error was removed by one more
-                            evaluation of the forces, in place of a linear solve */
+    long corrections;    /* number of time steps so far whose error of the energy, from residual
+                            forces, was removed by a part of the last increment in place of one more
+                            linear solve */
     long steps;          /* number of time steps of the motion of the shell so far */
     long linear_solves;  /* number of linear solves in all time steps of the motion so far */
     long factorisations; /* number of factorisations of the matrix of a time step so far */

@@ -75,8 +75,9 @@ static int begin_phase(simulation *simulation, int tick, int first)
 }
 
 /*
- * Set up one phase for every tick with events, one for the ticks before the first event, and one
- * for the ticks after the random faults. Returns whether memory was available.
+ * Divide the simulation into phases (time intervals between events): a phase begins at the first
+ * tick, at every tick with events of the scene, and after the last tick in which electrodes may
+ * fail at random. Returns whether memory was available.
  */
 static int lay_out_phases(simulation *simulation)
 {

@@ -69,13 +69,15 @@ typedef struct loop {
                                         without random events */
     double *memory; /* one allocation that holds the arrays of this struct from `goal` to
                        `last_voltage` */
-    double *goal;   /* [targets] displacements of the scene's target or of the schedule, before they
-                       are multiplied by the factor of the target */
-    double *wanted; /* [targets] wanted displacements: target of the scene or schedule times the
-                       factor of the target */
+    double *goal; /* [targets] wanted displacements of the scene's target or of the last event that
+                     replaces it, before multiplication by the factor that other events give to the
+                     target */
+    double *wanted; /* [targets] wanted displacements: those of the scene's target or of the last
+                       event that replaces it, multiplied by the factor that other events give to
+                       the target */
     double *load, *scheduled_load; /* [loads + 1] factors of the loads: present values, and values
-                                      by the schedule alone, without random events; the last entry
-                                      is the temperature change (K) */
+                                      by the events of the scene file alone, without random events;
+                                      the last entry is the temperature change (K) */
     double *shape;   /* [targets] present displacements of the plant of the target nodes (controlled
                         displacements) */
     double *scratch; /* [targets] work array for displacements of the target nodes */
@@ -154,8 +156,8 @@ void loop_close(loop *loop);
 
 /*
  * Run the self-test of amplifiers, cables and sensors, where the scene has one, before the first
- * tick. Electrodes that the schedule declares dead or stuck at tick 0 already are. Returns 0, or -1
- * with error filled where the test has findings.
+ * tick. Electrodes that an event of the scene file makes dead or stuck at tick 0 are so during the
+ * self-test already. Returns 0, or -1 with error filled where the test has findings.
  */
 int loop_selftest(loop *loop, char *error);
 
@@ -205,8 +207,8 @@ void sense_measurement_error(loop *loop);
 const double *sense_known_loads(const loop *loop, int tick);
 
 /*
- * Imperfections at the present time, with references to the electrodes, the sensors and the random
- * number generator of the loop.
+ * Imperfections of amplifiers, cables, ceramic and sensors at the present time of the simulation,
+ * with references to the electrodes, the sensors and the random number generator of the loop.
  */
 imperfections loop_imperfections(loop *loop);
 

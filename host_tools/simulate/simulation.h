@@ -189,8 +189,8 @@ void simulate_close(simulation *simulation);
 
 /*
  * Prepare the influence matrix of an analysis for the controller of its scene. Where the scene asks
- * for it, the influence matrix of the undeformed structure is replaced by that at the nonlinear
- * optimum of the nominal model; otherwise nothing changes. Returns 0, or -1 with error filled.
+ * for it, the influence matrix of the undeformed structure is replaced by that of the structure
+ * deformed by the optimal voltages; otherwise nothing changes. Returns 0, or -1 with error filled.
  */
 int simulate_tables(analysis *nominal, char *error);
 

@@ -465,8 +465,9 @@ static pzs_status open_loop(storm *storm)
 }
 
 /*
- * Displacement of an output row at 0 V. Without limits, in measurements of the growth of small
- * vibrations, it is left out, because it only adds a steady motion of the voltages.
+ * Displacement of an output of the structure at 0 V. Returns 0 in simulations without voltage
+ * limits, which measure the growth of small vibrations: there the displacement would only add a
+ * steady motion of the voltages.
  */
 static double offset_of(const storm *storm, size_t row)
 {

@@ -97,8 +97,9 @@ typedef struct storm_result {
     double peak; /* largest distance of the shape from the best shape that the voltage limits allow,
                     at any time of a storm (simulation with fast target jumps); relative to the norm
                     of the target */
-    double growth; /* growth factor per tick of the amplitude of the vibration, mean over the second
-                      half of the simulation; only for simulations without limits */
+    double growth; /* growth factor per tick of the amplitude of small vibrations of the structure,
+                      mean over the second half of the simulation; only for simulations without
+                      voltage limits */
     int ticks;
     bool passed;
 } storm_result;

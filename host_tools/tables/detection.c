@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Electrodes whose faults a fault detector with test pulses can find from the sensors of a scene
- * (detection.h). Which electrodes are observable is decided by the block of the library itself.
+ * (detection.h). The library's fault detector itself decides which electrodes the sensors observe.
  */
 #include "detection.h"
 #include <math.h>
@@ -42,8 +42,9 @@ static double ratio_of(const wiring_test *test, const double *direct, size_t ele
 }
 
 /*
- * Find out of which electrodes the fault detector can find a fault; fill `doubt`, `detectable`,
- * `ratio` and `weakest` of the result.
+ * Find out on which electrodes the fault detector can find a fault. The result holds, for each
+ * electrode, why a fault cannot be found; the number of electrodes where it can; and the smallest
+ * ratio of response to noise, with its electrode.
  *   state [electrodes] in  state of each electrode in the fault detector when its loop begins, a
  *       value of pzs_electrode_state
  */

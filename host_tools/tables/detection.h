@@ -37,8 +37,9 @@ typedef struct detection {
 } detection;
 
 /*
- * Find out which electrodes the fault detector of the scene's loop can find faulty.
- *   analysis in  analysis with computed influence matrix and certificate; must outlive `detection`
+ * Find out which electrodes the fault detector of the scene's control loop can find faulty.
+ *   analysis in  analysis with influence matrix and stability tests of the loop; must outlive
+ *       `detection`
  * Where the scene has no such detector, or its loop cannot be made, the result is unused. Returns
  * whether memory sufficed; call detection_close in either case.
  */
@@ -62,7 +63,7 @@ void detection_text(const detection *detection, const design *design, char text[
 /* List as text the electrodes whose faults cannot be found, with the reason; empty without any. */
 void detection_remarks(const detection *detection, const design *design, char text[SCENE_ERROR]);
 
-/* Write the same facts as a JSON object "fault_detector". */
+/* Write as a JSON object "fault_detector" which electrodes the fault detector can find faulty. */
 void detection_json(const detection *detection, const design *design, json *json);
 
 #endif

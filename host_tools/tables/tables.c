@@ -86,7 +86,10 @@ static void write_single(emitter *emitter, double value)
     emit_count_reals(emitter, &value, 1);
 }
 
-/* Write the compact element types, member by member in the order of pzs_compact_type. */
+/*
+ * Write the element types without the numbers that a device computes from the nodes, member by
+ * member in the order of the struct pzs_compact_type.
+ */
 static void write_compact_types(emitter *emitter, const compact_types *compact, int types)
 {
     emit_comment(emitter, "element types in compact form");
@@ -108,7 +111,10 @@ static void write_compact_types(emitter *emitter, const compact_types *compact, 
     fputs("\n};\n", emitter->file);
 }
 
-/* Write position and triad (local axes) of each node, from which compact types are completed. */
+/*
+ * Write position and triad (local axes) of each node, from which a device computes those numbers of
+ * the element types that the tables leave out.
+ */
 static void write_nodes(emitter *emitter, const pzs_node *node, int nodes)
 {
     static const int axes[2] = {3, 3};
@@ -192,9 +198,10 @@ static pzs_structure controlled(const analysis *analysis)
 }
 
 /*
- * Return the structure that the tables contain: with all inputs and outputs (`whole`), or only with
- * those of the controller. Compact tables have no stiffness matrices of the element types, and
- * compact element types where the mesh has them.
+ * Return the structure that the tables contain. Where the option --compact is given, the structure
+ * has no stiffness matrices of the elements, and element types without the numbers that a device
+ * computes from the nodes, if the mesh has such types.
+ *   whole in  true: with all inputs and outputs; false: with those of the controller alone
  */
 static pzs_structure structure_of_tables(const analysis *analysis, int whole,
                                          const compact_types *compact)
@@ -213,7 +220,7 @@ static pzs_structure structure_of_tables(const analysis *analysis, int whole,
 
 /*
  * Write the mesh and the element types of the structure, with their stiffness matrices unless the
- * tables are compact.
+ * option --compact leaves these out.
  */
 static void write_mesh(emitter *emitter, const mesh *mesh, const pzs_structure *structure,
                        const compact_types *compact)
@@ -820,9 +827,9 @@ static void write_sizes(const emitter *emitter, const design *design)
 }
 
 /*
- * Write the size of the influence matrix that a device computes with the tables of a linear image.
- * These contain the inputs and outputs of the controller alone, unless there are sensors or
- * charges.
+ * Write the size of the influence matrix that a device computes from the tables of a structure with
+ * linear kinematics: that of the controller's inputs and outputs, or of all inputs and outputs
+ * where the tables have sensors or charges.
  */
 static void write_influence_size(const emitter *emitter, const analysis *analysis)
 {
