@@ -26,10 +26,12 @@ extern "C" {
 
 /* Settings of a calibration that a program may change after pzs_calibration_init. */
 typedef struct pzs_calibration_settings {
-    pzs_real memory;    /* memory of the recursive least squares: number of records (voltages with
-                           their readings) in one direction of the vector of voltages after which
-                           older records in that direction are forgotten, at least 2; default
-                           infinity (1) */
+    /*
+     * number of records (voltages with their readings) that the recursive least squares remember: a
+     * record counts less, and is finally forgotten, after this number of newer records with
+     * voltages in the same proportions; at least 2, default infinity (1)
+     */
+    pzs_real memory;
     pzs_real amplitude; /* amplitude of the test voltages, relative to half of the voltage range of
                            each input, above 0 and at most 1; default 0.25 (1) */
     uint32_t settle;    /* number of ticks for which the test voltages stay constant before their

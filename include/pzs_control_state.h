@@ -719,9 +719,9 @@ typedef struct pzs_selftest_core {
      * comes first
      */
     uint32_t pair;
-    uint32_t nearest;  /* index of the amplifier (or sensor) whose modelled response is, so far, the
-                          nearest to the measured response that the self-test compares with the
-                          modelled responses of all amplifiers (or sensors) */
+    uint32_t nearest;  /* index of an amplifier (or sensor): of the modelled responses compared so
+                          far, its own is the nearest to the measured response that the self-test
+                          examines */
     uint32_t searches; /* number of faults that the self-test has found by searching for the
                           amplifier or sensor whose measured response differs most from the model */
 } pzs_selftest_core;

@@ -151,9 +151,9 @@ typedef struct pzs_block {
 /* Results of the loop that a program may read. */
 typedef struct pzs_loop_info {
     /*
-     * [inputs] the voltages to apply, finite and inside the limits (V), as published by the last
-     * tick without an error. Two arrays take turns, so that a published array stays unchanged
-     * during the next tick. An interrupt reads them through pzs_loop_voltages.
+     * [inputs] the voltages to apply (V), finite and inside the limits, from the last tick without
+     * an error. Two arrays take turns, so that the array to which this pointer points stays
+     * unchanged during the next tick. An interrupt reads it through pzs_loop_voltages.
      */
     const pzs_real *volatile voltage;
     volatile uint32_t frames; /* number of times that the loop has given out new voltages, by
@@ -265,13 +265,15 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
 /*
- * Copy the voltages that a control loop published last, for a part of the program that does not
- * wait for the tick: an interrupt that feeds converters, or a task of lower priority.
+ * Copy the voltages to apply that the last tick of a control loop has computed, for a part of the
+ * program that does not wait for the tick: an interrupt that feeds converters, or a task of lower
+ * priority.
  *   voltage [inputs] out  voltages to apply (V)
- * All copied voltages belong to one tick, because a tick fills the array that is not published and
- * then moves the volatile members info.voltage and info.frames. On a processor that reorders
- * writes, or with DMA, place the memory barrier of the processor after the tick. PZS_W_HELD: ticks
- * kept interrupting the copy, so `voltage` must be ignored. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * All copied voltages belong to one tick, because a tick fills the array to which info.voltage does
+ * not point, and then moves the volatile members info.voltage and info.frames. On a processor that
+ * reorders writes, or with DMA, place the memory barrier of the processor after the tick.
+ * PZS_W_HELD: ticks kept interrupting the copy, so `voltage` must be ignored. Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage);
 
@@ -1237,9 +1239,10 @@ typedef struct pzs_selftest_tables {
 #define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse of the self-test (ticks) */
 
 /*
- * An amplifier (measured by all sensors) or a sensor (moved by all amplifiers) is tested only if
- * the energy of its expected response, the sum of its squares, exceeds PZS_SELFTEST_JUDGED times
- * the energy that noise and vibration cause.
+ * The self-test examines an amplifier or a sensor only if the model lets expect a clear response:
+ * the sum of the squares of the expected response must exceed PZS_SELFTEST_JUDGED times the sum of
+ * squares that noise and vibration cause. The response of an amplifier has an entry for each
+ * sensor, that of a sensor an entry for each amplifier.
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Internal functions of the controller for the other stages of the control tick. */
+/*
+ * Functions of the controller for other parts of the library, such as the fault detector and the
+ * vibration damper; programs that use the library call those in pzs_control.h.
+ */
 #ifndef PZS_LIB_CONTROL_H
 #define PZS_LIB_CONTROL_H
 

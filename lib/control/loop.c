@@ -2,9 +2,9 @@
 /*
  * The control loop: a list of blocks, which are the stages of a control tick. The blocks are
  * initialised in one workspace and run in every tick in the order of the list, followed by a last
- * check of all voltages. The workspace holds, each part aligned to 8 bytes: two arrays of voltages
- * that are published in turn, three copies of the voltages of the last tick, and the memory of the
- * blocks.
+ * check of all voltages. The workspace holds, each part aligned to 8 bytes: two arrays of output
+ * voltages that are used in turn, three copies of the voltages of the last tick, and the memory of
+ * the blocks.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -137,8 +137,8 @@ static size_t bytes_needed(const pzs_loop_core *core)
 }
 
 /*
- * Return the address of output array 0 or 1. The loop publishes its voltages in two arrays in turn,
- * so that the program can read one array while the loop fills the other.
+ * Return the address of output array 0 or 1. The loop writes its voltages to two arrays in turn, so
+ * that the program can read one array while the loop fills the other.
  */
 static pzs_real *frame_of(const pzs_loop_core *core, const pzs_problem *problem, uint32_t number)
 {
@@ -186,7 +186,7 @@ static pzs_status init_block(pzs_loop *loop, size_t k, pzs_loop_signals *signals
 
 /*
  * Store the voltages of the controller as the voltages of the last tick, from which the next step
- * limits count, and publish them.
+ * limits count, and in the output array that the program reads.
  */
 static void start_gate(pzs_loop *loop)
 {
@@ -471,7 +471,7 @@ static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signal
 
 /*
  * Check the voltages of the controller against limits in flash, correct them where necessary, and
- * publish them.
+ * store them in the output array that the program reads.
  */
 static pzs_status give_out(pzs_loop *loop, const pzs_loop_core *core, pzs_status status)
 {

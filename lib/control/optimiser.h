@@ -22,9 +22,8 @@ static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 
 /*
  * Return whether the optimiser finds the active set (the voltages at their limits) by its dual
- * active-set method, which is for many inputs. Where PZS_DUAL_INPUTS, the number of inputs from
- * which the method is used, is above PZS_INPUT_LIMIT, the largest number of inputs, the result is a
- * constant.
+ * active-set method, which is for many inputs (from PZS_DUAL_INPUTS on). If the library is compiled
+ * for fewer inputs than that (PZS_INPUT_LIMIT), the compiler knows the result.
  */
 static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 {

@@ -37,8 +37,8 @@
  */
 #define SILENT PZS_R(0.3)
 /*
- * A measured response counts as that of another amplifier or sensor (exchanged cables) only if its
- * energy, the sum of its squares, exceeds this multiple of the energy of noise and vibration.
+ * A measured response counts as that of another amplifier or sensor (exchanged cables) only if the
+ * sum of its squares exceeds this multiple of the sum of squares that noise and vibration cause.
  */
 #define RESPONSE PZS_R(16)
 /*
@@ -467,10 +467,10 @@ static void find_nearest(pzs_selftest *selftest, const selftest_axis *axis, uint
 }
 
 /*
- * Whether cables are exchanged because the measured response of amplifier (or sensor) `line` is
- * that of another one, whose modelled response is the nearest: the energy of the measured response
- * exceeds that of noise and vibration, its direction as a vector is that of the modelled response,
- * and its size is at least a plausible fraction of it.
+ * Whether the cable of the amplifier (or sensor) `line` is exchanged with that of another one,
+ * whose modelled response is the nearest to the measured response of `line`. The measured response
+ * must exceed noise and vibration, must point, as a vector, in the direction of that modelled
+ * response, and must have at least a plausible fraction of its size.
  */
 static bool is_other_line(const pzs_selftest *selftest, uint32_t line, pzs_real gain)
 {
@@ -797,8 +797,8 @@ static uint32_t end_search(pzs_selftest *selftest, const stage_plan *plan)
 }
 
 /*
- * Decide what the comparisons of measured with modelled responses in the present stage of the self-
- * test's evaluation mean. Returns the next stage.
+ * End a stage of the self-test's evaluation, which has compared measured with modelled responses:
+ * compute gains or report the faults that the comparisons show. Returns the next stage.
  */
 static uint32_t end_stage(pzs_selftest *selftest, const stage_plan *plan)
 {

@@ -95,8 +95,8 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
 typedef struct body_point {
     pzs_real gap, normal[3];
     /*
-     * second derivatives of the gap to the contact body along its surface (1/m); in the direction
-     * of the normal, where they would be 0, they are replaced by the largest curvature
+     * matrix of the second derivatives of the gap to the contact body (1/m). Along the normal of
+     * the body these are 0; instead the matrix has there the largest curvature of the body
      */
     pzs_real hessian[3][3];
     pzs_real radius; /* smallest radius of curvature of the contact body (m); 0: the body is flat */
