@@ -541,7 +541,8 @@ typedef struct pzs_estimate_state {
     pzs_real *expected;   /* [sensors] readings that the model expects under the present voltages
                              (unit of each sensor) */
     pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
-    pzs_real *difference; /* [sensors] reading minus expected reading (unit of each sensor) */
+    pzs_real *difference; /* [sensors] reading minus the reading that the model expects (unit of
+                             each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
     uint8_t stage;

@@ -278,7 +278,7 @@ pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displace
 /*
  * Compute the outputs of the structure, which are displacements at chosen points, from the
  * displacement of its free degrees of freedom.
- *   displacement [free_dof] in   displacement (m and 1)
+ *   displacement [free_dof] in   displacement (m, or 1 for differences over the thickness)
  *   output       [outputs]  out  outputs (m)
  */
 void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, pzs_real *output);

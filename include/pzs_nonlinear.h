@@ -113,8 +113,8 @@ typedef struct pzs_solver_settings {
 
 /* Results of the equilibrium solver that a program may read. */
 typedef struct pzs_solver_info {
-    const pzs_real *displacement; /* [free_dof] displacement of the equilibrium that was reached (m
-                                     and 1) */
+    const pzs_real *displacement; /* [free_dof] displacement of the equilibrium that was reached (m,
+                                     or 1 for differences over the thickness) */
     const pzs_real *input_value;  /* [inputs] input values of the equilibrium that was reached, with
                                      the voltages of open electrodes */
     pzs_real load_factor; /* part (0 to 1) of the way from the previous equilibrium to the wanted
@@ -136,12 +136,12 @@ typedef struct pzs_solver_info {
 typedef struct pzs_solver_state {
     pzs_model *model;
     const pzs_nonlinear *tables;
-    pzs_solver_option *option; /* first option of the equilibrium solver (such as a contact) in the
-                                  linked list of its options, or NULL */
-    pzs_real *displacement; /* [free_dof] present displacement of the equilibrium solver (m and 1)
-                             */
-    pzs_real *input_value;  /* [inputs] present input values of the equilibrium solver, such as
-                               voltages */
+    pzs_solver_option *option;  /* first option of the equilibrium solver (such as a contact) in the
+                                   linked list of its options, or NULL */
+    pzs_real *displacement;     /* [free_dof] present displacement of the solver (m, or 1 for
+                                   differences over the thickness) */
+    pzs_real *input_value;      /* [inputs] present input values of the equilibrium solver, such as
+                                   voltages */
     pzs_real (*resultant)[22];  /* [elements] stress resultants of each element, each times the area
                                    of the element (N m): extrapolated during the iteration, those of
                                    the displacement after convergence */
@@ -150,8 +150,8 @@ typedef struct pzs_solver_state {
                                    area of the element (N m) */
     pzs_real *load; /* [free_dof] applied forces at the last linear solve, without support reactions
                        (N and N m) */
-    pzs_real *converged_displacement; /* [free_dof] displacement of the last equilibrium (m and 1)
-                                       */
+    pzs_real *converged_displacement; /* [free_dof] displacement of the last equilibrium (m, or 1
+                                         for differences over the thickness) */
     pzs_real *converged_input_value; /* [inputs] input values (V, K, Pa or load factors) of the last
                                         equilibrium that the solver has found */
     pzs_real (*converged_resultant)[22]; /* [elements] stress resultants of each element at the last

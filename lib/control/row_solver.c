@@ -775,9 +775,9 @@ static void judge_round(const rows_run *run, bool has_crossed)
 }
 
 /*
- * Make one round (sequence of iterations) of the optimiser, whose tableau (negative response
- * matrix) must be complete, and keep the new voltages unless the objective has risen. Returns
- * whether another round may lower the objective.
+ * Make one round (sequence of iterations) of the optimiser and keep the new voltages unless the
+ * objective has risen. Its tableau (matrix that gives changes of voltages and limited sums from
+ * changes of multipliers) must be complete. Returns whether another round may lower the objective.
  */
 static bool make_round(const rows_run *run)
 {

@@ -10,7 +10,7 @@
 
 #if PZS_WIDE
 
-#define AHEAD 2048u /* number of bytes by which an array is fetched into the cache in advance */
+#define AHEAD 2048u /* bytes of data fetched into the cache before the checksum reaches them */
 #define PCLMUL __attribute__((target("pclmul,sse2")))
 
 /*

@@ -23,7 +23,8 @@ enum { SHELL_NODES = 4, SHELL_STRAINS = 10, SHELL_MODES = 4, SHELL_MAX = 28 };
 
 /*
  * Internal force of an element in the undeformed state, computed from its strains.
- *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
+ *   displacement [4 dof_per_node] in   nodal displacement
+ *                                      (m, or 1 for differences over the thickness)
  *   force        [4 dof_per_node] out  nodal force (N and N m); may be the same array as
  *                                      `displacement`
  * The small strains are formed as differences before anything is multiplied by a stiffness, so the
@@ -76,7 +77,8 @@ enum { SHELL_RESULTANTS = 22 };
 /*
  * Strains of the four strain modes (constant, linear and bilinear over the element) of an element
  * at a displacement.
- *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
+ *   displacement [4 dof_per_node] in   nodal displacement
+ *                                      (m, or 1 for differences over the thickness)
  *   strain       [4][10]          out  ten strains of each mode, in the order of pzs_element_type.d
  */
 void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
@@ -90,7 +92,8 @@ void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
  * over the four strain modes m (constant, linear and bilinear over the element), with the strains e
  * at the displacement u, their first variation L and second variation A, the stiffness D, the
  * prescribed resultants H0, and the resultants G for the geometric part of K.
- *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
+ *   displacement [4 dof_per_node] in   nodal displacement
+ *                                      (m, or 1 for differences over the thickness)
  *   given        [10]             in   H0, constant over the element, times its area (N m), in the
  *                                      strain order of pzs_element_type.d; NULL: zero
  *   resultant    [22]             in   G (N m), with H0, in the order of SHELL_RESULTANTS; NULL: H
@@ -104,7 +107,8 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Stress resultants of an element, extrapolated along an increment of the displacement: the
  * stiffness of the strains times (strains + their first variation), plus the prescribed resultants.
- *   du        [4 dof_per_node] in   increment (m and 1); NULL: no extrapolation
+ *   du        [4 dof_per_node] in   increment (m, or 1 for differences over the thickness); NULL:
+ *                                   no extrapolation
  *   given     [10]             in   prescribed resultants, constant over the element, times its
  *                                   area (N m); NULL: zero
  *   resultant [22]             out  stress resultants of all strain modes, times the area (N m)

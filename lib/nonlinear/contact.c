@@ -124,7 +124,8 @@ static pzs_real face_height(const pzs_contact *contact, const pzs_solver *solver
 
 /*
  * Compute the displacement of a node of the contact face in the local axes of the node.
- *   vector       [free_dof] in   displacement over the free degrees of freedom (m and 1)
+ *   vector       [free_dof] in   displacement over the free degrees of freedom
+ *                                (m, or 1 for differences over the thickness)
  *   displacement [3]        out  displacement of the node (m)
  */
 static void node_displacement(const pzs_contact *contact, const pzs_solver *solver, uint16_t node,

@@ -52,7 +52,7 @@ static pzs_real body_motion(const pzs_contact *contact, const pzs_solver *solver
 /*
  * Compute the positions of `count` nodes of the shell relative to the moved contact body, for the
  * face of the shell at a given height above its middle.
- *   displacement [free_dof] in   displacement (m and 1)
+ *   displacement [free_dof] in   displacement (m, or 1 for differences over the thickness)
  *   value        [inputs]   in   input values
  *   position     [count][3] out  positions (m)
  */

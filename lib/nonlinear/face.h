@@ -19,7 +19,8 @@ pzs_real pzs_face_height(const pzs_structure *structure, unsigned face);
 /*
  * Compute the displacement of the outer or inner face of the shell above or below some of its
  * nodes, at a given height above the middle surface (m).
- *   vector       [free_dof] in   displacement over the free degrees of freedom (m and 1)
+ *   vector       [free_dof] in   displacement over the free degrees of freedom
+ *                                (m, or 1 for differences over the thickness)
  *   displacement [count][3] out  displacement of the face in the frames of the nodes (m)
  */
 void pzs_face_gather(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real height,

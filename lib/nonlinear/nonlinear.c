@@ -385,7 +385,7 @@ bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du)
 
 /*
  * Make one linear solve of Newton's method and update displacement and stress resultants.
- *   du [free_dof] out  increment of the displacement (m and 1)
+ *   du [free_dof] out  increment of the displacement (m, or 1 for differences over the thickness)
  * Returns false if the tangent matrix is singular, or the additional unknowns of an option
  * (voltages of open electrodes) cannot be solved for.
  */
@@ -457,7 +457,8 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 /*
  * Assess whether the present displacement is an equilibrium: compute its stress resultants, its
  * force imbalance and the factors of its tangent matrix.
- *   next [free_dof] out  increment that Newton's method would make next (m and 1)
+ *   next [free_dof] out  increment that Newton's method would make next
+ *                        (m, or 1 for differences over the thickness)
  * Returns false if the tangent matrix is singular or a result is not finite.
  */
 static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
