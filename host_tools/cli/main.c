@@ -417,7 +417,7 @@ static int shape_error(shape_run *run, const options *options)
 /*
  * Compute the numbers to which the plausibility warnings on the target refer: size of the target,
  * and error, largest voltage and linearly dependent amplifiers of the optimal voltages within the
- * first pair of voltage limits.
+ * first of the voltage limits that the user asks for.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {

@@ -884,7 +884,7 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
 
 /*
  * Write the results of `pzs shape` as JSON: at the top level the optimal voltages within the first
- * pair of voltage limits, then the voltages of every result.
+ * of the voltage limits that the user asks for, then each set of voltages that was computed.
  */
 void print_shape_json(const shape_run *run)
 {

@@ -243,8 +243,8 @@ static void print_count(const simulation *simulation, simulate_law law)
 }
 
 /*
- * Print that the self-test of amplifiers, cables and sensors, which runs before the schedule of the
- * simulation, has found no faults, and which amplifiers and sensors it could not test.
+ * Print that the self-test of amplifiers, cables and sensors, which runs before the first tick of
+ * the simulation, has found no faults, and which amplifiers and sensors it could not test.
  */
 static void print_selftest(const simulation *simulation)
 {
@@ -264,8 +264,8 @@ static void print_selftest(const simulation *simulation)
 }
 
 /*
- * Write the results of the self-test of amplifiers, cables and sensors, which runs before the
- * schedule of the simulation, as JSON.
+ * Write the results of the self-test of amplifiers, cables and sensors, which runs before the first
+ * tick of the simulation, as JSON.
  */
 static void json_selftest(json *json, const simulation *simulation)
 {

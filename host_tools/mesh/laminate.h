@@ -67,9 +67,9 @@ typedef struct laminate_place {
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
                         flexibility */
     double area;
-    double bubble_share;  /* fraction (0 to 1) of the transverse shear flexibility added on coarse
-                             meshes (element option rho) that this element uses; 1 on an element
-                             along lines of curvature */
+    double bubble_share;  /* factor (0 to 1) by which the element multiplies the transverse shear
+                             flexibility that is added on coarse meshes; 1 on an element along lines
+                             of curvature */
     double skew[2];       /* skew alpha_1, alpha_2 of the element: its area per unit of the natural
                              coordinates varies as 1 + alpha_1 xi2 + alpha_2 xi1 */
     bool is_general;      /* true: the element does not lie along lines of curvature */

@@ -127,7 +127,7 @@ void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]
     }
 }
 
-/* Copy the nodes and elements of a general quadrilateral mesh. */
+/* Copy the nodes and elements of a mesh of quadrilaterals in any arrangement. */
 static void place_quads(mesh *mesh)
 {
     const quad_mesh *quads = mesh->quads;
@@ -827,9 +827,9 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
 }
 
 /*
- * Refuse a general quadrilateral mesh with more nodes or elements than the tables of the library
- * can number, with an element formulation that needs lines of curvature, or with a side that
- * belongs to more than two elements or that two elements run along in the same direction.
+ * Refuse a mesh of quadrilaterals in any arrangement with more nodes or elements than the tables of
+ * the library can number, with an element formulation that needs lines of curvature, or with a side
+ * that belongs to more than two elements or that two elements run along in the same direction.
  */
 static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
 {

@@ -49,8 +49,8 @@ typedef struct mesh {
     bool is_polar;         /* whether the surface is a plane in polar coordinates */
     bool is_angle[2]; /* whether the surface coordinates theta1 and theta2 are angles (rad) instead
                          of lengths */
-    const quad_mesh *quads; /* general quadrilateral mesh from which this mesh was built; NULL for a
-                               mesh along lines of curvature */
+    const quad_mesh *quads; /* mesh of quadrilaterals in any arrangement from which this mesh was
+                               built; NULL for a mesh along lines of curvature */
     bool accept_irregular;  /* true: elements that are too thin for an irregular mesh, so that their
                                bending is far too stiff, are reported; false: they are refused */
     quad_report quad_report;
@@ -103,10 +103,10 @@ typedef struct mesh {
 int mesh_build(mesh *mesh, const scene *scene, char *error);
 
 /*
- * Build the mesh of a scene from a general quadrilateral mesh in place of the scene's surface and
- * mesh lines. Scene and quads must exist as long as the mesh.
+ * Build the mesh of a scene from a mesh of quadrilaterals in any arrangement in place of the
+ * scene's surface and mesh lines. Scene and quads must exist as long as the mesh.
  *   accept_irregular in  true: elements that are too thin for an irregular mesh are reported;
- *                        false: they are refused
+ *       false: they are refused
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,

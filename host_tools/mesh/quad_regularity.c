@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Irregularity of a general quadrilateral mesh, and the treatment of irregular thin elements
- * (quad_regularity.h).
+ * Irregularity of a mesh of quadrilaterals in any arrangement, and the treatment of irregular thin
+ * elements (quad_regularity.h).
  */
 #include "quad_regularity.h"
 #include <math.h>

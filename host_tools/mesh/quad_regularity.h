@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Irregularity of a general quadrilateral mesh around each element, and its consequences for thin
- * shells.
+ * Irregularity of a mesh of quadrilaterals in any arrangement around each element, and its
+ * consequences for thin shells.
  *
  * On a thin shell, the three membrane constraints of each node leave no freedom to a mesh without
  * order: it behaves like a polyhedron, whose bending is far too stiff. The functions of this file

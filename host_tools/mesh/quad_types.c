@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Element types of a general quadrilateral mesh, and the checks of its elements (quad_types.h). */
+/*
+ * Element types of a mesh of quadrilaterals in any arrangement, and the checks of its elements
+ * (quad_types.h).
+ */
 #include "quad_types.h"
 #include <math.h>
 #include <stdio.h>
@@ -130,7 +133,10 @@ static laminate_place quad_place(const quad_geometry *geometry, const quad_regio
     return place;
 }
 
-/* Arguments of quad_types_build, which builds the element types of a general quadrilateral mesh. */
+/*
+ * Arguments of quad_types_build, which builds the element types of a mesh of quadrilaterals in any
+ * arrangement.
+ */
 typedef struct quad_build {
     type_list *list;
     const quad_mesh *quads;

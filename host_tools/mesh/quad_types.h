@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Element types of a general quadrilateral mesh, whose elements may have any shape and arrangement:
- * strains from the displacements of the corners, stiffness, warping correction and skew. Also the
- * checks that such a mesh must pass.
+ * Element types of a mesh of quadrilaterals of any shape in any arrangement: strains from the
+ * displacements of the corners, stiffness, warping correction and skew. Also the checks that such a
+ * mesh must pass.
  */
 #ifndef QUAD_TYPES_H
 #define QUAD_TYPES_H
@@ -12,8 +12,8 @@
 #include "element_types.h"
 
 /*
- * Numbers of those elements of a general quadrilateral mesh whose bending may be too stiff or whose
- * shape is distorted, and the worst values of such elements.
+ * Numbers of those elements of a mesh of quadrilaterals in any arrangement whose bending may be too
+ * stiff or whose shape is distorted, and the worst values of such elements.
  */
 typedef struct quad_report {
     int locking; /* number of elements that are too thin for the irregular mesh around them and were
@@ -42,15 +42,16 @@ typedef struct quad_report {
 int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
 
 /*
- * Build the element types of a general quadrilateral mesh.
- *   list              in/out  receives the element types; its laminate must be filled
- *   point [nodes]     in      positions and triads (local axes) of the nodes
- *   accept_irregular  in      true: elements that are too thin for an irregular mesh are reported;
- *                             false: they are refused
+ * Build the element types of a mesh of quadrilaterals in any arrangement.
+ *   list             in/out  receives the element types; its laminate must be filled
+ *   point   [nodes]  in      positions and triads (local axes) of the nodes
+ *   accept_irregular in      true: elements that are too thin for an irregular mesh are reported;
+ *       false: they are refused
  *   element_type [elements] out  number of the type of each element
- *   report            out     elements whose bending may be too stiff or whose shape is distorted
- * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or inclined to
- * its directors, or elements are too thin for the irregular mesh around them.
+ *   report           out     elements whose bending may be too stiff or whose shape is distorted
+ * Returns 0, or -1 with error filled: an element is degenerate or nearly a triangle, the directors
+ * (unit normals) of its nodes are inclined too far to it, or elements are too thin for the
+ * irregular mesh around them.
  */
 int quad_types_build(type_list *list, const quad_mesh *quads, const surface_point *point,
                      bool accept_irregular, uint16_t *element_type, quad_report *report,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* General quadrilateral mesh from the coordinate lines of a surface (quads_of_lines.h). */
+/* Mesh of quadrilaterals between the coordinate lines of a surface (quads_of_lines.h). */
 #include "quads_of_lines.h"
 #include <stdlib.h>
 #include <string.h>

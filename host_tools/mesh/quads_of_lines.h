@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * General quadrilateral mesh of the elements between the coordinate lines of a surface, for
- * surfaces whose coordinate lines are no lines of curvature.
+ * Mesh of quadrilaterals between the coordinate lines of a surface, for surfaces whose coordinate
+ * lines are no lines of curvature.
  */
 #ifndef QUADS_OF_LINES_H
 #define QUADS_OF_LINES_H

@@ -95,7 +95,7 @@ static void add(double *to, const double *vector, double factor, size_t count)
         to[i] += factor * vector[i];
 }
 
-/* ---- the record ---------------------------------------------------------- */
+/* ---- record of voltages and readings ---------------------------------------- */
 
 static bool has_step(const pokes *samples, size_t sample)
 {

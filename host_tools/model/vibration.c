@@ -70,9 +70,10 @@ typedef struct search {
     double *projection; /* [room][room] projection of the Lanczos operator (K + shift M)^-1 M, with
                            stiffness matrix K and mass matrix M, onto the basis; column j begins at
                            projection + j room */
-    double *image, *mass_image; /* [BATCH][free_dof] products of the Lanczos operator with the basis
-                                   vectors from number image_begin to image_end, and products of the
-                                   mass matrix with the former products */
+    double *image, *mass_image; /* [BATCH][free_dof] image: products of the Lanczos operator with
+                                   the basis vectors from number image_begin to image_end;
+                                   mass_image: products of the mass matrix with the vectors in image
+                                 */
     size_t image_begin, image_end;
     double *next;      /* [free_dof] work vector: the next vector of the Lanczos basis */
     double *mass_next; /* [free_dof] work vector: product of the mass matrix and the next vector of

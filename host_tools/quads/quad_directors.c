@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Directors (unit normals) and axes of the local triads at the nodes of a general quadrilateral
- * mesh (quad_steps.h).
+ * Directors (unit normals) and axes of the local triads at the nodes of a mesh of quadrilaterals
+ * in any arrangement (quad_steps.h).
  */
 #include "quad_steps.h"
 #include "vector.h"

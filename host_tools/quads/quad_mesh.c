@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Memory and sets of a general quadrilateral mesh, and the axes of its nodes (quad_mesh.h). */
+/*
+ * Memory and sets of a mesh of quadrilaterals in any arrangement, and the axes of its nodes
+ * (quad_mesh.h).
+ */
 #include "quad_mesh.h"
 #include <math.h>
 #include <stdlib.h>

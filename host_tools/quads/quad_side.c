@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sides of the elements of a general quadrilateral mesh (quad_side.h). */
+/* Sides of the elements of a mesh of quadrilaterals in any arrangement (quad_side.h). */
 #include "quad_side.h"
 #include <stdlib.h>
 

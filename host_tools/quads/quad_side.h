@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Sides of the elements of a general quadrilateral mesh, sorted so that sides with the same nodes
- * are adjacent in the list.
+ * Sides of the elements of a mesh of quadrilaterals in any arrangement, sorted so that sides with
+ * the same nodes are adjacent in the list.
  */
 #ifndef QUAD_SIDE_H
 #define QUAD_SIDE_H

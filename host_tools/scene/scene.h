@@ -287,8 +287,8 @@ typedef enum scene_component {
 /* Direction of a spring or of a stack actuator. */
 typedef struct scene_direction {
     bool given;
-    scene_component component; /* direction along an axis of the local triad or along a global axis;
-                                  used where `vector` is zero */
+    scene_component component; /* direction along an axis of the local triad or along a global axis,
+                                  where the scene file gives no components of the direction */
     double vector[3]; /* direction of a spring or stack as a unit vector (x, y, z); zero if it is
                          not given as a vector */
 } scene_direction;

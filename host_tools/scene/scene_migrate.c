@@ -37,7 +37,7 @@ static int out_of_memory(const migration *migration)
 }
 
 /*
- * Add an edit to the migration of a scene file, which replaces `length` bytes by the first
+ * Add a replacement to the migration of a scene file: `length` bytes of the file become the first
  * `insert_length` bytes of a text. Returns 0, or -1 when memory runs out.
  */
 static int add_edit(migration *migration, size_t from, size_t length, const char *insert,

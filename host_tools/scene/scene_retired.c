@@ -45,7 +45,10 @@ static const char *last_key(const char *path, size_t length, size_t *key_length)
     return path + start;
 }
 
-/* Return whether the keys from the root of the YAML tree to a node are those of a path. */
+/*
+ * Return whether the keys from the root of the YAML tree to a node are those that a list of keys
+ * names, in the same order.
+ */
 static bool is_at(const tree *tree, int node, const char *path)
 {
     size_t length = strlen(path), key_length;

@@ -64,8 +64,8 @@ typedef struct triads {
     char *error;
     unsigned char *in_set; /* [nodes] 1 for the nodes of the support that is being applied */
     unsigned char *fixed; /* [nodes] 1 for the nodes whose local axis e1 a support has determined */
-    edge_normal *normal;  /* [nodes] at each node, sum of the normals of the support's edges that
-                             meet there */
+    edge_normal *normal; /* [nodes] at each node, sum of the normals of those edges of the supported
+                            boundary that meet there */
 } triads;
 
 static long long label(const triads *triads, size_t node)

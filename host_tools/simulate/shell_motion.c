@@ -181,11 +181,11 @@ double shell_motion_step(const vibration *vibration, double interval)
 /*
  * Compute the stress resultants of one element at a displacement, without the prescribed stress
  * resultants of voltages and temperature.
- *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
+ *   displacement [4 dof_per_node] in   nodal displacement: translations (m) and dimensionless dof
  *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated;
- *                                      NULL: none
- *   resultant [22] out stress resultants times the area of the element (N m): those of its strains
- *                                      that are constant, linear and bilinear over the element
+ *       NULL: none
+ *   resultant    [22]             out  stress resultants times the area of the element (N m): those
+ *       of its strains that are constant, linear and bilinear over the element
  */
 static void elastic_resultants(const shell_motion *motion, uint32_t element,
                                const double *displacement, const double *increment,

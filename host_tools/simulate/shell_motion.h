@@ -125,8 +125,8 @@ bool shell_motion_advance(shell_motion *motion, const double *value, double seco
 /*
  * Return the deviation of the shell's present displacement from its static equilibrium under given
  * input values, computed by one step of Newton's method: exact for small deviations, zero where the
- * tangent stiffness is singular. The result [free_dof] (m and 1) is valid until the next call of a
- * function of the motion.
+ * tangent stiffness is singular. The result [free_dof] (translations in m and dimensionless dof) is
+ * valid until the next call of a function of the motion.
  */
 const double *shell_motion_deviation(shell_motion *motion, const double *value);
 

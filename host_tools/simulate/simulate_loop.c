@@ -126,8 +126,8 @@ static void apply_event(loop *loop, const scene_event *event, int tick)
 }
 
 /*
- * Apply an event of the schedule, and store its target and load factors, which are restored when
- * the random faults end.
+ * Apply an event that the scene file lists, and store its target and load factors, which are
+ * restored when the random faults of the simulation end.
  */
 static void apply_scheduled_event(loop *loop, const scene_event *event, int tick)
 {
@@ -686,7 +686,8 @@ static void fail_first_sensors(loop *loop, int ticks)
 
 /*
  * At the end of the self-test, shift the tick at which each failure of a sensor ends by the number
- * of ticks of the self-test, so that the failure lasts as long as the schedule of events states.
+ * of ticks of the self-test, so that the failure lasts as long as the event of the scene file
+ * states.
  */
 static void shift_first_sensors(loop *loop, int ticks)
 {

@@ -145,7 +145,8 @@ typedef struct simulation {
                            in a loop that damps vibration; unused where the scene asks for no
                            detected faults */
     wiring_test wiring; /* self-test of amplifiers, cables and sensors, which the controller makes
-                           before the first tick of the schedule; unused where the scene has none */
+                           before the first tick of the simulation; unused where the scene has none
+                         */
     pzs_selftest_verdict verdict; /* result of the controller's self-test of amplifiers, cables and
                                      sensors, if it did not pass */
     char findings[SCENE_ERROR]; /* text of what the controller's self-test of amplifiers, cables and

@@ -477,7 +477,8 @@ static double offset_of(const storm *storm, size_t row)
 
 /*
  * Compute the static shape of the simulated structure under given voltages, and store it as the
- * best shape of the storm (simulation with fast target jumps).
+ * best shape that the voltage limits allow for the present target of the storm (simulation with
+ * fast target jumps).
  */
 static void compute_rest(storm *storm, const double *voltage)
 {
