@@ -160,7 +160,7 @@ typedef struct pzs_control_info {
                                     last tick (m) */
     const pzs_real *disturbance; /* [outputs] measured shape minus predicted shape in the last tick
                                     (m) */
-    const pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables; for an
+    const pzs_real *lower, *upper; /* [inputs] present voltage limits: those of the tables; for an
                                       input that pzs_hold keeps at a voltage, both limits are this
                                       voltage (V) */
     int32_t where;       /* index of the input or output to which the last status refers, or -1 */
@@ -209,8 +209,8 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
 
 /*
  * Set the present voltages of a controller to those that the amplifiers already give, so that no
- * voltage jumps after a reset or a new pzs_control_init. The voltages are clamped to the limits in
- * force. Voltages that pzs_hold had fixed before the reset must be fixed again.
+ * voltage jumps after a reset or a new pzs_control_init. The voltages are clamped to the present
+ * limits. Voltages that pzs_hold had fixed before the reset must be fixed again.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE; after an error nothing has changed.
  */
@@ -225,7 +225,7 @@ pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
  *                          disturbance is kept
  * PZS_W_SENSOR: a measurement that is not finite, or that stays constant although its output should
  * move, keeps its last disturbance. PZS_W_HELD: no measurement is usable or the target is not
- * finite, and the voltages are kept inside the limits in force. PZS_W_ITERATIONS and
+ * finite, and the voltages are kept inside the present limits. PZS_W_ITERATIONS and
  * PZS_W_STEP_LIMIT take precedence over PZS_W_SENSOR; so does PZS_W_LIMIT_ROWS. Errors:
  * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
@@ -277,7 +277,7 @@ typedef struct pzs_report {
 /*
  * Assess the present voltages of a controller from the influence matrix alone, independently of the
  * optimiser. The call takes 3 inputs*outputs multiply-adds and is not needed in a control loop. The
- * voltage limits are those in force, narrowed by the step limits of the last tick.
+ * voltage limits are the present ones, narrowed by the step limits of the last tick.
  *   error  [outputs] in   error passed to the last pzs_step, or, after pzs_tick, target minus
  *                         info.disturbance (m)
  *   report           out  unchanged after an error

@@ -301,7 +301,7 @@ typedef struct pzs_control_state {
                                   pzs_control_init, or that of pzs_problem (m/V); NULL: the sparse
                                   influence matrix of pzs_problem is in use */
     pzs_optimiser optimiser;
-    pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of pzs_problem; for an input
+    pzs_real *lower, *upper; /* [inputs] present voltage limits: those of pzs_problem; for an input
                                 that pzs_hold keeps at a voltage, both limits are this voltage (V)
                               */
     pzs_real *held[3]; /* [inputs] voltage at which pzs_hold keeps an input (V); NaN: pzs_hold does

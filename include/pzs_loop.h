@@ -244,8 +244,8 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  * Status: an error ends the tick, and the following blocks do not run. Otherwise the status is the
  * warning of pzs_step_block, or else the first warning in the order of the list. info.block is the
  * type of the block that returned the status. After an error info.voltage keeps the voltages of the
- * last tick. After PZS_W_HELD of pzs_step_block the voltages are kept, clamped to the limits in
- * force. After PZS_W_HELD of the estimator or the damper (no usable reading) the last deviations
+ * last tick. After PZS_W_HELD of pzs_step_block the voltages are kept, clamped to the present
+ * limits. After PZS_W_HELD of the estimator or the damper (no usable reading) the last deviations
  * from the model are kept, and the voltages still follow the target.
  *
  * The last gate compares each voltage with the limits in flash and with the voltage of the last

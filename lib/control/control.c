@@ -84,7 +84,7 @@ static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control
 }
 
 /*
- * Set the bounds of the voltages in a tick if step limits are in force. Returns the first input
+ * Set the bounds of the voltages in a tick if step limits are used. Returns the first input
  * whose step limit and voltage limits do not overlap, or -1.
  */
 static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
@@ -425,7 +425,7 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
     control->state.damping = damping;
 }
 
-/* Keep the voltages of the last tick, clamped to the voltage limits now in force. */
+/* Keep the voltages of the last tick, clamped to the present voltage limits. */
 static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, int32_t where)
 {
     int32_t outside;

@@ -68,7 +68,7 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
 
 /*
  * Record the voltage at which pzs_hold keeps an input (V), or NaN if it keeps none. The voltage
- * must be recorded with every change of the voltage limits in force (state.lower, state.upper) that
+ * must be recorded with every change of the present voltage limits (state.lower, state.upper) that
  * is to last longer than one tick of a loop, because each tick derives these limits again.
  */
 void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage);
@@ -103,7 +103,7 @@ int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *tab
 void pzs_control_find_step_limits(pzs_control *control);
 
 /*
- * Let the bounds of the voltages in a tick and the voltage limits in force share their arrays,
+ * Let the bounds of the voltages in a tick and the present voltage limits share their arrays,
  * where there are no step limits and both are always equal.
  */
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
@@ -116,14 +116,14 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
 void pzs_control_set_constants(pzs_control *control);
 
 /*
- * Set the step limits and the voltage limits in force to those of the tables; for an input that
+ * Set the step limits and the present voltage limits to those of the tables; for an input that
  * pzs_hold keeps at a voltage, both limits become this voltage.
  */
 void pzs_control_restore_limits(pzs_control *control);
 
 /*
  * At the start of a tick of a loop, compute again from the tables what damaged memory may have
- * changed: pointers and counts, voltage limits in force, step limits, and one row of the Hessian.
+ * changed: pointers and counts, present voltage limits, step limits, and one row of the Hessian.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  *   work                        in  workspace of the controller
  * Without damage no bit changes. The work is about 30 operations for each input.

@@ -480,7 +480,7 @@ static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, p
 
 /*
  * Set the voltage of each electrode under test for the next tick: both its voltage limits become
- * the test voltage. The test voltage is inside the voltage limits that were in force before the
+ * the test voltage. The test voltage is inside the voltage limits before the
  * test, even if the program has changed the amplitude since.
  */
 static void set_test_voltages(pzs_fault_detector *detector)
