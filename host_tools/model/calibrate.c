@@ -14,9 +14,9 @@
 static const double negligible = 1e-12;
 
 /*
- * The measured shapes in the basis of the eigenvectors of V V' = Q diag(l) Q', where V
- * [measurements][actuators] holds the voltages, Q the eigenvectors and l the eigenvalues. In this
- * basis every formula of the calibration is a sum over the eigenvalues.
+ * Measured shapes of a calibration, expressed in the basis of the eigenvectors of V V' = Q diag(l)
+ * Q'. V [measurements][actuators] holds the voltages, Q the eigenvectors and l the eigenvalues. In
+ * this basis every formula of the calibration is a sum over the eigenvalues.
  */
 typedef struct spectrum {
     size_t pokes, actuators, outputs;

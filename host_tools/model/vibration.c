@@ -303,8 +303,9 @@ static void apply(search *search, const double *vector, size_t count)
 }
 
 /*
- * Copy one of the vectors to which the operator of the Lanczos method was applied, and its product
- * with the mass matrix, to the work vectors.
+ * Copy one product of the Lanczos operator with a basis vector, stored in the array image, to the
+ * work vector `next`, and its product with the mass matrix to `mass_next`.
+ *   index in  number of the product in the arrays image and mass_image
  */
 static void take_image(search *search, size_t index)
 {

@@ -233,7 +233,8 @@ static const shell_depth *sort_cells(const shell *shell)
 }
 
 /*
- * Return the index of the colour at a point inside a cell with the values own [4] at its corners.
+ * Return the index of the colour at a point inside a cell (quadrilateral of the mesh), whose four
+ * corners have the values own [4].
  */
 static int level_inside(const double own[4], const draw_scale *scale, double first, double second)
 {

@@ -173,7 +173,8 @@ typedef struct scene_material {
                                 the stresses */
     double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
                               (length unit of the scene file); 0: no film */
-    double film_voltage;   /* voltage of the data sheet of a film actuator (V); 0: no film */
+    double film_voltage;   /* voltage at which the data sheet of a film actuator states its free
+                              strain (V); 0: no film */
     int poling; /* poling direction of a material: along the axis 1, 2 or 3 of its layer, negative
                    against that axis; the axis 3 is the normal of the surface */
     scene_at at;

@@ -78,8 +78,8 @@ typedef struct loop {
     double *load, *scheduled_load; /* [loads + 1] factors of the loads: present values, and values
                                       by the events of the scene file alone, without random events;
                                       the last entry is the temperature change (K) */
-    double *shape;   /* [targets] present displacements of the plant of the target nodes (controlled
-                        displacements) */
+    double *shape; /* [targets] present displacements of the target nodes of the simulated structure
+                    */
     double *scratch; /* [targets] work array for displacements of the target nodes */
     double *command; /* [amplifiers] voltages that the controller commands (V) */
     double *output;  /* [amplifiers] output voltages of the amplifiers (V) */
