@@ -6,7 +6,7 @@
 
 const loop_processor loop_processor_table[LOOP_PROCESSORS] = {
     {"Cortex-M4F, float, -Os", "cortex_m4f", 1, 6, 15, 16, 6.0, 1},
-    {"Cortex-M7, double, -O2", "cortex_m7", 2.4, 12, 12, 16, 6.0, 1.05},
+    {"Cortex-M7, double, -O2", "cortex_m7", 2.4, 12, 12, 16, 6.8, 1.05},
 };
 
 /*

@@ -75,6 +75,8 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
     loop 'damped loop with supervisor' plate-50-patches $limits --set 'control={rate: 1000, clock: 168 MHz}'
     if [ "${1:-}" = full ]; then
         # shellcheck disable=SC2086
+        loop 'slow damped loop, whose optimiser may work long' plate-50-patches $limits --set 'control={rate: 400, clock: 168 MHz}'
+        # shellcheck disable=SC2086
         loop 'without supervisor' plate-50-patches $limits --set 'control={rate: 1000, clock: 168 MHz}' --set safety=none
         # shellcheck disable=SC2086
         loop 'hysteresis' plate-50-patches $limits --set 'control={rate: 500, clock: 168 MHz}' --set \
