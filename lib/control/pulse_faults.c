@@ -153,7 +153,7 @@
  */
 #define SURE PZS_R(0.1)
 #define SURE_REVERSED PZS_R(0.6)
-#define SURE_CALM PZS_R(0.5)
+#define SURE_CALM PZS_R(0.25)
 #define SURE_UNEXPLAINED PZS_R(0.1)
 /*
  * Number of unsuccessful test pulses after which the test of a suspected electrode ends without a
