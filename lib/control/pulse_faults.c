@@ -83,9 +83,9 @@
  */
 #define MANY_READINGS PZS_R(24)
 /*
- * Smallest part of a voltage lost by one electrode alone that the least-squares estimate must find
- * at this electrode, so that the electrode can be suspected. In single precision the part has an
- * error of about 0.003.
+ * If one electrode alone lacks 1 V, the least-squares estimate of the missing voltages of all
+ * electrodes must find at least this part of it at this electrode, so that the electrode can be
+ * suspected. In single precision the part has an error of about 0.003.
  */
 #define LEAST_RESOLUTION PZS_R(0.01)
 /*
@@ -325,7 +325,10 @@ static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
     return state->effect;
 }
 
-/* Keep the last usable reading of each sensor, and mark the sensors without a usable reading. */
+/*
+ * Take over the readings of a tick: store each finite reading of plausible size (READING_LIMIT) as
+ * the newest one of its sensor, and mark the sensors without one as missing.
+ */
 static void take_readings(pzs_pulse_detector_state *state, const pzs_real *readings)
 {
     for (uint32_t i = 0; i < state->tables->sensors; i++) {
@@ -703,7 +706,8 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
  * all voltage changes is missing because the gain of the structure differs from the model.
  */
 typedef struct own_loss {
-    pzs_real common; /* common part of all voltage changes that seems to be missing, at most
+    pzs_real common; /* part of every voltage change that seems to be missing at all electrodes
+                        alike, because the gain of the structure differs from the model; at most
                         COMMON_LOSS; negative: the changes seem larger than they are (1) */
     pzs_real lost;   /* voltage that the electrode seems not to have received, without the part that
                         all electrodes have in common because the gain of the structure differs from
@@ -729,7 +733,8 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
  * Return the part (0 to 1) of the change of the readings, since an earlier interval in which the
  * target stood still, that is explained if electrode j has not received a part of its voltage, or 0
  * where this part is not that of a dead, stuck or reversed electrode.
- *   sums in  sums over all electrodes whose voltages are not fixed
+ *   sums in  sums over all electrodes whose voltages are not fixed: of squared missing voltages,
+ *            of squared voltage changes, and of the products of both (V2)
  *   rest in  sum of squares of the unexplained changes of the readings, divided by the weight of
  *            the regularisation (V2)
  */
