@@ -146,15 +146,19 @@
  * One test pulse proves a fault of the suspected electrode without a second one if its gain
  * (response divided by modelled response) is smaller than SURE times that of the reference
  * electrode (a healthy one), or below the negative of SURE_REVERSED times it; if the readings have
- * jumped by less than SURE_CALM times what is otherwise permitted; and if the sum of squares of the
+ * jumped by less than SURE_CALM times what is otherwise permitted; if the sum of squares of the
  * response that the model does not explain, relative to the modelled one, is below
- * SURE_UNEXPLAINED. A load that jumps unnoticed changes a gain by less than 0.12; the program
- * tests/unit/sweep_faults.c holds no healthy electrode in millions of ticks.
+ * SURE_UNEXPLAINED; and if the gain of the reference electrode is at most SURE_STRONG: larger ones
+ * do not occur within the gains for which loops are certified (up to 1.33), and show that the load
+ * has jumped twice, which no single jump explains. A load that jumps unnoticed changes a gain by
+ * less than 0.12; the program tests/unit/sweep_faults.c holds no healthy electrode in millions of
+ * ticks.
  */
 #define SURE PZS_R(0.1)
 #define SURE_REVERSED PZS_R(0.6)
 #define SURE_CALM PZS_R(0.25)
 #define SURE_UNEXPLAINED PZS_R(0.1)
+#define SURE_STRONG PZS_R(1.45)
 /*
  * Number of unsuccessful test pulses after which the test of a suspected electrode ends without a
  * result: disturbed ones, and those to which the reference electrode did not respond.
@@ -1012,7 +1016,7 @@ static uint32_t silent_pulses(const pzs_pulse_detector_state *state, pzs_real re
 /*
  * Whether one test pulse alone proves that the suspected electrode is faulty: the pulse is the
  * first one, nothing has disturbed it, the reference electrode (a healthy one) has responded in
- * full, and the suspected electrode not at all or with the wrong sign.
+ * full and not too much, and the suspected electrode not at all or with the wrong sign.
  */
 static bool is_sure(const pzs_pulse_detector_state *state, const pulse_response *response)
 {
@@ -1023,7 +1027,8 @@ static bool is_sure(const pzs_pulse_detector_state *state, const pulse_response 
         response->unexplained <= SURE_UNEXPLAINED;
     const bool is_clear =
         number_absolute(gain) < SURE * reference || -gain > SURE_REVERSED * reference;
-    return is_calm && is_clear && state->tries == 0 && reference >= WEAK;
+    return is_calm && is_clear && state->tries == 0 && reference >= WEAK &&
+           reference <= SURE_STRONG;
 }
 
 /*
