@@ -240,8 +240,8 @@ typedef struct pzs_row_solver {
                          of absolute values are treated as sums of voltages with these signs */
     pzs_real *margin; /* [width >= inputs + rows] for a limited sum of voltages, the distance by
                          which the optimiser narrows its limits, so that the sum is inside them
-                         despite rounding errors; for an input, the largest of these distances (V)
-                       */
+                         despite rounding errors; for an input, the largest of the distances of
+                         all limited sums (V) */
     pzs_real gap; /* duality gap: upper bound of the distance of half the optimiser's objective from
                      its minimum (m2) */
     pzs_real last_gap; /* duality gap (upper bound of the distance of half the objective from its
@@ -675,8 +675,8 @@ typedef struct pzs_monitor_state {
                        the last ticks (m2) */
     pzs_real answered; /* exponentially decaying sum of the products of predicted and measured
                           change of the shape in the last ticks (m2) */
-    uint32_t fixed;    /* 2 * (number of inputs that could not move in the last tick), plus 1 if the
-                          fault detector applied a test signal in that tick */
+    uint32_t fixed; /* 2 * (number of inputs whose lower and upper voltage limits were equal in the
+                       last tick), plus 1 if the fault detector applied a test signal then */
     bool is_started;
 } pzs_monitor_state;
 

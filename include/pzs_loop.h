@@ -681,7 +681,8 @@ typedef struct pzs_damper_info {
     pzs_real innovation; /* RMS over the sensors of reading minus predicted reading in the last tick
                             (m), 0 where no reading was usable. Where parts of the target shape are
                             free (may take any size, such as a rigid motion), every target node is
-                            measured and modes are observed, only the part that the modes explain */
+                            measured and the observer estimates vibration modes, only the part
+                            of these modes */
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
 } pzs_damper_info;

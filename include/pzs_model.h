@@ -84,8 +84,8 @@ typedef struct pzs_node {
 /*
  * One element type in a short form, for meshes on which nearly every element is a type of its own.
  * The matrices and base vectors of pzs_element_type (its members s, t, g_mean and g_diff) are left
- * out; the library computes them, to the same bits, from the nodes of one element of this type. 104
- * of 293 reals remain.
+ * out; the library computes them, to the same bits, from the nodes of one element that has the
+ * type. 104 of 293 reals remain.
  */
 typedef struct pzs_compact_type {
     pzs_real d[88]; /* stiffness of the four strain modes (constant, linear and bilinear over the

@@ -62,8 +62,8 @@ static void fill_shapes(const laminate *laminate, const scene_element *element,
 }
 
 /*
- * List the five electric fields of a ply, each of unit size: the voltage, then the field along axis
- * 1 at the inner and at the outer face, then those along axis 2.
+ * List the five electric states of a ply, each of unit size: 1 V between its faces, then the
+ * electric field along axis 1 at the inner and at the outer face (1 V/m), then those along axis 2.
  */
 static void list_fields(int ply, laminate_field field[FIELDS])
 {

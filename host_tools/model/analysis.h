@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Analysis of one scene by the library: assembly and factorisation of the stiffness matrix,
- * displacements, influence matrix. The host allocates the memory; the library code is the same as
- * on a device.
+ * Analysis by the library of the structure that one scene file describes: assembly and
+ * factorisation of the stiffness matrix, displacements, influence matrix. The host allocates the
+ * memory; the library code is the same as on a device.
  */
 #ifndef ANALYSIS_H
 #define ANALYSIS_H

@@ -60,8 +60,9 @@ typedef struct certificate_target {
                    */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
                                      to the deformed structure, of the simulated structure on which
-                                     small vibrations grow most, or of that in the worst storm
-                                     (simulation with fast target jumps) where one has failed */
+                                     small vibrations grow most, or, where a storm (simulation with
+                                     fast target jumps) has failed, of the structure in the storm
+                                     that ended farthest from the best shape */
 } certificate_target;
 
 /*

@@ -84,10 +84,10 @@ typedef struct design {
     pzs_electrodes electrodes; /* electrodes of the amplifiers and of the sensors, and potentials of
                                   bare faces (without electrodes); empty unless the scene has
                                   sensors or bare faces or asks for charges */
-    int amplifiers;            /* number of amplifiers; they are the first inputs */
-    int loads;                 /* number of loads; they are the inputs after the amplifiers */
-    int sensor_first;          /* index of the first input that is an electrode of a sensor */
-    bare_faces bare; /* potentials of bare faces (without electrodes), which are the last inputs */
+    int amplifiers; /* number of amplifiers; they are the first inputs of the structure */
+    int loads;      /* number of loads; they are the inputs of the structure after the amplifiers */
+    int sensor_first; /* index of the first input that is an electrode of a sensor */
+    bare_faces bare;  /* potentials of bare faces (without electrodes), which are the last inputs */
     int targets; /* number of target rows (controlled displacements), which are the first outputs */
     int *target_node; /* [targets] number of the mesh node of each target row (controlled
                          displacement) */
@@ -95,8 +95,9 @@ typedef struct design {
                          the scene */
     int *place_first; /* [scene outputs + 1] index in place_node, the list of mesh nodes, of the
                          first node of each named output of the scene */
-    int *place_node;  /* mesh nodes of the named outputs, one output after the other; an output
-                         without a node has no entry */
+    int *place_node;  /* nodes of the mesh at which the outputs of the scene are read, one output
+                         after the other; an output that is not read at nodes, such as a charge, has
+                         no entry */
     double *target;   /* [targets] target displacements, without their part along the free functions
                          (shapes that may be added to the target at no cost) */
     double *wanted;   /* [targets] displacements that the voltages must cause: target minus

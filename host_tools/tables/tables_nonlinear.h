@@ -10,8 +10,8 @@
 #include "emit.h"
 
 /*
- * Write the tables of the equilibrium solver, after the tables of the structure. Returns 0, or -1
- * where memory runs out.
+ * Write the constants of the nonlinear equilibrium solver into the generated C header, behind those
+ * of the structure. Returns 0, or -1 where memory runs out.
  */
 int tables_nonlinear(emitter *emitter, const analysis *analysis);
 

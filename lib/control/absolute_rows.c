@@ -14,7 +14,8 @@
  * so that no choice of signs occurs twice and their number is finite.
  *
  * The matrix of row_solver.c has a row for each limited sum. Changed signs change the rows of the
- * sums of absolute values, which are combinations of the rows of the inputs, and nothing else.
+ * sums of absolute values and nothing else; these rows are combinations of the rows of the same
+ * matrix that belong to the inputs.
  */
 #include <string.h>
 #include "row_solver.h"
@@ -168,7 +169,7 @@ static void split_bounds(const rows_run *run)
 /*
  * Compute anew row and column k, which belong to a limited sum of absolute values of voltages, of
  * the optimiser's tableau (matrix that gives changes of voltages and sums from changes of
- * multipliers), as a sum of the rows of the inputs with the chosen signs.
+ * multipliers), as a sum of those of its rows that belong to inputs, with the chosen signs.
  */
 static void renew_row(const rows_run *run, uint32_t k)
 {

@@ -76,8 +76,8 @@ void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage
 /* ---- parts of the initialisation that every tick repeats ---------------- */
 
 /*
- * Set the pointers of the controller to its arrays in the workspace. state.problem, its tables,
- * must be set before.
+ * Set the pointers of the controller to its arrays in the workspace. The member state.problem,
+ * which points to the tables of the controller, must be set before.
  */
 void pzs_control_place(pzs_control *control, void *work);
 

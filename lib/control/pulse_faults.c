@@ -1324,8 +1324,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
                                         applies, could violate the limit of a weighted sum of
                                         voltages */
         return PZS_E_ARGUMENT;
-    if (signals->control->state.influence == NULL) /* a sparse influence matrix has no columns that
-                                                      the fault detector could read */
+    if (signals->control->state.influence == NULL) /* The fault detector is refused: it reads
+                                                      columns of the influence matrix, which is
+                                                      stored as sparse rows. */
         return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;

@@ -64,7 +64,8 @@ void pzs_control_set_constants(pzs_control *control)
 }
 
 /*
- * Set the present voltage limits and step limits of the controller to those of the tables; for an
+ * Set the present voltage limits and step limits of the controller, which are in RAM, to those of
+ * its constant tables (pzs_problem); for an
  * input that pzs_hold keeps at a voltage, both voltage limits become this voltage.
  */
 void pzs_control_restore_limits(pzs_control *control)
