@@ -18,7 +18,7 @@
 
 enum { N = 203, M = 120, TICKS = 12, FLIPS = 400 };
 
-/* A voltage problem with the full influence matrix, and one with the sparse matrix. */
+/* A voltage optimisation problem with the full influence matrix, and one with the sparse matrix. */
 typedef struct rig {
     unsigned seed;
     unsigned inputs, outputs;
