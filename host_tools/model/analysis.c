@@ -422,8 +422,8 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
 }
 
 /*
- * Compute the outputs of strains and stresses of a displacement, where the scene has any. Returns
- * 0, or -1 with error filled.
+ * Compute the strains and stresses that the scene names as outputs, from a displacement of the
+ * structure. Returns 0, or -1 with error filled.
  */
 static int recover_outputs(analysis *analysis, const double *displacement, char *error)
 {
@@ -594,8 +594,8 @@ static int influence_under_loads(analysis *analysis, char *error)
 }
 
 /*
- * Whether the tables of a scene's control loop are made about the nonlinear equilibrium under its
- * loads.
+ * Whether the scene asks for a controller whose influence matrix is that of the structure
+ * linearised about the nonlinear equilibrium under its loads.
  */
 static bool is_loaded(const design *design)
 {

@@ -58,8 +58,8 @@ typedef struct analysis {
                                 temperature or load factor); used where the scene has electrodes,
                                 after the stiffness matrix is factored */
     void *electric_work;
-    double *input_value; /* [inputs] input values of the last computed displacement, with the
-                            computed voltages of the open electrodes */
+    double *input_value; /* [inputs] values of the inputs that cause the last computed displacement;
+                            for open electrodes, the computed voltages */
     double *charge;   /* [electrodes] charge of each electrode at the last computed displacement (C)
                        */
     vibration *modes; /* vibration modes about the reference state that were computed last, kept

@@ -15,8 +15,9 @@ typedef struct arc_contact {
     pzs_solver *solver;   /* equilibrium solver to which the contact is attached */
     void *pressures; /* contact pressures and set of nodes in contact at the last converged point of
                         the load path */
-    size_t bytes;    /* size of the copy `pressures` (bytes) */
-    pzs_status refused; /* status for which the last converged step was refused, or PZS_OK */
+    size_t bytes;    /* size of the array `pressures` (bytes) */
+    pzs_status refused; /* reason why the contact refused the last converged step of the load path;
+                           PZS_OK: not refused */
 } arc_contact;
 
 /*
@@ -55,8 +56,8 @@ bool arc_contact_has_converged(const arc_contact *contact);
 bool arc_contact_accepts(arc_contact *contact);
 
 /*
- * arc_contact_save makes the present contact that of the last converged point of the load path, to
- * which arc_contact_restore returns.
+ * Functions for steps of the load path that may be refused. arc_contact_save stores the present
+ * contact as that of the last converged point; arc_contact_restore returns to the stored contact.
  */
 void arc_contact_save(const arc_contact *contact);
 void arc_contact_restore(const arc_contact *contact);

@@ -99,8 +99,9 @@ static void add_temperatures(const design *design, int layer, int element, doubl
 }
 
 /*
- * Add the electric charges on the faces without electrode of one layer of an element, per volt of
- * the potentials of the faces of another layer (the argument `other`), to the matrix of charges.
+ * Add the capacitances between two layers with bare faces (without electrodes) in one element to
+ * the matrix of charges: the charge at each potential of `layer` per volt of each potential of
+ * `other`.
  *   dense in/out  charges, one row for each electrode and potential, per unit of each input
  */
 static void add_pair(const design *design, int layer, int other, int element, double *dense)

@@ -18,9 +18,9 @@
 void bare_charges_add(const design *design, int element, double *dense);
 
 /*
- * Add the charges that one volt of an electrode on a ply causes at the electric potentials of one
- * element (of its nodes on faces without electrodes), and those of the electrode per volt of each
- * potential, while the strains are zero.
+ * Add the capacitances between an electrode and the bare faces (without electrodes) of one element
+ * to the matrix of charges, at zero strain: the charges at the potentials of the element's nodes
+ * per volt of the electrode, and the charge of the electrode per volt of each potential.
  *   ply    in     ply on which the electrode lies
  *   factor in     voltage across the ply per volt of the electrode, times the part of the element
  *       that the electrode covers
@@ -31,8 +31,8 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
                                 double *dense);
 
 /*
- * Add the charges that 1 K of a heater on a ply causes at the electric potentials of one element
- * (of its nodes on faces without electrodes) while the strains are zero.
+ * Add the charges that 1 K of a heater causes at the bare faces (without electrodes) of one element
+ * to the matrix of charges, at zero strain.
  *   factor in  temperature of the ply per kelvin of the heater, times the part of the element that
  *       the heater covers
  *   input  in  index of the heater's temperature among the inputs of the structure

@@ -42,11 +42,12 @@ static bool face_is_bare(const bare_faces *bare, int layer, int face)
  * grounded if one of its layers has a face that is an electrode at 0 V.
  */
 typedef struct slot_sets {
-    bool *used, *grounded; /* [slots] used: whether the slot (node on an interface) has a potential;
-                              grounded: for the root of a set of slots, whether the set is connected
-                              with an electrode at 0 V */
-    size_t *parent; /* [slots] next slot (node on an interface) on the way from each slot to the
-                       root of its set */
+    bool *used, *grounded; /* [slots] A slot is a node on an interface between two layers; connected
+                              slots form a set. used: whether the slot has a potential. grounded: at
+                              the root of a set, whether the set is connected with an electrode at 0
+                              V */
+    size_t *parent; /* [slots] parent of each slot (node on an interface between layers) in the tree
+                       of its set of connected slots; a root is its own parent */
 } slot_sets;
 
 static size_t root_of(const slot_sets *sets, size_t slot)

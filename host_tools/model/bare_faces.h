@@ -18,8 +18,9 @@
 enum { BARE_POTENTIALS = 2000 };
 
 /*
- * Potentials of the bare faces (without electrodes) of a mesh, with tables for its element types.
- * Interface i, between the layers i - 1 and i, and a node together are the slot i * nodes + node.
+ * Potentials of the bare faces (faces of a layer without electrode) of a mesh, with tables for its
+ * element types. A slot is a node on an interface between layers. Interface i lies between the
+ * layers i - 1 and i; its slot at a node has the index i * nodes + node.
  */
 typedef struct bare_faces {
     const mesh *mesh;
@@ -37,11 +38,12 @@ typedef struct bare_faces {
                                                                 electric potentials of a layer (four
                                                                 corners on two faces) in each
                                                                 element type */
-    double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] charge at
-                                                                each of the eight electric
-                                                                potentials of a layer (four corners
-                                                                on two faces) per volt of each of
-                                                                those of another layer (C/V) */
+    double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] charges at
+                                                                the potentials of one layer per volt
+                                                                of the potentials of another layer
+                                                                (C/V); a layer has eight potentials
+                                                                in an element, at four corners of
+                                                                two faces */
 } bare_faces;
 
 /*
@@ -57,10 +59,11 @@ void bare_faces_free(bare_faces *bare);
 bool bare_faces_has(const bare_faces *bare, int layer, int element);
 
 /*
- * Compute the stress resultants that one volt of an electric potential at a node of a bare face
- * prescribes in an element, times the area of the element (h0 [10] out, N m; mean and difference of
- * both faces for the strains 11, 22, 33 and 12; then the strains 13 and 23). Returns whether the
- * potential acts in the element.
+ * Compute the stress resultants that 1 V of a potential at one node of a bare face (without
+ * electrode) causes in an element, multiplied by the area of the element.
+ *   h0 [10] out  resultants (N m): for the strains 11, 22, 33 and 12 the mean and the difference
+ *                of both faces, then those for the strains 13 and 23
+ * Returns whether the potential acts in the element.
  */
 bool bare_faces_resultants(const bare_faces *bare, int potential, int element,
                            double h0[LAMINATE_STRAINS]);

@@ -202,9 +202,10 @@ static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Compute the influence matrix from the differences between the measured shapes and those that the
- * model predicts, transformed to the eigenvectors of V V' (V: voltages of all measured shapes).
- * Also compute the root mean square of the differences that the influence matrix leaves.
+ * Compute the influence matrix from the measured shapes, and the root mean square of the
+ * differences between measured and predicted shapes that are left. If there is a model, only the
+ * deviation from its predictions is fitted. The sums run over the eigenvectors of V V', where V
+ * holds the voltages of all measured shapes.
  *   model [outputs][actuators] in  influence matrix of the model, or NULL
  */
 static void fill_influence(calibration *result, spectrum *spectrum, const pokes *pokes,

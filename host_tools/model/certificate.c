@@ -22,12 +22,14 @@ static const double decayed = 20;
 
 /*
  * Transition matrix of a control loop over one tick, while it is filled. The static coordinate of a
- * vibration mode is its modal coordinate in equilibrium under the voltages. The states are, for
- * each vibration mode just before the tick, the deviation e of the modal coordinate from its
- * equilibrium and the modal velocity p divided by the angular frequency, then the static
- * coordinates h measured at delay + 1 past ticks; with amplifiers that lag also the static
- * coordinates of their output voltages at the tick and of their mean over the interval before it.
- * The voltages of tick t have the static coordinates -h(t - delay) in the model.
+ * vibration mode is its modal coordinate in equilibrium under the voltages. The state just before a
+ * tick holds for each mode:
+ *   e     deviation of the modal coordinate from its static coordinate
+ *   p     modal velocity divided by the angular frequency
+ *   h     measured static coordinates of the last delay + 1 ticks
+ *   with amplifiers that lag, the static coordinates of their output voltages at the tick, and of
+ *   the mean output voltages over the interval before the tick
+ * In the model, the voltages commanded at tick t have the static coordinates -h(t - delay).
  */
 typedef struct transition {
     const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the coordinate of mode i in
@@ -48,9 +50,9 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add to a row of the transition matrix a multiple of what the controller measures of vibration
- * mode i at the tick: the vibration of all modes, and how much more than the model says the
- * voltages before have moved the equilibrium of this mode.
+ * Add a multiple of the controller's reading of vibration mode i to a row of the loop's transition
+ * matrix. This reading contains the vibration of all modes, and the difference between the actual
+ * and the modelled static effect of earlier voltages on mode i.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {

@@ -24,9 +24,9 @@ enum {
 }; /* largest length of the text that describes the result of the stability tests (characters) */
 
 /*
- * Largest distance from the best shape that the voltage limits allow (that of the smallest shape
- * error), relative to the norm of the target, at which a storm (a simulation with fast jumps of the
- * target) counts as settled.
+ * A storm is a simulation with fast jumps of the target. It counts as settled where the distance of
+ * the shape from the best shape within the voltage limits is at most this fraction of the norm of
+ * the target (1).
  */
 #define CERTIFICATE_TOLERANCE 0.05
 
@@ -110,9 +110,9 @@ typedef struct certificate_loop {
     int older; /* largest number of ticks by which all readings may be older than the scene file
                   states; vibrations decay, and the shape settles after fast target jumps, with
                   every number up to it */
-    int newer; /* number of ticks by which every reading may be newer than the scene file states, at
-                  most the stated delay: with every smaller or equal number, vibrations decay and
-                  the shape settles after fast jumps of the target */
+    int newer; /* largest number of ticks, up to the stated delay, by which the sensor readings may
+                  be newer than the scene file states; at this and every smaller number, vibrations
+                  decay and the shape settles after fast jumps of the target */
     certificate_target target; /* result of the stability tests of the loop on the structure that is
                                   deformed to its target */
     double cure; /* regularisation of the voltages, relative to the mean diagonal entry of the
@@ -122,8 +122,8 @@ typedef struct certificate_loop {
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            controller's model, with which the control loop is stable */
-    bool ends_at_most; /* true where the control loop is stable even with the oldest sensor readings
-                          that the simulations have tried */
+    bool ends_at_most;  /* true where the control loop is stable even with the largest delay of the
+                           sensor readings that the simulations have tried */
     double margin_slow, margin_fast; /* lowest and highest natural frequencies of the structure,
                                         relative to the controller's model, with which the control
                                         loop is stable */
@@ -178,9 +178,10 @@ typedef struct certificate {
 void certificate_free(certificate *certificate);
 
 /*
- * Number of ticks by which all readings may be older, or newer, than the scene file states, so that
- * the loop is stable on the undeformed structure and, where that was tested, on the structure
- * deformed to its target.
+ * certificate_older returns by how many ticks the sensor readings may be older than the scene file
+ * states, and certificate_newer by how many ticks they may be newer, while the loop is stable.
+ * Where the loop was also tested on the structure deformed to its target, both numbers hold for
+ * this structure, too.
  */
 int certificate_older(const certificate_loop *loop);
 int certificate_newer(const certificate_loop *loop);
@@ -228,8 +229,9 @@ double certificate_radius(const double *loop, const double *square, int modes,
                           int squarings);
 
 /*
- * Whether the spectral radius of the control loop is below 1: that of certificate_radius with the
- * same arguments, found with fewer squarings. Returns false where memory runs out.
+ * Whether the spectral radius of the control loop's transition matrix is below 1, so that small
+ * vibrations decay. Faster than certificate_radius, which computes the radius from the same
+ * arguments. Returns false where memory runs out.
  */
 bool certificate_decays(const double *loop, const double *square, int modes, const double *damping,
                         const certificate_conditions *conditions, int squarings);

@@ -24,8 +24,8 @@ enum {
                           loop is computed (ticks) */
     RATE_LIMIT = 2000, /* largest number of tick rates for which stability of the control loop is
                           checked */
-    PHASES = 8, /* number of time intervals between ticks, spread over one period of the first
-                   vibration mode, for which stability of the control loop is checked */
+    PHASES = 8, /* number of tick intervals for which the stability of the control loop is tested;
+                   they differ by fractions of the period of the first vibration mode */
     STARTS = 4  /* largest number of tick rates, each a quarter of the one before, that are tried to
                    find one at which the control loop is stable */
 };
@@ -33,18 +33,18 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Range of the tick rates for which stability is checked. Lowest rate (1/s): the factor scan_from
- * times damping ratio times angular frequency of the first vibration mode (rad/s). Highest rate
- * (1/s): the factor scan_to times natural frequency of the last mode of the loop (Hz). Each rate is
- * the factor scan_step times the rate before.
+ * Tick rates for which the stability of the control loop is tested. The lowest rate (1/s) is
+ * scan_from x damping ratio x angular frequency of the first vibration mode (rad/s). Each further
+ * rate is scan_step times the one before. The highest rate is scan_to x natural frequency of the
+ * loop's last vibration mode (Hz).
  */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
 /*
- * Static responses to voltages, relative to the controller's model, of the structures on which the
- * control loop must be stable, and their lowest natural frequencies relative to those of the model.
- * Higher frequencies are covered, too: a structure whose frequencies are higher by some factor is
- * as stable as the model at a tick rate that is lower by this factor.
+ * Structures on which the control loop must be stable, besides the model of the controller:
+ * `responses` are their static responses to voltages, `lowest_frequency` their lowest natural
+ * frequencies, both relative to the model. Higher frequencies need no test: they have the same
+ * effect as the model's frequencies at a lower tick rate, and lower tick rates are tested.
  */
 static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
 
@@ -298,9 +298,9 @@ static certificate_conditions conditions_at(const assessed_loop *loop, double ga
 }
 
 /*
- * Whether the control loop is stable at an interval between ticks on structures with each of the
- * responses in `responses`, and, where its amplifiers lag, with each of the frequencies in
- * `frequencies`.
+ * Whether the control loop is stable at a tick interval on all structures to be tested. They differ
+ * from the model in their static response to voltages and, where the amplifiers lag, in their
+ * natural frequencies.
  */
 static bool is_stable_at(const assessed_loop *loop, double interval)
 {

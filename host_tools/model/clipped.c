@@ -9,10 +9,9 @@
 #include <string.h>
 
 /*
- * Values of the Tikhonov regularisation parameter lambda among which the one with the smallest
- * shape error after clipping is searched: 10^(LOWEST + k / PER_DECADE) for k = 0 to GRID - 1, up to
- * 10, where all voltages are small. SECTIONS: number of steps of the search between two of these
- * values.
+ * Grid of the search for the regularisation parameter lambda with the smallest shape error after
+ * clipping. The values are 10^(LOWEST + k / PER_DECADE) for k = 0 to GRID - 1, thus 1e-9 to 10.
+ * SECTIONS is the number of steps of the search between two grid values.
  */
 enum { LOWEST = -9, PER_DECADE = 3, GRID = 10 * PER_DECADE + 1, SECTIONS = 16 };
 

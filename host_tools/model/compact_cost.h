@@ -13,17 +13,19 @@
  * types, and with compact ones (without what a device computes from the nodes).
  */
 typedef struct compact_cost {
-    double full; /* time for the nodal forces of the element from its strains, with a full element
-                    type (s) */
+    double full; /* time to compute the nodal forces of one element where all tables of its element
+                    type are stored (s) */
     double compact; /* time for the nodal forces of the element with a compact element type,
                        including the computation of what this type leaves out (s) */
     double matrix;  /* time for the stiffness matrix of the element from a full element type (s) */
 } compact_cost;
 
 /*
- * Measure how long this computer needs for nodal forces and stiffness matrix of one element, with
- * full element types, and with compact ones (without what a device computes from the nodes).
- * Returns whether the mesh has compact element types; only then *cost is filled.
+ * Measure the time that this computer needs for the nodal forces and the stiffness matrix of one
+ * element. A compact element type leaves out the tables that a device can compute from the nodes; a
+ * full one stores them.
+ *   cost out  times; filled only where the mesh has compact element types
+ * Returns whether the mesh has such types.
  */
 bool compact_cost_measure(const mesh *mesh, compact_cost *cost);
 

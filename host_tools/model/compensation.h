@@ -42,14 +42,12 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
 void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 
 /*
- * Weaken a description of hysteresis for a control loop with sensor readings. The inverse of the
- * model of a ceramic whose effect hardly changes after a reversal of the voltage enlarges small
- * voltage changes, and a ceramic with less hysteresis than described follows them all: the loop
- * then has a larger gain for small changes than that with which its stability was tested. Plays
- * (elements with backlash) of the model are therefore replaced by a larger slope, those with the
- * smallest slack first, until a change after a reversal has at least 0.6 of the effect of a change
- * far from a reversal. The loop corrects the hysteresis that is left by means of its sensor
- * readings.
+ * Weaken the hysteresis model whose inverse a control loop uses, for safety. If the ceramic has
+ * less hysteresis than the model, the inverse enlarges small voltage changes too much, and the loop
+ * gain rises. Play operators (elements with backlash) are therefore replaced by a larger slope,
+ * those with the smallest slack first. This ends where a change after a reversal of the voltage has
+ * at least 0.6 of the effect of a change far from a reversal. Feedback of the sensor readings
+ * corrects the remaining hysteresis.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

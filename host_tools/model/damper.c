@@ -14,8 +14,8 @@
 #include "modal.h"
 
 /*
- * Largest number of vibration modes from which the observed modes, those that the control tick
- * estimates from the sensor readings, are chosen.
+ * Largest number of vibration modes that are computed. From them, the modes are chosen that the
+ * control tick estimates from the sensor readings.
  */
 enum { MODE_LIMIT = 200 };
 
@@ -27,9 +27,9 @@ enum { MODE_LIMIT = 200 };
 static const double visible = 1e-3;
 
 /*
- * Gain of the low-pass filter of the part of the sensor readings that no observed vibration mode
- * explains: its largest value, and its ratio to the damping ratio of the first vibration mode times
- * the phase angle of that mode in a tick (rad).
+ * Gain of the low-pass filter for the residual readings (sensor readings minus those of the
+ * observed vibration modes). The gain is slow_part x damping ratio x phase angle of the first
+ * vibration mode in a tick (rad), at most slow_limit.
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 

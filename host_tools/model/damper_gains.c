@@ -148,8 +148,9 @@ static int doubling_open(doubling *doubling, size_t order)
 }
 
 /*
- * Add `next` to the iterate of the doubling iteration that converges to the solution of the Riccati
- * equation. Returns the largest change of an entry relative to the largest entry.
+ * Add the increment `next` to the matrix h, the iterate of the Riccati equation's doubling
+ * iteration. Returns the largest entry of the increment relative to the largest entry of h, or NAN
+ * where an entry is not finite.
  */
 static double add_change(doubling *doubling, const double *next)
 {

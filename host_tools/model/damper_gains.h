@@ -89,11 +89,11 @@ typedef struct damper_gains {
     double *observer; /* [3][modes][modes] gains of the observer for position, velocity and static
                          position (first index) of the vibration modes: matrices that multiply the
                          errors of the fitted modal coordinates */
-    double *explain;  /* [modes][modes] matrix that computes the coordinates of the vibration modes
-                         from readings, by a least-squares fit */
-    double *damping;  /* [modes][inputs] damping gradient (term that the control tick subtracts from
-                         the gradient of its objective to damp vibration) per unit of each vibration
-                         mode's deviation from its equilibrium */
+    double *explain; /* [modes][modes] inverse of the regularised normal matrix of the least-squares
+                        fit of modal coordinates to sensor readings */
+    double *damping; /* [modes][inputs] damping gradient (term that the control tick subtracts from
+                        the gradient of its objective to damp vibration) per unit of each vibration
+                        mode's deviation from its equilibrium */
     double *inverse_angle; /* [modes] reciprocal of the phase angle of each vibration mode in a tick
                               (1/rad) */
     double *covariance;    /* [3 modes][3 modes] covariance of the error of the observer, which

@@ -70,11 +70,11 @@ static void square(const double *a, double *out, size_t n)
 }
 
 /*
- * Replace a matrix a [n][n] of Frobenius norm 1 by its square divided by the norm of the square.
+ * Replace a matrix a [n][n] of Frobenius norm 1 by its square, scaled to norm 1 again.
  *   work [n][n] out     work array
- *   log_norm    in/out  logarithm of the norm by which a power of the original matrix was divided
- *       to obtain a; doubled and completed for the square of this power
- * Returns the norm of the square.
+ *   log_norm    in/out  logarithm of the product of all scalings: exp(log_norm) times `a` is
+ *       a power of the original matrix
+ * Returns the norm of the square before it was scaled.
  */
 static double square_scaled(double *a, double *work, size_t n, double *log_norm)
 {

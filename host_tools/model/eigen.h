@@ -24,11 +24,12 @@ void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligib
 double eigen_radius(double *a, double *work, size_t n, int squarings);
 
 /*
- * Whether eigen_radius(a, work, n, squarings) is below 1, with fewer squarings where a power A^k
- * decides: a norm of A^k below 1 bounds the spectral radius from above, and a mean of the
- * eigenvalues of A^k whose magnitude exceeds 1 bounds it from below.
+ * Whether the spectral radius of a matrix A is below 1. The test ends early where a power A^k
+ * decides: if a norm of A^k is below 1, the radius is too; if the mean of the eigenvalues of A^k
+ * has a magnitude above 1, the radius exceeds 1, too.
  *   a    [n][n] in/out  matrix A; overwritten
  *   work [n][n] out  work array
+ *   squarings   in  largest number of squarings, each of which doubles the exponent k
  */
 bool eigen_decays(double *a, double *work, size_t n, int squarings);
 

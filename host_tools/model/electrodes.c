@@ -23,7 +23,8 @@ typedef struct across {
 /* List of the voltages that all inputs apply across the plies of one element. */
 typedef struct across_list {
     across *entry;
-    design_part *part; /* work array for the patches of one actuator or sensor in one element */
+    design_part *part; /* patches of one actuator or sensor that cover a part of the present
+                          element; overwritten for each actuator or sensor */
     int count, room;
     bool is_full; /* whether an allocation of memory for this list of voltages across plies has
                      failed */

@@ -27,8 +27,8 @@ typedef struct resultant_builder {
 } resultant_builder;
 
 /*
- * Index of the row of builder->value that is equal to the stress resultants h0 [10]. Where no row
- * is equal, h0 is appended.
+ * Return the index of the row of builder->value that equals the stress resultants h0 [10]; elements
+ * with equal resultants share one row. Where no row is equal, h0 is appended.
  */
 static size_t row_of_resultants(resultant_builder *builder, const double h0[LAMINATE_STRAINS])
 {

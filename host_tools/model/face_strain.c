@@ -8,8 +8,8 @@
 #include "design.h"
 
 /*
- * Edges of one face of an element: their two directions as vectors `x`, and the changes `u` of
- * these vectors by the displacement.
+ * One face of a quadrilateral element: its two mean edge vectors (`position`), and their changes
+ * under the displacement (`displacement`).
  */
 typedef struct cell {
     double position[2][3], displacement[2][3];

@@ -19,9 +19,8 @@ enum { SLOPES = PZS_HYSTERESIS_SEGMENTS, CREEPS = 3, LEAST_SAMPLES = 100, MOST_S
 static const double creep_time[CREEPS] = {0.1, 1, 10};
 
 /*
- * Slacks of the play operators, whose positions follow the voltage with a backlash: largest slack
- * relative to half of the voltage range, and exponent of the power of the operator's number with
- * which the slack grows.
+ * Slacks (widths of the backlash) of the play operators of the hysteresis model. Operator k = 1 to
+ * n of n operators has the slack widest_slack x (k/n)^slack_power x half of the voltage range.
  */
 static const double widest_slack = 0.95, slack_power = 1.3;
 
@@ -313,8 +312,8 @@ static void take_list(scene_short_list *list, const double *value, size_t count,
 }
 
 /*
- * Effect of the fitted hysteresis and creep model at 0 V before any other voltage was applied (V).
- * The slopes and weights of the model are relative to fit->unit.
+ * Effect (equivalent voltage without hysteresis, V) that the fitted model of hysteresis and creep
+ * has at 0 V, if no other voltage was applied before.
  */
 static double effect_at_start(const fit *fit)
 {

@@ -507,10 +507,10 @@ static size_t next_largest(const double *matrix, size_t size, const bool *is_tak
 }
 
 /*
- * Compute the matrix X that delays the signals by one lag within the signal subspace (the space of
- * the dominant eigenvectors of their covariance). X is the least-squares solution of U X = V, where
- * the columns of U are these eigenvectors without the rows of the last delay, and those of V are
- * they without the rows of the first delay.
+ * Find the matrix X whose eigenvalues give the frequencies and damping ratios of the vibration
+ * modes (subspace method). The columns of U and V are the dominant eigenvectors of the covariance
+ * of the delayed signals. U leaves out their rows of the last delay, V those of the first delay. X
+ * is the least-squares solution of U X = V.
  *   matrix [size][size]  in/out  covariance of the delayed signals, overwritten
  *   vector [size][size]  out     work array: eigenvectors of the covariance
  *   shift [ROOTS][ROOTS] out     the matrix X

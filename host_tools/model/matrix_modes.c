@@ -148,9 +148,9 @@ static void find_shares(const comparison *c, matrix_modes *found)
 /* ---- swapped outputs ------------------------------------------------------ */
 
 /*
- * Compute the products of the orthonormal basis of the mode shapes with the rows of the influence
- * matrix. Returns the share of the matrix outside the span of the mode shapes, which no static
- * responses of the modes explain.
+ * Compute the products of the orthonormal basis of the mode shapes with the influence matrix.
+ * Returns the fraction of the squared entries of the influence matrix that no combination of the
+ * mode shapes represents.
  */
 static double find_rest(const comparison *c)
 {

@@ -15,12 +15,12 @@
 static const double LEAST_UNCERTAINTY = 1e-9;
 
 /*
- * Remaining error of a monotone sequence of results on ever finer meshes, beyond the error that
- * convergence of second order predicts. The sum of all later differences is the last difference
- * divided by (ratio - 1), with the ratio of successive differences. A sequence that hardly
- * converges is treated like one with a fixed ratio slightly above 1 (SLOWEST).
+ * Error of the extrapolated result of a sequence that converges more slowly than with second order.
+ * The differences of later results form a geometric series of sum last / (ratio - 1); extrapolation
+ * of second order has already added last / 3.
  *   last  in  difference between the results on the two finest meshes
- *   ratio in  difference before the last one over the last one; 4 for second order
+ *   ratio in  difference before `last`, divided by `last`; 4 for second order; values
+ *       below SLOWEST, of a sequence that hardly converges, count as SLOWEST
  */
 static double remaining_error(double last, double ratio)
 {

@@ -14,8 +14,8 @@ static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
 /* ---- depolarisation fields -------------------------------------------- */
 
 /*
- * Whether the piezoelectric constants of a material across the poling direction exceed those of
- * polymers and nitrides, as those of ceramics, crystals and composites of them do.
+ * Whether a material is a strong piezoelectric, such as a ceramic or a crystal: its constants
+ * across the poling direction exceed those of all polymers and nitrides.
  */
 static bool is_strong(const scene *scene, const scene_material *material)
 {

@@ -46,7 +46,8 @@ typedef struct reactions {
                           */
     total_force spring;  /* forces of all springs and stacks on the shell, moments about the origin
                           */
-    total_force contact; /* forces of a contact body on the shell, moments about the origin */
+    total_force contact; /* resultant force (N) of the contact body on the shell, and its moment
+                            about the origin (N m) */
     total_force sum; /* sum of the forces of supports, loads, springs and contact body, and of their
                         moments, which vanishes at equilibrium */
     double internal; /* sum of the magnitudes of the internal forces of all elements at their
@@ -59,9 +60,8 @@ typedef struct reaction_state {
     const double *displacement; /* [free_dof] displacement vector of the structure */
     const double *input_value;  /* [inputs] voltages (V), load factors and temperatures (K) under
                                    which the displacement was computed */
-    const equilibrium *equilibrium; /* equilibrium solver whose present state has this displacement
-                                       and these input values; NULL: the displacement is linear in
-                                       the inputs */
+    const equilibrium *equilibrium; /* equilibrium solver in whose present state the reactions are
+                                       computed; NULL: the structure is linear */
 } reaction_state;
 
 /*

@@ -90,10 +90,10 @@ int vibration_check_measured(const scene_influence *measured, char *error);
 int vibration_first(const vibration *vibration);
 
 /*
- * Static value of a modal coordinate under a constant unit of one input: (mode shape times
- * force)/w^2 with the angular frequency w. Multiplied by the largest displacement of the mode
- * shape, this value is the static displacement of the vibration mode.
- *   input in index of an input of the structure
+ * Modal coordinate of a vibration mode in equilibrium under one unit of an input: the work of the
+ * input's forces on the mode shape, divided by the squared angular frequency. This value times the
+ * largest displacement of the mode shape is the largest displacement of this static response.
+ *   input in  index of an input of the structure
  * Returns NAN for a rigid motion.
  */
 double vibration_static(const vibration *vibration, const design *design, int mode, int input);

@@ -103,10 +103,9 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* If all amplifiers are held at one voltage, no
-                                                 voltage range was found and lowest > highest; fmin
-                                                 and fmax then make the range of the result
-                                                 infinite. */
+    result->limit[0] = fmin(lowest, highest); /* Where all amplifiers are held at one voltage,
+                                                 `lowest` is +infinity and `highest` is -infinity;
+                                                 fmin and fmax put the two in order. */
     result->limit[1] = fmax(lowest, highest);
 }
 
@@ -194,8 +193,8 @@ static int out_of_memory(const analysis *analysis, char *error)
 }
 
 /*
- * Weighted sum of squares of the wanted displacements of target rows (controlled displacements) on
- * constrained dof.
+ * Weighted sum of squares of the target displacements that no voltage can reach, because a support
+ * prescribes the displacement.
  */
 static double wanted_fixed(const design *design)
 {

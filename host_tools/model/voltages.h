@@ -39,9 +39,9 @@ typedef struct voltages {
     double optimality; /* violation of the optimality (KKT) conditions relative to the largest entry
                           of the gradient at zero voltage; NAN where the result is not an optimum */
     double limit[2];   /* lowest and highest voltage that any amplifier may give (V) */
-    int held, narrowed; /* number of amplifiers that are held at one voltage; number of other
-                           amplifiers whose voltage range is narrower than that from the lowest to
-                           the highest voltage of all amplifiers */
+    int held, narrowed; /* held: number of amplifiers held at one voltage; narrowed: number of
+                           amplifiers that are not held and whose lower limit is above, or whose
+                           upper limit is below, that of another amplifier */
     double residual; /* relative residual of the linear equations whose solution is the displacement
                         vector */
     double regularisation; /* regularisation parameter of least squares that are regularised and

@@ -156,10 +156,11 @@ static double *open_tables(wiring_test *test, const design *design, const estima
 }
 
 /*
- * Complete the tables of the self-test of the wiring, in which heights and durations of the test
- * pulses are known: scale factors of the sensors, and noise above which a sensor is too noisy.
- *   amplitude in  height of a test pulse (V); the mean response of the sensors to it gives a lower
- *       bound of the permitted noise
+ * Complete the tables of the self-test of the wiring: scale factors of the sensors, and the noise
+ * above which a sensor counts as too noisy. The heights and durations of the test pulses must be in
+ * the tables already.
+ *   amplitude in  height of a test pulse (V), from whose mean effect on the sensors a lower bound
+ *       of the permitted noise follows
  */
 static void complete_tables(wiring_test *test, const design *design, double amplitude)
 {

@@ -23,8 +23,8 @@ typedef struct amplifier {
 double amplifier_output(const amplifier *amplifier, double before, double command);
 
 /*
- * Voltage nearest to `to` whose change from `from`, computed without any tolerance for rounding
- * errors, does not exceed a step limit (V).
+ * Limit the change of a voltage in one tick. Returns `to`, or the voltage nearest to `to` whose
+ * computed difference from `from` does not exceed the step limit (V), not even by a rounding error.
  */
 double amplifier_limited(double from, double to, double step_limit);
 

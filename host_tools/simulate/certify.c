@@ -28,7 +28,8 @@ enum {
                           measures the growth of small vibrations */
     TICKS_MOST = 3000,
     HALVINGS = 5,   /* number of bisections with which a stability margin is determined */
-    OLDER_MOST = 4, /* largest error of the readings' age that is tried (ticks) */
+    OLDER_MOST = 4, /* largest deviation of the delay of the sensor readings from the stated delay
+                       that the stability tests try (ticks) */
     OCTAVES = 5     /* octaves of tick rates that are tried on either side of the scene's rate */
 };
 
@@ -42,8 +43,8 @@ static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
 
 /*
- * Fraction of the ticks that are missed in the storms (simulations with fast target jumps) with the
- * last of the random sequences of targets.
+ * Fraction of the ticks that are missed in the last third of the storms, to test the control loop
+ * with missed ticks. A storm is a simulation with fast jumps of the target.
  */
 static const double missed_share = 0.05;
 
@@ -284,10 +285,10 @@ static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, c
 }
 
 /*
- * Test the stability of the loop on the structure linearised about the equilibrium at its target,
- * where there is one: measure the growth of vibrations on structures that differ from this one, and
- * run the storms (simulations with fast jumps of the target) with the first sequence of targets.
- * Returns 0, or -1 with error filled.
+ * Test the stability of the loop on the structure linearised about the equilibrium at its target.
+ * The growth of vibrations is measured on structures that differ from this one. If they decay, the
+ * storms (simulations with fast jumps of the target) of the first random sequence follow. Without
+ * such an equilibrium, only the reason is stored. Returns 0, or -1 with error filled.
  */
 static int certify_target(const trial *trial, certificate_target *target, char *error)
 {
@@ -433,10 +434,10 @@ static bool tolerates_all(const certificate_loop *loop)
 
 /*
  * Whether a loop with other settings is better than the best loop so far. A loop that passes all
- * tests is better than one that does not. Among loops that fail, the one with fewer storms
- * (simulations with fast jumps of the target) that do not settle is better; among loops that pass,
- * the one that tolerates more errors of the readings' age, unless it is much slower.
- *   fastest in  mean number of ticks of a storm with the fastest settings that pass
+ * tests is better than one that does not. Among loops that fail, that with fewer failed storms
+ * (simulations with fast jumps of the target) is better. Among loops that pass, that which
+ * tolerates the larger deviation of the readings' delay is better, unless it settles much later.
+ *   fastest in  mean number of ticks until the shape settles, with the fastest settings that pass
  */
 static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
 {

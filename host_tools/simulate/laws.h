@@ -17,8 +17,9 @@
  * contain the memory of the block.
  */
 typedef struct law {
-    pzs_problem problem; /* least-squares problem whose solution is the voltages; first
-                            member, because the library casts a pointer to this struct to it */
+    pzs_problem problem; /* least-squares problem for the voltages; must stay the first member,
+                            because the library casts a pointer to this struct to a pointer to the
+                            problem */
     unconstrained solver;
     double gain, leak; /* gain and leak of the leaky integrator, both without unit */
     double *memory; /* one allocation that holds the arrays disturbance, required and next of this

@@ -83,8 +83,8 @@ static bool take_memory(shell_motion *motion)
 }
 
 /*
- * Return the number of vibration modes, without rigid motions, that turn by at most half a radian
- * in a time step, so that the time steps resolve them.
+ * Return the number of vibration modes, without rigid motions, whose phase advances by at most half
+ * a radian in a time step. The time steps resolve only these modes.
  */
 static size_t count_followed(const vibration *vibration, double step)
 {

@@ -17,9 +17,9 @@ enum {
     REST_PERIODS = 12, /* periods of the first vibration mode during which the last target stays */
     EVERY_LEAST = 10,  /* fewest and most ticks between two jumps of the target */
     EVERY_MOST = 1200,
-    REST_LEAST = 1200, /* fewest ticks during which the last target stays: six time constants of the
-                          low-pass filter of the residual readings, the part of the readings that
-                          the vibration modes do not explain */
+    REST_LEAST = 1200, /* fewest ticks at the end of a storm (simulation with fast jumps of the
+                          target) during which the target stays the same: six time constants of the
+                          controller's low-pass filter */
     REST_MOST = 20000,
     REST_STEPS = 200, /* largest number of control steps, computed with static responses only, that
                          find the voltages at which a control loop comes to rest */
