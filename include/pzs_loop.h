@@ -1,7 +1,7 @@
 /*
- * The control loop: a list of blocks, which are the stages of a tick, and one call that runs them
- * in each tick. Blocks of the library: self-test of the wiring, correction of late readings, feed-
- * forward of known loads, shape estimator, vibration damper, governor (slows targets down),
+ * The control loop: a list of blocks, and one call that runs them in each tick. A block is a stage
+ * of the tick. Blocks of the library: self-test of the wiring, correction of late readings,
+ * feed-forward of known loads, shape estimator, vibration damper, governor (slows targets down),
  * compensation of hysteresis, control step (optimisation of the voltages), converter steps of the
  * amplifiers, fault detector for electrodes, supervisor.
  *
@@ -23,9 +23,9 @@
  *     }
  *
  * `pzs tables` generates the list of blocks (here mirror_blocks); a program links only the blocks
- * of its list. The blocks can also be called one by one around pzs_tick: pzs_feed_forward on the
- * readings and on the target, pzs_estimate_tick or pzs_damper_tick, pzs_tick, pzs_quantise,
- * pzs_fault_detector_tick. Both ways give the same bits.
+ * of its list. Instead of running a list, a program may call the functions of the blocks around
+ * pzs_tick, with the same results to the last bit: pzs_feed_forward on the readings and on the
+ * target, pzs_estimate_tick or pzs_damper_tick, pzs_tick, pzs_quantise, pzs_fault_detector_tick.
  */
 #ifndef PZS_LOOP_H
 #define PZS_LOOP_H
@@ -81,11 +81,13 @@ typedef struct pzs_loop_signals {
     const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, as
                                    multiples of the loads in the scene file; NULL: no load is known
                                  */
-    const uint8_t *electrode;   /* [inputs] state of each electrode, a value of pzs_electrode_state;
-                                   NULL: the loop has no fault detector */
+    const uint8_t *electrode;   /* [inputs] state of each electrode, a value of pzs_electrode_state,
+                                   for example that it was found faulty; NULL: the loop has no fault
+                                   detector */
     const void *tables;    /* constant tables of the block (stage of the control tick) that runs at
                               present */
-    const pzs_real *given; /* [inputs] voltages that have been applied since the last tick (V) */
+    const pzs_real *given; /* [inputs] voltages that the amplifiers have given since the last tick
+                              (V) */
     struct pzs_compensator *compensator; /* memory of the compensation of hysteresis, which two
                                             stages of the control tick share; NULL: the loop does
                                             not compensate hysteresis */
@@ -94,13 +96,14 @@ typedef struct pzs_loop_signals {
     uint32_t missed;  /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
                        */
     pzs_real deviation; /* RMS amplitude by which the measured motion of the structure deviates from
-                           the prediction of the model (m); negative: not computed in this tick */
+                           the prediction of the model (m), for the divergence monitor of the
+                           supervisor; negative: not computed in this tick */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block (stage of the control
                            tick) has returned in this tick */
-    pzs_status status;  /* status of the tick so far, after the stages that have run, which the
-                           supervisor reads */
-    uint16_t sensors;   /* number of sensor readings that the later stages of the control tick need:
-                           the length of `readings` */
+    pzs_status status;  /* status of the tick after the stages that have run so far; the supervisor
+                           reads it */
+    uint16_t sensors;   /* number of sensor readings that the later stages of the control tick need,
+                           which is the length of `readings` */
     int32_t where; /* index of the input, output or reading to which the status of a block (stage of
                       the control tick) refers, or -1; the block writes it */
 } pzs_loop_signals;
@@ -128,8 +131,9 @@ typedef struct pzs_block_type {
     /* Run a block (stage of the control tick) in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
     /*
-     * List the arrays of a table of a block (stage of the control tick) in the order in which their
-     * checksum covers them, so that the loop can verify them while it runs. The function writes the
+     * List the arrays that the checksum of a table covers, in the order of the checksum, so that
+     * the loop can verify the tables of a block (stage of the control tick) while it runs. A block
+     * may have several tables with a checksum; `number` counts them from 0. The function writes the
      * expected checksum to `crc` and returns the number of arrays; 0: the block has no table of
      * this number. A NULL function means that the tables have no checksum.
      */
@@ -152,12 +156,13 @@ typedef struct pzs_block {
 typedef struct pzs_loop_info {
     /*
      * [inputs] the voltages to apply (V), finite and inside the limits, from the last tick without
-     * an error. Two arrays take turns, so that the array to which this pointer points stays
-     * unchanged during the next tick. An interrupt reads it through pzs_loop_voltages.
+     * an error. The loop fills two arrays in turn, so that the array to which this pointer points
+     * stays unchanged during the next tick. An interrupt reads the voltages through
+     * pzs_loop_voltages.
      */
     const pzs_real *volatile voltage;
-    volatile uint32_t frames; /* number of times that the loop has given out new voltages, by
-                                 pointing its member `voltage` at an array that a tick has filled */
+    volatile uint32_t frames; /* number of ticks that have given out new voltages, that is, have
+                                 pointed the member `voltage` at another array */
     const pzs_real *measured; /* [outputs] measured shape that the last tick used (m); NULL: it used
                                  none */
     const uint8_t *electrode; /* [inputs] state of each electrode after the last tick, a value of
@@ -228,9 +233,8 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
  * Inform a control loop of missed ticks, during which the amplifiers kept the present voltages. To
  * be called before the next tick, so that the loop knows how old the last readings and voltages
  * are. Several calls add up, to at most PZS_MISSED_LIMIT ticks, because after so many the phase of
- * a vibration is unknown. A loop that is not informed stays inside all limits and settles later:
- * `pzs check` simulates fast jumps of the target with 5 % of the ticks missed in that way. Errors:
- * PZS_E_ARGUMENT, PZS_E_STAGE.
+ * a vibration is unknown. A loop that is not informed stays inside all limits, but takes longer to
+ * reach the target. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
@@ -301,9 +305,9 @@ extern const pzs_block_type pzs_step_block;
  * tables from the loads and faults that it expects. All arrays are const and may stay in flash.
  */
 typedef struct pzs_estimator {
-    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which `pzs tables` generated the tables, equal to that in the
-                               controller's tables (pzs_problem) */
+    uint32_t format, scene; /* format: format number of the estimator's tables; scene: hash of the
+                               scene file from which `pzs tables` generated them, equal to the hash
+                               in the controller's tables (pzs_problem) */
     uint32_t crc; /* checksum of the shape estimator's tables and their arrays, computed by
                      pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
@@ -368,9 +372,10 @@ extern const pzs_block_type pzs_estimator_block;
  * arrays are const and may stay in flash.
  */
 typedef struct pzs_reading_delay {
-    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which `pzs tables` generated the tables, equal to that in the
-                               controller's tables (pzs_problem) */
+    uint32_t format, scene; /* format: format number of the tables of the correction of late
+                               readings; scene: hash of the scene file from which `pzs tables`
+                               generated them, equal to the hash in the controller's tables
+                               (pzs_problem) */
     uint32_t crc; /* checksum of the tables of the correction of late readings and their arrays,
                      computed by pzs_reading_delay_seal */
     uint16_t inputs, sensors;
@@ -507,9 +512,9 @@ typedef enum pzs_supervisor_event {
 
 /* Tables of the supervisor. All arrays are const and may stay in flash. */
 typedef struct pzs_supervision {
-    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which `pzs tables` generated the tables, equal to that in the
-                               controller's tables (pzs_problem) */
+    uint32_t format, scene; /* format: format number of the supervisor's tables; scene: hash of the
+                               scene file from which `pzs tables` generated them, equal to the hash
+                               in the controller's tables (pzs_problem) */
     uint32_t crc;           /* checksum of the supervisor's tables and their arrays, computed by
                                pzs_supervision_seal */
     uint16_t inputs;
@@ -520,17 +525,18 @@ typedef struct pzs_supervision {
     uint16_t timeout;
     uint16_t ramp_ticks;  /* shortest duration of a ramp of the voltages when the loop does not
                              control them (ticks), at least 1; step limits may make a ramp longer */
-    uint16_t alarm_ticks; /* value at which the supervisor gives an alarm, of a counter that a tick
-                             with an implausible measured shape raises by one and any other tick
-                             lowers by two */
+    uint16_t alarm_ticks; /* alarm threshold of the counter of implausible shapes: a tick with an
+                             implausible measured shape raises this counter by one, any other tick
+                             lowers it by two; the supervisor gives an alarm at this value */
     uint16_t waits;       /* 1: the loop begins to control the voltages only after the command
                              PZS_COMMAND_ARM; 0: it begins without a command */
-    const pzs_real *park; /* [inputs] park voltages, safe voltages to which the voltages ramp when
-                             control ends, inside the limits of all voltages and of all their sums
-                             (V) */
-    pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
-                        predicted shape decays in each tick after a target change */
-    pzs_real noise;  /* RMS noise of the measured shape (m) */
+    const pzs_real *park; /* [inputs] park voltages: safe voltages to which the loop ramps when
+                             control ends (V); they obey the limits of all voltages and of all sums
+                             of voltages */
+    pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation (measured minus
+                        predicted shape) decays in each tick after a target change */
+    pzs_real noise;  /* expected RMS noise of the measured shape (m), from which the divergence
+                        monitor computes the deviation that it tolerates */
     pzs_real load;   /* RMS change of the shape that the largest expected sudden load causes (m) */
 } pzs_supervision;
 
@@ -543,16 +549,16 @@ pzs_status pzs_supervision_seal(pzs_supervision *tables);
 /* Results of the supervisor that a program may read. */
 typedef struct pzs_supervisor_info {
     pzs_supervisor_mode mode;
-    pzs_supervisor_event cause; /* event for which the supervisor has ended control; valid in
+    pzs_supervisor_event cause; /* event that made the supervisor end control; valid in
                                    PZS_MODE_STOPPING and PZS_MODE_LATCHED */
     uint32_t remaining; /* number of ticks until the end of the present ramp of the voltages to safe
                            ones or to reference voltages; 0: no ramp */
-    pzs_real amplitude; /* amplitude by which the measured shape deviates from the shape that the
-                           model predicts, as the divergence monitor of the supervisor computes it
-                           (m) */
-    pzs_real threshold; /* amplitude of the deviation of the measured shape from the model above
-                           which the divergence monitor of the supervisor counts a tick as
-                           implausible (m) */
+    pzs_real amplitude; /* amplitude (m) by which the measured shape deviates from the shape that
+                           the model predicts; the divergence monitor of the supervisor compares it
+                           with `threshold` */
+    pzs_real threshold; /* amplitude of the deviation (measured minus predicted shape) above which
+                           the divergence monitor of the supervisor counts a tick as implausible (m)
+                         */
 } pzs_supervisor_info;
 
 typedef struct pzs_supervisor {
@@ -607,9 +613,9 @@ extern const pzs_block_type pzs_supervisor_block;
  * m moves the outputs by 1 m RMS. All arrays are const and may stay in flash.
  */
 typedef struct pzs_vibration {
-    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which `pzs tables` generated the tables, equal to that in the
-                               controller's tables (pzs_problem) */
+    uint32_t format, scene; /* format: format number of the vibration damper's tables; scene: hash
+                               of the scene file from which `pzs tables` generated them, equal to
+                               the hash in the controller's tables (pzs_problem) */
     uint32_t crc; /* checksum of the vibration damper's tables and their arrays, computed by
                      pzs_vibration_seal */
     uint16_t inputs, outputs, sensors, modes;
@@ -621,12 +627,13 @@ typedef struct pzs_vibration {
                                 outputs */
     const pzs_real *direct;  /* [sensors][inputs] static reading of each sensor per volt on each
                                 input; NULL: the sensors are the outputs */
-    const pzs_real *gain;    /* [outputs][sensors] shape (m) per residual of a reading (unit of the
-                                sensor), the part of its deviation from the prediction that the
-                                vibration modes do not explain; NULL: the sensors are the outputs */
-    const pzs_real *precision; /* [sensors] inverse variance of the noise of each sensor, relative
-                                  to the noise for which the observer was designed (1); NULL: all 1
-                                */
+    const pzs_real *gain; /* [outputs][sensors] gain of the estimator of the static shape: change of
+                             the shape (m) per residual of a reading (unit of the sensor); the
+                             residual is the part of the deviation from the predicted reading that
+                             vibration modes do not explain; NULL: the sensors are the outputs */
+    const pzs_real *precision; /* [sensors] weight of each sensor in the observer: inverse variance
+                                  of its noise, relative to the noise for which the observer was
+                                  designed (1); NULL: all 1 */
     const pzs_real *modal; /* [modes][inputs] static coordinate of each vibration mode per volt on
                               each input (m/V) */
     /*
@@ -639,19 +646,21 @@ typedef struct pzs_vibration {
                                  vibration modes: modal coordinate, modal velocity divided by
                                  angular frequency, and static modal coordinate under loads */
     const pzs_real *explain; /* [modes][modes] inverse of the normal matrix of the least-squares fit
-                                of vibration-mode coordinates to sensor readings */
-    const pzs_real *damping; /* [modes][inputs] damping gradient for each input per deviation of a
-                                vibration mode from static equilibrium (m/V): a tick that damps
-                                vibration subtracts it from half the gradient of its objective */
+                                that determines the coordinates of the vibration modes from sensor
+                                readings */
+    const pzs_real *damping; /* [modes][inputs] damping gradient of each input per deviation of a
+                                vibration mode from static equilibrium (m/V). A tick that damps
+                                vibration subtracts the damping gradient from half the gradient of
+                                its objective */
     const pzs_real *inverse_angle; /* [modes] 1 / (angular frequency of each vibration mode times
                                       the duration of a tick) (1) */
     pzs_real share; /* factor, above 0 and at most 1, by which a tick that damps vibration
                        multiplies the gradient of its objective: the smaller, the more slowly the
                        voltages approach the static optimum */
     /*
-     * weight (0 to 1) of the first of two estimates of the deviation of a vibration mode from
-     * static equilibrium; the second has the remaining weight. The first is computed from the
-     * change of the modal velocity in a tick, the second from the modal coordinate
+     * weight (0 to 1) of the first of two estimates in their weighted mean. Each estimates how far
+     * a vibration mode deviates from static equilibrium: the first from the change of the modal
+     * velocity in a tick, the second from the modal coordinate
      */
     pzs_real mix;
     pzs_real slow; /* gain (0 to 1) of the low-pass filter of the residual readings, the part of the
@@ -679,10 +688,10 @@ typedef struct pzs_damper_info {
      */
     pzs_real deviation;
     pzs_real innovation; /* RMS over the sensors of reading minus predicted reading in the last tick
-                            (m), 0 where no reading was usable. Where parts of the target shape are
-                            free (may take any size, such as a rigid motion), every target node is
-                            measured and the observer estimates vibration modes, only the part
-                            of these modes */
+                            (m), 0 where no reading was usable. If every target node is measured,
+                            the observer estimates vibration modes, and parts of the target shape
+                            are free (may take any size, such as a rigid motion), only the part of
+                            these modes counts */
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
 } pzs_damper_info;
@@ -754,10 +763,12 @@ extern const pzs_block_type pzs_vibration_block;
  * the vibration damper.
  */
 typedef struct pzs_governor {
-    pzs_real share; /* factor by which a tick that damps vibration multiplies the gradient of its
-                       objective, equal to pzs_vibration.share */
-    pzs_real part;  /* largest change of a voltage per tick to which the governor slows the target
-                       down, relative to the step limit of the input, above 0 and at most 1 */
+    pzs_real share; /* factor, above 0 and at most 1, by which a tick that damps vibration
+                       multiplies the gradient of its objective, so that the voltages approach the
+                       optimum slowly; equal to pzs_vibration.share */
+    pzs_real part; /* limit of the speed at which the governor moves the target: largest change of a
+                      voltage in a tick, divided by the step limit of the input, above 0 and at most
+                      1 */
 } pzs_governor;
 
 /*
@@ -766,12 +777,12 @@ typedef struct pzs_governor {
  */
 typedef struct pzs_governor_state {
     const pzs_governor *tables;
-    pzs_control *control; /* controller of the loop, which computes the voltages of each tick; the
-                             governor (which slows targets down) asks it which inputs pzs_hold keeps
-                             at a fixed voltage */
+    pzs_control *control; /* controller of the loop, which computes the voltages of each tick; from
+                             it the governor (which slows targets down) learns which voltages
+                             pzs_hold keeps constant */
     /*
-     * second controller, which finds for the governor (which slows targets down) the voltages that
-     * are optimal for the target in static equilibrium
+     * second controller, in which the governor (which slows targets down) computes the voltages
+     * that are optimal for the target in static equilibrium
      */
     pzs_control optimum;
     /*
@@ -780,9 +791,9 @@ typedef struct pzs_governor_state {
      */
     pzs_real *reference;
     /*
-     * [inputs] voltages whose shape the governor (which slows targets down) subtracts from the
-     * target (V): optimal voltages, minus `reference`, minus the change of `reference` in this tick
-     * divided by pzs_governor.share
+     * [inputs] voltages (V) whose predicted shape the governor (which slows targets down) subtracts
+     * from the target: optimal voltages, minus `reference`, minus the change of `reference` in this
+     * tick divided by pzs_governor.share
      */
     pzs_real *ahead;
     pzs_real *target; /* [outputs] target shape for which the voltages that are optimal in static
@@ -812,9 +823,9 @@ extern const pzs_block_type pzs_governor_block;
  * const and may stay in flash.
  */
 typedef struct pzs_feed_forward_table {
-    uint32_t format, scene; /* format: format number of the table; scene: hash of the scene file
-                               from which `pzs tables` generated the table, which the caller
-                               compares with that in its other tables */
+    uint32_t format, scene; /* format: format number of the feed-forward table; scene: hash of the
+                               scene file from which `pzs tables` generated it, to be compared with
+                               the hash in other tables */
     uint32_t crc;           /* checksum of the feed-forward table and its array, computed by
                                pzs_feed_forward_seal */
     uint16_t inputs, outputs;
@@ -848,8 +859,8 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
                             pzs_real *shape);
 
 /*
- * Tables of the stage of the control tick that compensates known loads: one table for each signal
- * from which their effect is subtracted.
+ * Tables of the stage of the control tick that compensates known loads: one table with the effect
+ * of the loads on the shape, and one with their effect on the sensor readings.
  */
 typedef struct pzs_known_loads {
     const pzs_feed_forward_table *shape;    /* [outputs][loads] change of the shape (m) per unit of
@@ -890,15 +901,15 @@ extern const pzs_block_type pzs_feed_forward_block;
 /* Largest number of creep terms in the hysteresis model of an electrode. */
 #define PZS_CREEP_LIMIT 8u
 /*
- * Smallest slope of the piecewise linear part of the effect of an electrode, which is the voltage
- * that would act alike without hysteresis (1).
+ * Smallest allowed slope of the piecewise linear part of the effect of an electrode (1). The effect
+ * is the voltage that an electrode without hysteresis would need for the same displacement.
  */
 #define PZS_LEAST_SLOPE PZS_R(0.001)
 
 typedef struct pzs_hysteresis {
-    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which `pzs tables` generated the tables, equal to that in the
-                               controller's tables (pzs_problem) */
+    uint32_t format, scene; /* format: format number of the hysteresis tables; scene: hash of the
+                               scene file from which `pzs tables` generated them, equal to the hash
+                               in the controller's tables (pzs_problem) */
     uint32_t crc;           /* checksum of the hysteresis tables and their arrays, computed by
                                pzs_hysteresis_seal */
     uint16_t inputs;
@@ -907,10 +918,11 @@ typedef struct pzs_hysteresis {
     uint16_t plays, creeps;
     const pzs_real *middle;     /* [parameter sets: 1 or inputs] middle of the voltage range (V) */
     const pzs_real *half_range; /* [parameter sets: 1 or inputs] half of the voltage range (V) */
-    const pzs_real *offset; /* [parameter sets: 1 or inputs] effect of an electrode (voltage that
-                               would cause its strain without hysteresis) in the middle of its
-                               voltage range while its plays (elements with backlash) and creep
-                               terms are at 0 (V) */
+    const pzs_real *offset;     /* [parameter sets: 1 or inputs] constant part of the effect of an
+                                   electrode (V): the effect in the middle of the voltage range while
+                                   the plays (elements with backlash) and creep terms are at 0. The
+                                   effect is the voltage that would cause the strain without hysteresis
+                                 */
     /*
      * [parameter sets: 1 or inputs][4] slopes of the piecewise linear part of an electrode's effect
      * (voltage without hysteresis), from the lowest quarter of the voltage range to the highest, at
@@ -920,16 +932,18 @@ typedef struct pzs_hysteresis {
     const pzs_real *slack; /* [parameter sets: 1 or inputs][plays] slack of each play (element with
                               backlash that models hysteresis) of an electrode: half the width of
                               its backlash, above 0 and ascending (V) */
-    const pzs_real *above; /* [parameter sets: 1 or inputs][plays] weight of the position of each
-                              play (element with backlash) in the effect of an electrode (voltage
-                              without hysteresis) while the position is positive, at least 0 (1) */
-    const pzs_real *below; /* [parameter sets: 1 or inputs][plays] weight of the position of each
-                              play (element with backlash) in the effect of an electrode (voltage
-                              without hysteresis) while the position is negative, at least 0 (1) */
-    const pzs_real *creep; /* [parameter sets: 1 or inputs][creeps] value that each creep term of an
-                              electrode reaches in the end, per volt on the electrode, at least 0
-                              (1); creep terms add to the effect of the electrode (voltage that
-                              would cause its strain without hysteresis) */
+    const pzs_real *above; /* [parameter sets: 1 or inputs][plays] weight of each play (element with
+                              backlash) while its position is positive, at least 0 (1): the weight
+                              times the position is added to the effect of the electrode (voltage
+                              without hysteresis) */
+    const pzs_real *below; /* [parameter sets: 1 or inputs][plays] weight of each play (element with
+                              backlash) while its position is negative, at least 0 (1): the weight
+                              times the position is added to the effect of the electrode (voltage
+                              without hysteresis) */
+    const pzs_real *creep; /* [parameter sets: 1 or inputs][creeps] final value of each creep term
+                              per volt on the electrode, at least 0 (1); creep terms add to the
+                              effect of the electrode (voltage that would cause its strain without
+                              hysteresis) */
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
     /*
@@ -939,25 +953,26 @@ typedef struct pzs_hysteresis {
      * inverse of such a model is more robust. The identified arrays are NULL where both models are
      * equal.
      */
-    const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] effect of an electrode
-                                          (voltage without hysteresis) in the middle of its voltage
-                                          range, by the hysteresis model as it was measured (V) */
+    const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
+                                          constant part of the effect of an electrode (V): the
+                                          effect (voltage without hysteresis) in the middle of the
+                                          voltage range */
     /*
-     * [parameter sets: 1 or inputs][4] slopes, in the four quarters of the voltage range, of the
-     * effect of an electrode (voltage without hysteresis) apart from plays and creep, in the
-     * hysteresis model as it was measured (1)
+     * [parameter sets: 1 or inputs][4] measured hysteresis model, slopes of the piecewise linear
+     * part of the effect of an electrode (voltage without hysteresis) in the four quarters of the
+     * voltage range (1)
      */
     const pzs_real *identified_slope;
-    const pzs_real *identified_above; /* [parameter sets: 1 or inputs][plays] weight of the position
-                                         of each play (element with backlash) in the effect of an
-                                         electrode (voltage without hysteresis) while the position
-                                         is positive, in the hysteresis model as it was measured (1)
-                                       */
-    const pzs_real *identified_below; /* [parameter sets: 1 or inputs][plays] weight of the position
-                                         of each play (element with backlash) in the effect of an
-                                         electrode (voltage without hysteresis) while the position
-                                         is negative, in the hysteresis model as it was measured (1)
-                                       */
+    const pzs_real *identified_above; /* [parameter sets: 1 or inputs][plays] measured hysteresis
+                                         model, weight of each play (element with backlash) while
+                                         its position is positive (1): the weight times the position
+                                         is added to the effect of the electrode (voltage without
+                                         hysteresis) */
+    const pzs_real *identified_below; /* [parameter sets: 1 or inputs][plays] measured hysteresis
+                                         model, weight of each play (element with backlash) while
+                                         its position is negative (1): the weight times the position
+                                         is added to the effect of the electrode (voltage without
+                                         hysteresis) */
 } pzs_hysteresis;
 
 /*
@@ -1085,7 +1100,9 @@ typedef struct pzs_fault_detector_info {
     int32_t where;  /* index of the input to which the last status of the fault detector refers, or
                        -1 */
     uint16_t found; /* number of faulty electrodes detected since the initialisation */
-    uint16_t unobservable; /* number of electrodes whose faults cannot be observed */
+    uint16_t unobservable; /* number of electrodes that the fault detector cannot test, because the
+                              shape does not depend on their voltages or other electrodes have the
+                              same effects */
 } pzs_fault_detector_info;
 
 typedef struct pzs_fault_detector {
@@ -1186,8 +1203,8 @@ typedef enum pzs_wiring_state {
                         gain of all amplifiers by more than the tolerance in the tables; or the mean
                         gain is below 0.15 or above 2, and all responding amplifiers have this state
                       */
-    PZS_WIRING_UNKNOWN, /* self-test finding: the measured response resembles the response expected
-                           of no amplifier (or of no sensor) */
+    PZS_WIRING_UNKNOWN, /* self-test finding: the measured response of the amplifier (or sensor)
+                           resembles the modelled response of no amplifier (or of no sensor) */
     PZS_WIRING_NOISY    /* self-test finding: the noise of the sensor exceeds the value in
                            pzs_selftest_tables.noise */
 } pzs_wiring_state;
@@ -1213,9 +1230,9 @@ typedef struct pzs_wiring {
 
 /* Tables of the self-test. All arrays are const and may stay in flash. */
 typedef struct pzs_selftest_tables {
-    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
-                               from which `pzs tables` generated the tables, equal to that in the
-                               controller's tables (pzs_problem) */
+    uint32_t format, scene; /* format: format number of the self-test's tables; scene: hash of the
+                               scene file from which `pzs tables` generated them, equal to the hash
+                               in the controller's tables (pzs_problem) */
     uint32_t crc;           /* checksum of the self-test's tables and their arrays, computed by
                                pzs_selftest_seal */
     uint16_t inputs, sensors;
@@ -1240,18 +1257,18 @@ typedef struct pzs_selftest_tables {
 #define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse of the self-test (ticks) */
 
 /*
- * The self-test examines an amplifier or a sensor only if the model lets expect a clear response:
- * the sum of the squares of the expected response must exceed PZS_SELFTEST_JUDGED times the sum of
- * squares that noise and vibration cause. The response of an amplifier has an entry for each
- * sensor, that of a sensor an entry for each amplifier.
+ * Threshold above which the self-test examines an amplifier or a sensor: sum of the squares of the
+ * response that the model predicts, divided by the sum of squares that noise and vibration cause
+ * (1). The response of an amplifier has an entry for each sensor, that of a sensor an entry for
+ * each amplifier.
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Energy of the response that white noise of a sensor causes in the self-test, divided by the
- * variance of the noise, and multiplied by the number of ticks of a test pulse and by the squared
- * height of the pulse (1). The response is the sum of the readings times weights, one set symmetric
- * in time and one antisymmetric; this number is the sum of the squared weights, divided by the
- * squared sum of the pulse times the symmetric weights.
+ * Normalised energy of the response that white noise of a sensor causes in the self-test (1). The
+ * response is the sum of the readings times weights, one set symmetric in time and one
+ * antisymmetric. Its energy is divided by the variance of the noise, and multiplied by the number
+ * of ticks of a test pulse and by the squared height of the pulse. The value is the sum of the
+ * squared weights, divided by the squared sum of the pulse times the symmetric weights.
  */
 #define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
 
@@ -1262,18 +1279,19 @@ typedef struct pzs_selftest_tables {
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 
 /*
- * Work that a tick of the self-test's evaluation does before it ends: number of compared entries of
- * the measured responses, plus PZS_SELFTEST_STEP_WORK for each comparison of the response of one
- * amplifier or sensor. The last comparison of a tick may exceed this work by the larger of the
- * numbers of inputs and sensors, plus PZS_SELFTEST_STEP_WORK.
+ * Work that a tick of the self-test's evaluation does before it ends. The unit of work is one
+ * compared entry of the measured responses; the comparison of the response of one amplifier or
+ * sensor counts PZS_SELFTEST_STEP_WORK more. The last comparison of a tick may exceed this work by
+ * the larger of the numbers of inputs and sensors, plus PZS_SELFTEST_STEP_WORK.
  */
 #define PZS_SELFTEST_WORK 768u
 #define PZS_SELFTEST_STEP_WORK 16u
 
 /*
- * Largest work of the whole evaluation of a self-test, in which each amplifier and each sensor has
- * a fault: number of compared entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for
- * each comparison of the response of one amplifier or sensor.
+ * PZS_SELFTEST_EVALUATION_WORK: work of the whole evaluation of a self-test if every amplifier and
+ * every sensor has a fault, the worst case. The unit of work is one compared entry of the measured
+ * responses; the comparison of the response of one amplifier or sensor counts
+ * PZS_SELFTEST_STEP_WORK more.
  */
 #define PZS_SELFTEST_LINES(inputs, sensors) ((uint64_t)(inputs) + (uint64_t)(sensors))
 #define PZS_SELFTEST_STAGE_WORK(inputs, sensors)                                                   \
@@ -1285,10 +1303,10 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
          (PZS_SELFTEST_LINES(inputs, sensors) + PZS_SELFTEST_STEP_WORK))
 
 /*
- * Largest number of ticks of a self-test: two pulse durations in which all amplifiers move
- * together, two pulse durations without motion, in which noise and vibration are measured, one
- * pulse for each input, and the evaluation, which takes about a third of its share of ticks where
- * no fault is found. A tick of a pulse takes 8 operations for each sensor and input.
+ * Largest number of ticks of a self-test. All amplifiers move together for two pulse durations.
+ * Noise and vibration are then measured for two pulse durations without motion. One pulse for each
+ * input follows, and last the evaluation, which takes about a third of its share of ticks where no
+ * fault is found. A tick of a pulse takes 8 operations for each sensor and input.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
     (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) + 4u +                \
@@ -1311,11 +1329,11 @@ typedef struct pzs_selftest_info {
     pzs_selftest_verdict verdict;
     const pzs_wiring *amplifier; /* [inputs] finding of the self-test about each amplifier */
     const pzs_wiring *sensor;    /* [sensors] finding of the self-test about each sensor */
-    uint32_t remaining; /* largest number of ticks until the end of the self-test; 0: it has ended
-                         */
+    uint32_t remaining; /* largest number of ticks that the self-test may still take; 0: it has
+                           ended */
     uint32_t work;      /* work of the self-test's evaluation in the last tick: number of compared
                            entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for each
-                           comparison */
+                           comparison of two responses */
     uint16_t findings;  /* number of amplifiers and sensors with a fault: pzs_wiring.state is
                            PZS_WIRING_SILENT or larger */
     pzs_real gain; /* mean gain of the amplifiers that respond: measured response divided by the
@@ -1401,7 +1419,9 @@ extern const pzs_block_type pzs_selftest_block;
  * readings. Fewer sensors than electrodes cannot tell all electrodes apart: several electrodes are
  * then tested one after the other until the faulty one is found.
  */
-#define PZS_PULSE_SENSORS 4u /* smallest number of sensors with which a fault can be proved */
+#define PZS_PULSE_SENSORS                                                                          \
+    4u /* smallest number of sensors with which the fault detector can prove that an electrode is  \
+          faulty */
 
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
@@ -1417,12 +1437,12 @@ typedef struct pzs_pulse_detector_info {
     const uint8_t *fault; /* [inputs] fault of each electrode, a value of pzs_electrode_fault; the
                              readings show whether a faulty electrode is at 0 V (dead) or at another
                              voltage (stuck) */
-    pzs_real gain;  /* gain of the electrode suspected of a fault: its response to the last test
-                       pulse divided by the response of the model (1) */
-    int32_t where;  /* index of the input to which the last status of the fault detector refers, or
-                       -1 */
-    uint16_t found; /* number of faulty electrodes detected since the initialisation */
-    uint16_t tests; /* number of electrodes that were suspected since the initialisation */
+    pzs_real gain; /* gain of the electrode suspected of a fault: measured response to the last test
+                      pulse divided by the modelled response (1) */
+    int32_t where; /* index of the input to which the last status of the fault detector refers, or
+                      -1 */
+    uint16_t found;        /* number of faulty electrodes detected since the initialisation */
+    uint16_t tests;        /* number of electrodes that were suspected since the initialisation */
     uint16_t unobservable; /* number of electrodes whose faults cannot be found: they have no test
                               pulse, or the sensors cannot tell them from other electrodes */
 } pzs_pulse_detector_info;
