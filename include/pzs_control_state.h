@@ -107,10 +107,13 @@ typedef struct pzs_optimiser {
     pzs_exchange *exchange; /* [pending_most] pivot exchanges that are collected but not yet applied
                                to the tableau (pivoted Hessian); their rank-one updates are in the
                                array `pending` */
-    pzs_real *waiting; /* [width >= inputs] while the tableau (pivoted Hessian) is recomputed, 1 for
-                          an input whose voltage is to become free again; in iterations of the dual
-                          active-set method, 1 for an input that is ignored because only rounding
-                          errors move its voltage out of its bounds; else 0 */
+    /*
+     * [width >= inputs] marks of inputs, 1 or 0. While the tableau (pivoted Hessian) is recomputed:
+     * 1 for an input whose voltage is to become free again. In iterations of the dual active-set
+     * method: 1 for an input that is ignored, because only rounding errors move its voltage out of
+     * its bounds
+     */
+    pzs_real *waiting;
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] Cholesky factor of the inverse of the Hessian
                           restricted to the inputs whose voltages are at a bound, lower triangle row
                           by row; the dual active-set method uses it */
@@ -157,14 +160,16 @@ typedef struct pzs_optimiser {
                           is known, differences between the voltages after a full step and the
                           voltages `base`, around which the gradient is computed (V) */
     pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs whose
-                               voltages are free (V2/m2); 0: not computed */
-    pzs_real inverse_trace_bound; /* upper bound, from the regularisation weight, of the trace of
-                                     the inverse of the Hessian restricted to the inputs whose
-                                     voltages are free (V2/m2); 0: there is none */
+                               voltages are free (V2/m2), which tells how much an error of the
+                               gradient raises the objective; 0: not computed */
+    pzs_real inverse_trace_bound; /* upper bound (V2/m2), from the regularisation weight, of
+                                     `inverse_trace`, the trace of the inverse of the Hessian
+                                     restricted to the inputs whose voltages are free; 0: there is
+                                     none */
     /*
-     * threshold of linear dependence: an input whose pivot, divided by its diagonal entry of the
-     * Hessian, is below this number counts as a combination of the inputs whose voltages are free
-     * (1)
+     * threshold of linear dependence (1): an input counts as a combination of the inputs whose
+     * voltages are free if its pivot, divided by its diagonal entry of the Hessian, is below this
+     * number
      */
     pzs_real pivot_floor;
     pzs_real pivot_rounding; /* estimated rounding error of the pivots that belong to limits of sums
@@ -176,22 +181,23 @@ typedef struct pzs_optimiser {
     pzs_real model_rounding;  /* rounding-error bound of the entries of model_gradient, the part of
                                  half the gradient of the objective that depends on the voltages
                                  (m2/V) */
-    pzs_real start_rounding;  /* rounding-error bound of the gradient at the start of the present
-                                 round, a sequence of iterations of the optimiser (m2/V) */
+    pzs_real start_rounding;  /* rounding-error bound of each entry of start_gradient, half the
+                                 gradient of the objective at the start of the present round, a
+                                 sequence of iterations of the optimiser (m2/V) */
     pzs_real target_rounding; /* rounding-error bound of target_gradient, the part of half the
                                  gradient of the objective that depends on the target shape (m2/V)
                                */
-    pzs_real target_energy;   /* weighted squared norm of the target error (target shape minus the
-                                 shape without voltages), with which rounding errors of the
-                                 objective are compared (m2) */
+    pzs_real target_energy;   /* scale of the objective, with which its rounding errors are compared
+                                 (m2): weighted squared norm of the target shape minus the shape
+                                 without voltages */
     /*
-     * largest violation of the optimality (KKT) conditions by an input (m2/V); after an iteration
-     * that only predicted the gradient from the tableau (pivoted Hessian): sum of the prediction
-     * errors of two inputs, whose gradients are also computed exactly
+     * largest violation of the optimality (KKT) conditions by an input (m2/V). An iteration that
+     * only predicts the gradient from the tableau (pivoted Hessian) stores another number instead:
+     * the sum of the prediction errors of two inputs, whose gradients are also computed exactly
      */
     pzs_real kkt_violation;
-    pzs_real rounding_bound; /* bound below which rounding errors explain a violation of the
-                                optimality (KKT) conditions (m2/V) */
+    pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)
+                                conditions: a smaller violation counts as zero (m2/V) */
     uint32_t active_count;   /* number of inputs in the active set, whose voltages are kept constant
                               */
     uint32_t active_most;  /* largest number of inputs that the dual active-set method may keep at a
@@ -215,44 +221,55 @@ typedef struct pzs_optimiser {
     bool is_predicted;  /* whether model_gradient, the part of the gradient that depends on the
                            voltages, was predicted by the tableau (pivoted Hessian) and not computed
                            from the Hessian */
-    bool is_cut; /* whether the optimiser stopped at its largest number of multiply-adds before the
-                    optimum in the last tick */
+    bool is_cut;        /* whether the optimiser, in the last tick, reached its largest number of
+                           multiply-adds before the optimum */
     bool is_fresh; /* whether the tableau (pivoted Hessian) was computed anew from the Hessian after
                       the optimiser last found an optimum */
     bool is_verified; /* whether the optimiser has found an optimum with the present tableau
-                         (pivoted Hessian) */
+                         (pivoted Hessian), so that the next tick may predict most of the gradient
+                         from the tableau */
     bool is_dual; /* whether the optimiser uses the dual active-set method, for which the tableau
                      (pivoted Hessian) stays the negative inverse of the whole Hessian */
     bool is_optimal;
 } pzs_optimiser;
 
 /*
- * Optimiser for voltages of which weighted sums are limited, too (`rows` limits of sums). Each
- * vector has one entry for each input, followed by one for each limited sum, and is padded to the
- * length `width`.
+ * Optimiser for a problem that limits not only the voltages but also weighted sums of voltages.
+ * Each vector has one entry for each input, followed by one for each of the `rows` limited sums,
+ * and is padded to the length `width`.
  */
 typedef struct pzs_row_solver {
     pzs_optimiser extended; /* state of the active-set optimiser, in whose matrices and vectors the
                                entries of the limited sums of voltages follow those of the inputs */
-    pzs_real *scale;  /* [width >= inputs + rows] for a limited sum of voltages, the reciprocal of
-                         its largest absolute coefficient: the optimiser multiplies the sum by this
-                         number; for an input, the sign (1 or -1) that its voltage keeps while sums
-                         of absolute values are treated as sums of voltages with these signs */
-    pzs_real *margin; /* [width >= inputs + rows] for a limited sum of voltages, the distance by
-                         which the optimiser narrows its limits, so that the sum is inside them
-                         despite rounding errors; for an input, the largest of the distances of
-                         all limited sums (V) */
-    pzs_real gap; /* duality gap: upper bound of the distance of half the optimiser's objective from
-                     its minimum (m2) */
-    pzs_real last_gap; /* duality gap (upper bound of the distance of half the objective from its
-                          minimum) at the start of the optimiser's last round of iterations, if that
-                          round lowered the objective by no more than its rounding error; else
-                          infinity (m2) */
-    pzs_real least_curvature; /* size of the shift that the optimiser may add to the diagonal of the
-                                 Hessian: smallest diagonal entry after the shift, relative to the
-                                 largest one (1); 0: no shift */
-    pzs_real least_rounding;  /* rounding-error bound of the violation of the optimality (KKT)
-                                 conditions at the start of the tick (m2/V); 0: not yet computed */
+    /*
+     * [width >= inputs + rows] factors of the voltages and of their limited sums. For a limited
+     * sum: the reciprocal of its largest absolute coefficient, by which the optimiser multiplies
+     * the sum. For an input: the sign (1 or -1) that its voltage keeps, so that a sum of absolute
+     * values becomes a sum of voltages with these signs
+     */
+    pzs_real *scale;
+    /*
+     * [width >= inputs + rows] safety margin against rounding errors (V). For a limited sum of
+     * voltages: the distance by which the optimiser narrows its limits. For an input: the largest
+     * of these distances of all limited sums
+     */
+    pzs_real *margin;
+    pzs_real gap; /* duality gap: upper bound of how far half the optimiser's objective is above its
+                     minimum (m2) */
+    /*
+     * duality gap at the start of the optimiser's last round of iterations, if this round lowered
+     * the objective by no more than its rounding error; else infinity (m2). The gap is an upper
+     * bound of how far half the objective is above its minimum
+     */
+    pzs_real last_gap;
+    /*
+     * relative shift of the diagonal of the Hessian (1), with which the optimiser makes a nearly
+     * singular Hessian regular: regularisation weight plus the number added to each diagonal entry,
+     * divided by the largest diagonal entry; 0: no shift
+     */
+    pzs_real least_curvature;
+    pzs_real least_rounding; /* rounding-error bound of a violation of the optimality (KKT)
+                                conditions at the start of the tick (m2/V); 0: not yet computed */
     uint32_t failures; /* number of rounds (sequences of iterations of the optimiser) in this tick
                           that did not lower the objective */
 } pzs_row_solver;
@@ -289,10 +306,10 @@ typedef struct pzs_scrub {
  */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
-    PZS_BEHIND_PREDICTION, /* the shape that the controller predicts for its voltages,
-                              info.predicted, is out of date */
-    PZS_BEHIND_GRADIENT /* the shape that the controller predicts for its voltages, info.predicted,
-                           and the gradient of its optimiser are out of date */
+    PZS_BEHIND_PREDICTION, /* out of date is info.predicted, the shape that the controller predicts
+                              for its voltages */
+    PZS_BEHIND_GRADIENT    /* out of date are info.predicted, the shape that the controller predicts
+                              for its voltages, and the gradient of its optimiser */
 } pzs_control_behind;
 
 typedef struct pzs_control_state {
@@ -313,14 +330,16 @@ typedef struct pzs_control_state {
     pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
     pzs_real *step_limit;  /* [inputs] step limits: largest change of the voltage on each input in
                               one tick (V) */
-    pzs_real *weighted; /* [2][outputs] first row: work array for the squared output weights times
-                           (target shape - expected shape) (m); second row: expected measurements,
-                           the predicted shape plus the last difference between measured and
-                           predicted shape (m) */
-    uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
-                           its output should have moved */
-    uint8_t *faulty;    /* [inputs] 1: the fault detector keeps the voltage of the input constant
-                           because the shape did not respond to it; otherwise 0 */
+    /*
+     * [2][outputs] first row: work array for the squared output weights times the difference
+     * between target shape and expected shape (m). Second row: expected measurements (m), that is,
+     * the predicted shape plus the last difference between measured and predicted shape
+     */
+    pzs_real *weighted;
+    uint8_t *repeats; /* [outputs] number of ticks in which a measurement stayed constant although
+                         its output should have moved */
+    uint8_t *faulty;  /* [inputs] 1: the fault detector keeps the voltage of the input constant
+                         because the shape did not respond to it; otherwise 0 */
     const pzs_real *damping; /* [inputs] damping gradient: term that a tick which also damps
                                 vibration subtracts from half the gradient of its objective, so that
                                 the voltages take energy out of the vibration (m2/V); NULL: no
@@ -330,8 +349,9 @@ typedef struct pzs_control_state {
                         ignored */
     pzs_real share; /* factor, from 0 to 1, by which a tick that also damps vibration multiplies the
                        gradient of the objective */
-    pzs_real base_energy;    /* weighted squared norm of the shape at the voltages in
-                                pzs_optimiser.base, around which the gradient is computed (m2) */
+    pzs_real base_energy;    /* weighted squared norm of the shape that the model predicts for the
+                                voltages pzs_optimiser.base; the scale of the objective is computed
+                                from it (m2) */
     pzs_real largest_column; /* square root of the largest diagonal entry of the Hessian: the
                                 largest weighted norm of a column of the influence matrix (m/V) */
     bool is_paused; /* true while a fault detector measures the response to a test pulse: the ticks
@@ -340,8 +360,8 @@ typedef struct pzs_control_state {
                              than the distance between the voltage limits of its input */
     pzs_control_behind behind;
     uint16_t scrub_row; /* index of the row of the optimiser's Hessian that the next tick compares
-                           with its source, the constant tables, to find and repair damaged memory
-                         */
+                           with the constant tables from which it was computed, to find and repair
+                           damaged memory */
     void *work;         /* workspace (memory of the caller) that was passed to pzs_control_init */
     pzs_row_solver *row_solver; /* optimiser where weighted sums of voltages are limited; NULL: no
                                    sums are limited */
@@ -354,8 +374,8 @@ typedef struct pzs_control_state {
  */
 typedef struct pzs_test_signal {
     uint16_t input;         /* index of the input whose electrode is tested; 0xFFFF: no test */
-    uint8_t shapes, moves;  /* number of measured shapes, and number of voltage changes, since the
-                               fault detector began to test the electrode */
+    uint8_t shapes, moves;  /* shapes: number of measured shapes, and moves: number of voltage
+                               changes, since the test of the electrode began */
     bool is_upper, is_dead; /* is_upper: whether the upper of the two test voltages of an electrode
                                is applied now; is_dead: whether the electrode seems to be at 0 V
                                rather than stuck at another voltage */
@@ -364,10 +384,10 @@ typedef struct pzs_test_signal {
     pzs_real lower, upper;  /* lower and upper voltage limit that an electrode has when the fault
                                detector does not test it (V) */
     pzs_real sum, square, response_sum,
-        response_square; /* sums over the changes of the voltage of the electrode that the fault
-                            detector tests: of the commanded changes and of their squares (sum,
-                            square), of the changes that the measured shape indicates and of their
-                            squares (response_sum, response_square) (V, V2) */
+        response_square; /* sums over the voltage changes of the electrode that the fault detector
+                            tests (V, V2): of the commanded changes (sum) and of their squares
+                            (square), of the changes that the measured shape indicates
+                            (response_sum) and of their squares (response_square) */
 } pzs_test_signal;
 
 /* Largest number of electrodes that the fault detector tests at the same time. */
@@ -384,9 +404,9 @@ typedef struct pzs_fault_detector_state {
     pzs_real *voltage;  /* [delay + 1][inputs] ring buffer with the voltages of the last delay + 1
                            ticks (delay: age of the measured shapes in ticks) (V) */
     pzs_real *voltage_before; /* [inputs] voltages at the time of the previous measured shape (V) */
-    pzs_real *deviation;      /* [inputs] change of each electrode's voltage since the last measured
-                                 shape, estimated from the shape by least squares, minus the
-                                 commanded change (V) */
+    pzs_real *deviation; /* [inputs] unexplained voltage change of each electrode since the last
+                            measured shape (V): the change that a least-squares fit to the shape
+                            indicates, minus the commanded change */
     pzs_real *moved, *response; /* [inputs] exponentially decaying sums over the measured shapes of
                                    squared voltage changes of each electrode: `moved` of the
                                    commanded changes, `response` of the changes that the shape
@@ -413,8 +433,8 @@ typedef struct pzs_fault_detector_state {
                        voltages from the measured shape, relative to the diagonal of the normal
                        matrix (1) */
     uint16_t delay, oldest;
-    bool is_stale; /* whether other outputs are measured than when the matrix of the least-squares
-                      estimate of electrode voltages was factored */
+    bool is_stale; /* whether the matrix of the least-squares estimate of electrode voltages must be
+                      factored anew, because other outputs are measured than before */
     uint8_t stage;
 } pzs_fault_detector_state;
 
@@ -425,48 +445,54 @@ typedef struct pzs_pulse_detector_state {
     const struct pzs_selftest_tables *tables;
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
                                input (unit of each sensor / V) */
-    pzs_envelope columns; /* L D L^T factors of D'S^2 D plus regularisation (1/V2), with the static
-                             readings D per volt and the scales S of the sensors: the matrix of the
-                             least-squares estimate of the voltages that amplifiers gave but that do
-                             not show in the readings */
-    pzs_real *diagonal;   /* [inputs] diagonal of D'S^2 D without regularisation, with the static
-                             readings D per volt and the scales S of the sensors (1/V2) */
+    /*
+     * L D L^T factors of D'S^2 D plus regularisation (1/V2), with the static readings D per volt
+     * and the scales S of the sensors. With this matrix the fault detector estimates, by least
+     * squares, the voltages that amplifiers gave but that do not show in the readings
+     */
+    pzs_envelope columns;
+    /*
+     * [inputs] squared norm of the scaled static readings per volt on each input (1/V2): diagonal
+     * of D'S^2 D, with the static readings D per volt and the scales S of the sensors
+     */
+    pzs_real *diagonal;
     pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present window (interval
                                 in which readings are averaged) or test pulse; after a window its
                                 mean voltages (V) */
     /*
-     * [inputs] sum over the ticks of the present window (interval in which readings are averaged)
-     * or test pulse of the voltage minus that of the first tick, times the weight of the tick in
-     * the mean (V)
+     * [inputs] weighted sum of voltages over the ticks of the present test pulse, or of the present
+     * window (interval in which readings are averaged) (V): voltage minus that of the first tick,
+     * times the weight of the tick in the mean
      */
     pzs_real *voltage;
-    pzs_real *late_voltage; /* [inputs] sum over the present test pulse of the voltages minus those
-                               of its first tick, each times a weight that is antisymmetric in time
-                               about the middle of the pulse (V) */
-    pzs_real *effect; /* [inputs] effects of the voltages of the last tick by the hysteresis model
-                         as it was measured: the voltages that electrodes without hysteresis would
-                         need for the same displacement (V) */
-    pzs_real *cleared_loss; /* [inputs] difference between the voltage given to each electrode and
-                               the voltage that the readings showed, when the fault detector last
-                               suspected the electrode (V) */
-    pzs_real *base_voltage; /* [inputs] mean voltages of an earlier interval in which the target
-                               shape stood still (V) */
-    pzs_real *move; /* [inputs] mean voltages of the last window (interval in which readings are
-                       averaged) minus those of an earlier interval in which the target shape stood
-                       still; while a test pulse is evaluated, work array (V) */
-    pzs_real *loss; /* [inputs] change of the voltage given to each electrode minus the change that
-                       the readings show, from an earlier interval in which the target shape stood
-                       still to the last window of averaged readings (V) */
+    pzs_real *late_voltage; /* [inputs] weighted sum of voltages over the ticks of the present test
+                               pulse (V): voltage minus that of its first tick, times a weight that
+                               is antisymmetric in time about the middle of the pulse */
+    pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V): the voltages that
+                         electrodes without hysteresis would need for the same displacement, by the
+                         hysteresis model as it was measured */
+    pzs_real *cleared_loss; /* [inputs] lost voltage of each electrode when the fault detector last
+                               suspected it (V): absolute difference between the voltage given to
+                               the electrode and the voltage that the readings showed */
+    pzs_real *base_voltage; /* [inputs] base voltages: mean voltages of an interval in which the
+                               target shape stood still, with which later ones are compared (V) */
+    pzs_real *move; /* [inputs] change of the mean voltages from the base interval, in which the
+                       target shape stood still, to the last window (interval in which readings are
+                       averaged) (V); while a test pulse is evaluated, work array */
+    pzs_real *loss; /* [inputs] lost voltage of each electrode since an interval in which the target
+                       shape stood still (V): change of the voltage given to the electrode, minus
+                       the change that the averaged readings show */
     /*
-     * [inputs] changes of the voltages, given in `move`, as the fault detector's least-squares
-     * estimate would find them from the readings (V); while a healthy electrode is chosen with
-     * which a suspected one is compared, the scalar products of the scaled modelled readings of
-     * each electrode and of the suspected one (1/V2)
+     * [inputs] changes of the voltages as the fault detector's least-squares estimate would find
+     * them from the readings (V); `move` holds the changes themselves. While a healthy electrode is
+     * chosen, with which a suspected one is compared: scalar products of the scaled modelled
+     * readings of each electrode and of the suspected one (1/V2)
      */
     pzs_real *resolved;
     /*
-     * [inputs] part (0 to 1) that the fault detector's least-squares estimate attributes to the
-     * right electrode if a single electrode lacks voltage; it attributes the rest to the others
+     * [inputs] resolution of each electrode by the sensors (0 to 1): if this electrode alone lacks
+     * voltage, the part of the missing voltage that the least-squares estimate finds at this
+     * electrode; the estimate spreads the rest over other electrodes
      */
     pzs_real *resolution;
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */
@@ -474,20 +500,21 @@ typedef struct pzs_pulse_detector_state {
                                 in which readings are averaged) or test pulse; after a window its
                                 mean readings (unit of each sensor) */
     /*
-     * [sensors] sum over the ticks of the present window (interval in which readings are averaged)
-     * or test pulse of the reading minus that of the first tick, times the weight of the tick in
-     * the mean (unit of each sensor)
+     * [sensors] weighted sum of readings over the ticks of the present test pulse, or of the
+     * present window (interval in which readings are averaged) (unit of each sensor): reading minus
+     * that of the first tick, times the weight of the tick in the mean
      */
     pzs_real *reading;
-    pzs_real *late_reading; /* [sensors] sum over the present test pulse of the readings minus those
-                               of its first tick, each times a weight that is antisymmetric in time
-                               about the middle of the pulse (unit of each sensor) */
-    pzs_real *base_reading; /* [sensors] mean readings of an earlier interval in which the target
-                               shape stood still (unit of each sensor) */
-    pzs_real *difference;   /* [sensors] part of the change of the readings that the voltages do not
-                               explain, since an earlier interval in which the target shape stood
-                               still; while a test pulse is evaluated, work array (unit of each
-                               sensor) */
+    pzs_real *late_reading; /* [sensors] weighted sum of readings over the ticks of the present test
+                               pulse (unit of each sensor): reading minus that of its first tick,
+                               times a weight that is antisymmetric in time about the middle of the
+                               pulse */
+    pzs_real *base_reading; /* [sensors] base readings: mean readings of an interval in which the
+                               target shape stood still, with which later ones are compared (unit of
+                               each sensor) */
+    pzs_real *difference; /* [sensors] change of the readings, since an interval in which the target
+                             shape stood still, that the voltages do not explain (unit of each
+                             sensor); while a test pulse is evaluated, work array */
     pzs_real *wanted;   /* [outputs] target shape of the last tick in which the target moved (m) */
     uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
     uint8_t *fault;     /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
@@ -495,44 +522,51 @@ typedef struct pzs_pulse_detector_state {
                        during which an electrode that has passed its test is not suspected */
     uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present window (interval in
                             which readings are averaged) or test pulse */
-    pzs_real ridge; /* weight of the regularisation in the least-squares estimate of the voltages
-                       that amplifiers gave but that do not show in the readings (1/V2) */
-    pzs_real share_factor; /* factor, at least 1, on the smallest share of a change of the readings
-                              that a fault of one electrode must explain before the fault detector
-                              suspects the electrode; above 1 with few sensors (1) */
-    pzs_real least_energy; /* sum of the squared weighted output changes that a full test pulse
-                              causes, for the input with the smallest sum (m2) */
+    pzs_real ridge; /* regularisation weight of a least-squares estimate (1/V2): the fault detector
+                       estimates the voltages that amplifiers gave but that do not show in the
+                       readings */
+    pzs_real share_factor; /* factor, at least 1, by which few sensors raise a threshold of the
+                              fault detector (1): the part of the change of the readings that a
+                              fault of one electrode must explain before the detector suspects this
+                              electrode */
+    pzs_real least_energy; /* smallest response of the shape to a full test pulse (m2): sum of the
+                              squared weighted changes of the outputs, for the input for which it is
+                              smallest */
     pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
                                   healthy one with which it is compared: before their test pulses
                                   (start), and in the next tick (set) (V) */
     pzs_real height[2]; /* heights of the voltage pulses that test two electrodes: the one suspected
                            of a fault [0] and the healthy one with which it is compared [1] (V) */
-    pzs_real suspect_voltage; /* voltage of the electrode suspected of a fault, averaged over the
+    pzs_real suspect_voltage; /* mean voltage of the electrode suspected of a fault, over the
                                  interval in which it was first suspected (V) */
-    pzs_real suspect_move; /* change of the mean voltage of the electrode suspected of a fault, from
-                              an earlier interval in which the target shape stood still to the
-                              interval in which it was first suspected (V) */
-    pzs_real suspect_loss; /* difference between the voltage given to the electrode suspected of a
-                              fault and the voltage that the readings showed, when it was first
-                              suspected (V) */
+    /*
+     * change of the mean voltage of the electrode suspected of a fault (V): from an interval in
+     * which the target shape stood still to the interval in which the electrode was first suspected
+     */
+    pzs_real suspect_move;
+    pzs_real suspect_loss; /* lost voltage of the electrode suspected of a fault, when it was first
+                              suspected (V): voltage given to the electrode minus the voltage that
+                              the readings showed */
     uint32_t position;     /* number of ticks since the fault detector began its present window
                               (interval in which readings are averaged) or test pulse */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
                                     fault, and the healthy one with which it is compared; 0xFFFF:
                                     none */
-    uint8_t phase; /* activity of the fault detector: averaging readings, or making test pulses */
+    uint8_t phase; /* present activity of the fault detector, such as averaging readings or making
+                      test pulses */
     uint8_t tries; /* number of unsuccessful test pulses in the test of a suspected electrode: those
                       that were disturbed, and those to which the electrode taken as healthy did not
                       respond */
     uint8_t silent; /* number of test pulses in a row to which the electrode suspected of a fault
                        has not responded */
-    bool is_grown;  /* whether test pulses are large, because neither electrode under test responded
-                       to small ones */
+    bool is_grown;  /* whether the fault detector makes test pulses higher than usual, because
+                       neither electrode under test responded to pulses of the usual height */
     bool is_moving; /* whether the target shape has changed in the present window, the interval in
                        which readings are averaged */
-    bool has_base, has_taken; /* has_base: there was an interval in which the target shape stood
-                                 still, with which later readings are compared; has_taken: the fault
-                                 detector sets the voltages of the two electrodes under test */
+    bool has_base, has_taken; /* has_base: whether there was an interval in which the target shape
+                                 stood still, with which later readings are compared; has_taken:
+                                 whether the fault detector, and not the controller, sets the
+                                 voltages of the two electrodes under test */
 } pzs_pulse_detector_state;
 
 typedef struct pzs_estimate_state {
@@ -559,8 +593,9 @@ typedef struct pzs_damper_state {
                        modal position under the loads (m) */
     pzs_real *velocity_before; /* [width >= modes] velocity of each vibration mode divided by its
                                   angular frequency, at the last tick (m) */
-    pzs_real *residual_modes;  /* [width >= modes] coordinates of the vibration modes that fit the
-                                  innovations (reading minus predicted reading), low-passed (m) */
+    pzs_real *residual_modes; /* [width >= modes] low-passed coordinates of the vibration modes that
+                                 fit the innovations, which are readings minus predicted readings
+                                 (m) */
     pzs_real *work;        /* [2][width >= modes] work array for two vectors with an entry for each
                               vibration mode */
     pzs_real *equilibrium; /* [delay + 1][width >= modes] ring buffer: static position of each
@@ -615,10 +650,10 @@ typedef struct pzs_reading_delay_state {
                              predicts for the voltages of the last delay + 1 ticks (delay: age of
                              the readings in ticks) (unit of each sensor) */
     pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
-    pzs_real *difference; /* [sensors] reading minus the reading expected at the time of the reading
-                             (unit of each sensor) */
-    pzs_real *corrected;  /* [sensors] readings plus the change that the model predicts since they
-                             were taken (unit of each sensor) */
+    pzs_real *difference; /* [sensors] reading minus the reading that the model expected when the
+                             reading was taken (unit of each sensor) */
+    pzs_real *corrected;  /* [sensors] corrected readings: late readings plus the changes that the
+                             model predicts since they were taken (unit of each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
     uint16_t newest;  /* index of the row for the present tick in two ring buffers with a row for
@@ -634,8 +669,9 @@ typedef struct pzs_feed_forward_state {
 } pzs_feed_forward_state;
 
 /*
- * The variables on which a supervisor bases its decisions. All are 32-bit words without padding,
- * because three copies of the struct are compared word by word.
+ * Variables on which the supervisor bases its decisions; it decides in each tick whether the loop
+ * controls the voltages. All are 32-bit words without padding, because three copies of the struct
+ * are compared word by word.
  */
 typedef struct pzs_supervisor_core {
     uint32_t mode;   /* present operating mode of the supervisor, a value of pzs_supervisor_mode */
@@ -647,8 +683,11 @@ typedef struct pzs_supervisor_core {
     uint32_t remaining; /* number of ticks until the end of the ramp on which the supervisor moves
                            the voltages; 0: no ramp */
     uint32_t silent;    /* number of consecutive ticks without usable readings */
-    uint32_t over;      /* number by which the supervisor judges the measured shape: a tick with an
-                           implausible shape raises it by one, any other tick lowers it by two */
+    /*
+     * counter of implausible shapes, which leads to an alarm: a tick with an implausible measured
+     * shape raises it by one, any other tick lowers it by two
+     */
+    uint32_t over;
     /*
      * event, a value of pzs_supervisor_event, for which the supervisor (safety monitor of the loop)
      * has replaced the voltages of the controller by its own; 0: none
@@ -667,16 +706,19 @@ typedef struct pzs_monitor_state {
     pzs_real *predicted;   /* [outputs] predicted shape of the last tick (m) */
     pzs_real *move;        /* [outputs] change of the predicted shape in the last tick (m) */
     pzs_real *wanted;      /* [outputs] target shape of the last tick (m) */
-    pzs_real amplitude;    /* largest deviation of the measured from the predicted shape in recent
-                              ticks, each weighted with a factor that decays with time (m) */
-    pzs_real envelope; /* deviation of the measured from the predicted shape that recent changes of
-                          the target explain; decays with time (m) */
+    pzs_real amplitude;    /* largest recent deviation (measured minus predicted shape): each tick
+                              multiplies it by a factor below 1, or replaces it by the deviation of
+                              this tick if that is larger (m) */
+    pzs_real envelope;     /* deviation (measured minus predicted shape) that recent changes of the
+                              target explain; decays with time (m) */
     pzs_real moved; /* exponentially decaying sum of the squared predicted changes of the shape in
-                       the last ticks (m2) */
-    pzs_real answered; /* exponentially decaying sum of the products of predicted and measured
-                          change of the shape in the last ticks (m2) */
-    uint32_t fixed; /* 2 * (number of inputs whose lower and upper voltage limits were equal in the
-                       last tick), plus 1 if the fault detector applied a test signal then */
+                       the last ticks (m2), to which `answered` is compared */
+    pzs_real answered; /* exponentially decaying sum of predicted times measured change of the shape
+                          in the last ticks (m2); divided by `moved` it tells how well the structure
+                          follows its model */
+    uint32_t fixed; /* number that changes when voltages are fixed or released, so that the monitor
+                       ignores that tick: 2 * (number of inputs whose voltage limits were equal in
+                       the last tick), plus 1 if the fault detector applied a test signal */
     bool is_started;
 } pzs_monitor_state;
 
@@ -709,19 +751,22 @@ typedef struct pzs_selftest_core {
     uint32_t verdict;   /* result of the self-test, a value of pzs_selftest_verdict */
     uint32_t disturbed; /* 1: noise or vibration hides the response of at least one amplifier to its
                            test pulse */
-    uint32_t stage;     /* stage, from 0, of the self-test's evaluation, which compares the measured
-                           responses of all sensors to all amplifiers with the modelled ones */
-    uint32_t step; /* number of comparisons between measured and modelled responses of sensors to
-                      amplifiers that the self-test has made so far in the present stage of its
-                      evaluation */
     /*
-     * amplifier or sensor of which the self-test checks whether its cable is exchanged with another
-     * one: index in a list of all amplifiers and sensors, in which the kind with fewer members
-     * comes first
+     * number of the present stage, from 0, of the self-test's evaluation, which compares measured
+     * with modelled responses of the sensors to the amplifiers
+     */
+    uint32_t stage;
+    uint32_t step; /* number of comparisons that the self-test has made so far in the present stage
+                      of its evaluation, which compares measured with modelled responses of the
+                      sensors to the amplifiers */
+    /*
+     * amplifier or sensor of which the self-test checks whether its cable is exchanged with that of
+     * another one. The number is an index in a list of amplifiers and sensors: sensors come first
+     * if there are fewer of them than of amplifiers
      */
     uint32_t pair;
-    uint32_t nearest;  /* index of an amplifier (or sensor): of the modelled responses compared so
-                          far, its own is the nearest to the measured response that the self-test
+    uint32_t nearest;  /* index of the amplifier (or sensor) whose modelled response is nearest,
+                          among those compared so far, to the measured response that the self-test
                           examines */
     uint32_t searches; /* number of faults that the self-test has found by searching for the
                           amplifier or sensor whose measured response differs most from the model */
@@ -734,21 +779,27 @@ typedef struct pzs_selftest_core {
  * number per volt (1/V).
  */
 typedef struct pzs_selftest_sums {
-    pzs_real product; /* sum of the products of measured and modelled responses (change of a reading
-                         per volt, times the scale factor of its sensor, 1/V) of all sensors to one
-                         amplifier, or of one sensor to all amplifiers (1/V2) */
-    pzs_real size; /* sum of the absolute values of the products of measured and modelled responses
-                      (change of a reading per volt, times the scale factor of its sensor, 1/V) of
-                      all sensors to one amplifier, or of one sensor to all amplifiers (1/V2) */
-    pzs_real measured; /* sum of the squares of the measured responses (change of a reading per
-                          volt, times the scale factor of its sensor, 1/V) of all sensors to one
-                          amplifier, or of one sensor to all amplifiers (1/V2) */
-    pzs_real modelled; /* sum of the squares of the modelled responses (change of a reading per
-                          volt, times the scale factor of its sensor, 1/V) of all sensors to one
-                          amplifier, or of one sensor to all amplifiers (1/V2) */
-    pzs_real noise; /* expected contribution of noise and vibration to the sum of the squares of the
-                       measured responses (change of a reading per volt, times the scale factor of
-                       its sensor, 1/V) (1/V2) */
+    pzs_real product; /* scalar product of measured and modelled response (1/V2). Both are vectors:
+                         the response of all sensors to one amplifier, or of one sensor to all
+                         amplifiers, as change of a reading per volt, times the scale factor of its
+                         sensor (1/V) */
+    /*
+     * sum of the absolute values of measured times modelled response (1/V2), from which the gain is
+     * computed. Both are vectors: the scaled change of a reading per volt (1/V) of all sensors to
+     * one amplifier, or of one sensor to all amplifiers
+     */
+    pzs_real size;
+    pzs_real measured; /* squared norm of the measured response (1/V2), a vector: the response of
+                          all sensors to one amplifier, or of one sensor to all amplifiers, as
+                          change of a reading per volt, times the scale factor of its sensor (1/V)
+                        */
+    pzs_real modelled; /* squared norm of the modelled response (1/V2), a vector: the response of
+                          all sensors to one amplifier, or of one sensor to all amplifiers, as
+                          change of a reading per volt, times the scale factor of its sensor (1/V)
+                        */
+    pzs_real noise; /* part that noise and vibration are expected to contribute to the squared norm
+                       of the measured response (1/V2); a response is the change of a reading per
+                       volt, times the scale factor of its sensor (1/V) */
 } pzs_selftest_sums;
 
 typedef struct pzs_selftest_state {
@@ -772,23 +823,26 @@ typedef struct pzs_selftest_state {
     pzs_real *noise;  /* [sensors] sum of the squared second differences of the readings of each
                          sensor; after the measurement the variance of its noise (squared unit of
                          each sensor) */
-    pzs_real *even; /* [sensors] sum over the ticks of the present test pulse of the reading of each
-                       sensor times the weight of the tick; the weights are symmetric in time about
-                       the middle of the pulse (unit of each sensor) */
-    pzs_real *odd;  /* [sensors] sum over the ticks of the present test pulse of the reading of each
-                       sensor times the weight of the tick; the weights are antisymmetric in time
-                       about the middle of the pulse (unit of each sensor) */
-    pzs_real *null; /* [sensors] largest squared response of each sensor to noise and vibration,
-                       measured while no amplifier moved, times the squared height of a pulse
-                       (squared unit of each sensor) */
-    pzs_real *start; /* [inputs] voltages before the self-test, to which each amplifier returns
-                        after its test pulse (V) */
-    pzs_real difference[2]; /* squared difference between measured and modelled response (change of
-                               a reading per volt, times the scale factor of its sensor, 1/V), the
-                               largest of all amplifiers [0] and of all sensors [1] (1/V2) */
-    pzs_real least_angle;   /* smallest squared sine, so far, of the angle between the modelled
-                               response of one amplifier (or sensor) and those of the others, as
-                               vectors (1) */
+    pzs_real *even;   /* [sensors] weighted sum of the readings of each sensor over the ticks of the
+                         present test pulse (unit of each sensor); the weights are symmetric in time
+                         about the middle of the pulse */
+    pzs_real *odd;    /* [sensors] weighted sum of the readings of each sensor over the ticks of the
+                         present test pulse (unit of each sensor); the weights are antisymmetric in
+                         time about the middle of the pulse, so that the sum measures noise and
+                         vibration */
+    pzs_real *null;   /* [sensors] largest squared response that noise and vibration cause in each
+                         sensor, measured in intervals as long as a test pulse while no amplifier
+                         moves (squared unit of each sensor) */
+    pzs_real *start;  /* [inputs] voltages before the self-test, to which each amplifier returns
+                         after its test pulse (V) */
+    pzs_real difference[2]; /* largest difference found so far between measured and modelled
+                               response, of all amplifiers [0] and of all sensors [1], as squared
+                               norm of a vector (1/V2). A response is the change of a reading per
+                               volt, times the scale factor of its sensor (1/V) */
+    pzs_real least_angle; /* smallest squared sine of the angle between the modelled response of one
+                             amplifier (or sensor), as a vector, and those of the others compared so
+                             far (1); it begins with the value below which exchanged cables would
+                             not be noticed */
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
                                        sensor) that the self-test evaluates at present: with its own
                                        modelled response (own), and with the modelled response of
@@ -800,38 +854,45 @@ typedef struct pzs_selftest_state {
                             first one (partner_nearest) */
     uint16_t worst[2];   /* index of the amplifier [0] and of the sensor [1] whose response differs
                             most from the model; PZS_WIRING_NONE: none differs */
-    pzs_real pulse; /* sum over the ticks of the present test pulse of its voltage, divided by its
-                       height, times the weight of the tick; the weights are symmetric in time about
-                       the middle of the pulse (1) */
+    pzs_real pulse; /* weighted sum of the voltage of a test pulse divided by its height, over the
+                       ticks of the pulse so far (1); the weights are symmetric in time about the
+                       middle of the pulse */
 } pzs_selftest_state;
 
 typedef struct pzs_calibration_state {
     const struct pzs_problem *problem;
     const pzs_real *influence; /* [outputs][inputs] influence matrix from which a calibration takes
                                   the columns that its records do not determine (m/V) */
-    pzs_real *factor; /* [inputs + 1][inputs + outputs] memory of the recursive least squares of a
-                         calibration. First `inputs` columns: triangular factor of the sum of v v'
-                         over the recorded voltages v (V); other columns: the readings of the
-                         records, rotated in the same way (m); last row: record being added */
-    pzs_real *direction; /* [inputs] work vector of a calibration: triangular factor of the sum of v
-                            v' over the recorded voltages v, times the voltages of a record (V2) */
-    pzs_real *noise;     /* [outputs] variance of the noise of each output's readings (m2) */
+    /*
+     * [inputs + 1][inputs + outputs] memory of the recursive least squares of a calibration. First
+     * `inputs` columns (V): triangular factor R, where R'R is the sum of v v' over the recorded
+     * voltages v. Other columns (m): the readings of the records, rotated by the same rotations.
+     * Last row: record that is being added
+     */
+    pzs_real *factor;
+    /*
+     * [inputs] work vector of a calibration. While a record is added: triangular factor R times the
+     * voltages of the record (V2), where R'R is the sum of v v' over the recorded voltages v. While
+     * the test voltages move: those of the last tick (V)
+     */
+    pzs_real *direction;
+    pzs_real *noise;    /* [outputs] variance of the noise of each output's readings (m2) */
     pzs_real *centre;   /* [inputs] voltages around which the test voltages of a calibration lie (V)
                          */
     pzs_real *proposal; /* [inputs] test voltages of a calibration before they are brought inside
                            all limits (V); also a work vector for the reciprocals of the diagonal
                            entries of its triangular factor (1/V) */
-    pzs_real *free;  /* [inputs] NaN for each input: a calibration holds no input at a fixed voltage
-                      */
-    pzs_real *least; /* [inputs] size below which a diagonal entry of the triangular factor
-                        (`factor`) of a calibration counts as zero (V) */
+    pzs_real *free; /* [inputs] NaN for each input, passed to the last gate in place of the voltages
+                       that pzs_hold keeps: a calibration keeps no voltage constant */
+    pzs_real *least;    /* [inputs] size below which a diagonal entry of the triangular factor
+                           (`factor`) of a calibration counts as zero (V) */
     pzs_real *last[3];  /* [inputs] three copies of the test voltages of a calibration, so that two
                            outvote a damaged third (V) */
     uint32_t limit_sum; /* checksum of the voltage limits and the step limits of a calibration */
     uint32_t pattern;   /* number of the present test pattern of a calibration, from 0 */
     uint32_t rest; /* number of consecutive ticks in which the test voltages of a calibration have
                       been constant */
-    uint32_t surplus; /* number of records of a calibration beyond those that are needed to
+    uint32_t surplus; /* number of records of a calibration in excess of those that are needed to
                          determine the influence matrix */
     uint8_t stage;
 } pzs_calibration_state;

@@ -918,11 +918,12 @@ typedef struct pzs_hysteresis {
     uint16_t plays, creeps;
     const pzs_real *middle;     /* [parameter sets: 1 or inputs] middle of the voltage range (V) */
     const pzs_real *half_range; /* [parameter sets: 1 or inputs] half of the voltage range (V) */
-    const pzs_real *offset;     /* [parameter sets: 1 or inputs] constant part of the effect of an
-                                   electrode (V): the effect in the middle of the voltage range while
-                                   the plays (elements with backlash) and creep terms are at 0. The
-                                   effect is the voltage that would cause the strain without hysteresis
-                                 */
+    /*
+     * [parameter sets: 1 or inputs] constant part of the effect of an electrode (V): the effect in
+     * the middle of the voltage range while the plays (elements with backlash) and creep terms are
+     * at 0. The effect is the voltage that would cause the strain without hysteresis
+     */
+    const pzs_real *offset;
     /*
      * [parameter sets: 1 or inputs][4] slopes of the piecewise linear part of an electrode's effect
      * (voltage without hysteresis), from the lowest quarter of the voltage range to the highest, at
@@ -1419,9 +1420,8 @@ extern const pzs_block_type pzs_selftest_block;
  * readings. Fewer sensors than electrodes cannot tell all electrodes apart: several electrodes are
  * then tested one after the other until the faulty one is found.
  */
-#define PZS_PULSE_SENSORS                                                                          \
-    4u /* smallest number of sensors with which the fault detector can prove that an electrode is  \
-          faulty */
+/* Smallest number of sensors with which the fault detector can prove an electrode faulty. */
+#define PZS_PULSE_SENSORS 4u
 
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
