@@ -54,7 +54,10 @@ static int compare(const void *left, const void *right)
     return (first > second) - (first < second);
 }
 
-/* Sort the numbers of the points in `source` into the order of a k-d tree. */
+/*
+ * Build the k-d tree: sort the numbers of the points, member `source`, into its order.
+ *   point [count][SCATTER_AXES] in  coordinates of the points
+ */
 static void build(scatter *scatter, const double *point)
 {
     tree_range stack[DEPTH] = {{0, scatter->count, 0}};
@@ -185,8 +188,9 @@ typedef struct moments {
     double centre[SCATTER_AXES], value; /* weighted means of the coordinates and of the values of
                                            the points nearest to the place of interpolation */
     double spread[SCATTER_AXES][SCATTER_AXES];
-    double cross[SCATTER_AXES]; /* weighted mixed moments of the value and each coordinate of the
-                                   points nearest to the place of interpolation */
+    double cross[SCATTER_AXES]; /* weighted second moments that couple the value with each
+                                   coordinate, about the weighted means, of the points nearest to
+                                   the place of interpolation */
 } moments;
 
 static moments moments_of(const scatter *scatter, const neighbours *found)
@@ -195,10 +199,10 @@ static moments moments_of(const scatter *scatter, const neighbours *found)
     double sum = 0, weight[NEAREST];
     memset(&moments, 0, sizeof moments);
     for (size_t k = 0; k < found->count; k++) {
-        weight[k] = found->square[0] / found->square[k]; /* the weights of the nearest points are
-                                                            inverse squared distances, multiplied by
-                                                            the squared distance of the nearest one
-                                                          */
+        weight[k] = found->square[0] / found->square[k]; /* weight of a nearest point: inverse of
+                                                            its squared distance from the place of
+                                                            interpolation, scaled so that the first
+                                                            of these points has the weight 1 */
         sum += weight[k];
     }
     for (size_t k = 0; k < found->count; k++) {

@@ -15,18 +15,19 @@ enum { SCATTER_AXES = 3 };
 typedef struct scatter scatter;
 
 /*
- * Copy points and values for the interpolation.
+ * Make an interpolation (k-d tree) from copies of scattered points and their values.
  *   axes   in                 number of coordinates of a point, 1 to 3
  *   point  [count][axes] in   coordinates of the points, finite
  *   value  [count] in         values at the points, finite
- * Returns NULL when memory runs out.
+ * Returns NULL when memory runs out; otherwise scatter_close releases the result.
  */
 scatter *scatter_open(int axes, size_t count, const double *point, const double *value);
 void scatter_close(scatter *scatter);
 
 /*
- * Return the interpolated value at a place [axes]. If `distance` is not NULL, *distance becomes the
- * distance to the nearest point.
+ * Return the value, at a place [axes], of the linear function that is fitted to the nearest
+ * scattered points. If `distance` is not NULL, *distance becomes the distance to the nearest of
+ * these points.
  */
 double scatter_value(const scatter *scatter, const double *place, double *distance);
 

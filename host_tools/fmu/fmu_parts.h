@@ -22,8 +22,8 @@ typedef enum fmu_role { FMU_INPUT, FMU_PARAMETER, FMU_OUTPUT } fmu_role;
 typedef struct fmu_variable {
     fmu_type type;
     fmu_role role;
-    char name[FMU_NAME], about[FMU_NAME]; /* name of the variable, and description of the variable
-                                             in one sentence */
+    char name[FMU_NAME], about[FMU_NAME]; /* name of an FMU variable, and one sentence that
+                                             describes the variable */
     char unit[WORDS_UNIT]; /* unit of the variable; an empty text for a dimensionless one */
     double start; /* value of an input variable or parameter before the first step of the FMU */
 } fmu_variable;
@@ -50,7 +50,8 @@ typedef struct fmu {
     size_t library_bytes;
     fmu_variable *variable;
     int variables;
-    fmu_file file[FMU_FILES]; /* source files of the FMU */
+    fmu_file file[FMU_FILES]; /* [files] source files that the ZIP archive of the FMU will contain
+                               */
     int files;
     bool is_full; /* whether memory has run out, or the FMU has more files than fit into `file` */
 } fmu;

@@ -194,8 +194,7 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
     for (int i = 0; i < 6; i++)
         turn_back(transform, stiffness[i], half[i]); /* product of the ply's stiffness matrix and
                                                         the matrix that transforms strains from the
-                                                        axes of the shell to those of the ply, one
-                                                        row at a time */
+                                                        axes of the shell to those of the ply */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             ply->c[i][j] = 0;
@@ -800,9 +799,9 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
 
 /*
  * Correct the stress resultants that a voltage or temperature prescribes where it causes transverse
- * shear. The laminate would deform freely by certain strains under the original resultants and its
- * uniform shear stiffness. The new resultants cause the same free strains with the stiffness that
- * the element uses for strains constant over the element.
+ * shear. First the strains of a free laminate are computed with its uniform shear stiffness. The
+ * new resultants then are those that cause the same free strains with the stiffness that the
+ * element uses for constant strains, so that element options do not change the free deformation.
  */
 static void keep_free_strains(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, free_field *field)
@@ -872,10 +871,10 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the stress resultants per area that a field (voltage or temperature) prescribes and,
- * where the field causes a transverse shear stress, the strains of a free element. With the element
- * option lin33 every ply thickens freely: the resultants of the mean thickness strain are then
- * added to those of the plies' stresses.
+ * Compute the stress resultants, for each unit of the element's area, that a field (voltage or
+ * temperature) prescribes. Where the field causes a transverse shear stress, compute also the
+ * strains of a free element. With the element option lin33 every ply thickens freely. The
+ * resultants of the mean thickness strain are then added to those of the plies' stresses.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,
@@ -960,11 +959,12 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * With the element option lin33 every ply thickens freely: its thickness strain differs from the
- * mean of all plies. For two fields (voltage, electric field or temperature), the energy of these
- * differences adds the integral over the ply of its normal stiffness times its free thickening
- * under the first field times that under the second. It subtracts the normal stiffness of all plies
- * together times the product of the mean free thickenings under the two fields.
+ * Besides the energy of the field itself, plies that thicken freely (element option lin33) store an
+ * elastic energy, because each ply thickens differently from the mean of all plies. For two fields,
+ * such as voltages or temperatures, this energy adds two terms to the second derivative. The first
+ * is the integral over the ply of (normal stiffness) (free thickening under the first field) (that
+ * under the second). The other is subtracted: (normal stiffness of all plies together) (mean free
+ * thickening under the first field) (that under the second).
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

@@ -54,11 +54,12 @@ typedef struct laminate {
 } laminate;
 
 /*
- * Plies that are present in an element, and the geometry that its stiffness depends on.
+ * Plies that are present in an element, and the geometry on which the stiffness of the element
+ * depends.
  *
- * On an element along lines of curvature the base vectors at height z are (1 + k z) times those of
- * the reference surface, with k the principal curvature along each, and the axes of the plies are
- * those of the surface. For any other quadrilateral the member `natural` contains the base vectors.
+ * On an element along lines of curvature, each base vector at height z is (1 + k z) times that of
+ * the reference surface, with k the principal curvature along it; the axes of the plies are those
+ * of the surface. For any other quadrilateral the member `natural` contains the base vectors.
  */
 typedef struct laminate_place {
     uint32_t present_plies; /* plies that are present in the element: bit i is set for ply i */
@@ -120,9 +121,10 @@ typedef enum laminate_axis {
 } laminate_axis;
 
 /*
- * Prescribed field: one volt across ply number `ply`, an electric field along the surface or a
- * temperature of 1 K in that ply, or for ply < 0 a temperature of all plies. Electric fields along
- * the surface and temperatures of all plies are linear between two faces.
+ * Field that acts in a laminate. For ply >= 0 it acts in this ply alone and has the type `axis`: a
+ * voltage of 1 V across the ply, a temperature of 1 K, or an electric field along the surface. For
+ * ply < 0 it is a temperature of all plies. A temperature of all plies and an electric field along
+ * the surface vary linearly between the values at two faces.
  */
 typedef struct laminate_field {
     int ply;

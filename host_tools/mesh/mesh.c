@@ -334,8 +334,8 @@ static laminate_place element_place(const mesh *mesh, int element)
 }
 
 /*
- * Return the weight of the warping correction in the membrane shear strain of an element (warp.h),
- * dimensionless.
+ * Return the factor of the warping correction of an element's membrane shear strain, tau (L1^2 k1 +
+ * L2^2 k2)/(12 h) as in warp.h (1).
  */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
@@ -449,9 +449,10 @@ static int build_all_types(mesh *mesh, char *error)
 /* ---- supports of skewed corners --------------------------------------- */
 
 /*
- * Refuse a support on an edge along the surface coordinate theta1 that constrains displacements
- * along or across this edge only, if the edge meets the next one at an angle other than 90 degrees:
- * the triad (local axes) of the corner node is aligned with the next edge.
+ * Refuse a support on an edge along the surface coordinate theta1, where the edge meets the next
+ * one at an angle other than 90 degrees and the support constrains displacements along or across
+ * the edge alone. At such a corner the triad (local axes) of the node is aligned with the next
+ * edge, not with the supported one.
  */
 static int check_corners(const scene *scene, char *error)
 {
@@ -572,8 +573,9 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
         if (mesh->scene->quads && !support->value)
-            continue; /* On a mesh from a file, the degrees of freedom that supports constrain are
-                         already marked. */
+            continue; /* The degrees of freedom that this support constrains are already marked: a
+                         mesh from a file has marked those of all supports without a prescribed
+                         value. */
         const int count = mesh_select(mesh, &support->where, node);
         for (int member = 0; member < count; member++)
             if (apply_support(mesh, support, node[member], values, error) < 0)

@@ -21,10 +21,11 @@
  * no springs.
  */
 typedef struct mesh_springs {
-    int count;  /* number of springs and stack actuators */
-    int *first; /* [springs of the scene file + actuators + 1] index of the first spring of each
-                   spring entry of the scene file, then of the first stack of each actuator; the
-                   last entry is the number of all springs and stacks */
+    int count;         /* number of springs and stack actuators */
+    int *first;        /* [springs of the scene file + actuators + 1] index of the first spring that
+                          belongs to each entry of the scene's list `springs`, then of the first
+                          stack of each actuator; the last element is the number of all springs and
+                          stacks */
     uint32_t *start;   /* [count + 1] index of the first entry of each spring's sparse row; the last
                           element is the number of all entries */
     uint16_t *dof;     /* [entries of all springs] index of the free dof of each entry in the sparse
@@ -62,7 +63,8 @@ typedef struct mesh {
     unsigned dof_per_node;
     surface_point *point; /* [nodes] point of the surface at each node: position, local axes
                              (triad), metric and curvatures */
-    double (*theta)[2]; /* [nodes] surface coordinates theta1, theta2; on a mesh from a file x, y */
+    double (*theta)[2]; /* [nodes] surface coordinates theta1, theta2 of each node (m or rad); on a
+                           mesh from a file, x and y of the node (m) */
     uint16_t (*element)[4]; /* [elements] numbers of the four corner nodes in the order (-,-) (+,-)
                                (+,+) (-,+) */
     uint16_t *element_type; /* [elements] index of the element type of each element */
@@ -184,9 +186,9 @@ void mesh_extent(const mesh *mesh, double extent[3]);
 expr_point mesh_place(const mesh *mesh, int node);
 
 /*
- * Text for a message: the place of a node or the extent of an element in the surface coordinates
- * theta1 and theta2, or on a mesh from a file as x, y, z (of the element's centre) with the number
- * in the file.
+ * Text that tells the user where a node or element lies. On a surface with coordinates, the text
+ * holds theta1 and theta2 of the node, or their ranges in the element. On a mesh from a file, it
+ * holds the number in the file and x, y, z of the node or of the element's centre.
  */
 typedef struct mesh_text {
     char text[112];

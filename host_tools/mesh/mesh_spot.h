@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Points of a mesh that need not be nodes. */
+/* Points of a mesh that need not be nodes, such as the points where springs are attached. */
 #ifndef MESH_SPOT_H
 #define MESH_SPOT_H
 

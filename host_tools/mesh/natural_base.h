@@ -25,10 +25,10 @@ double natural_area_ratio(const natural_base *natural, double z);
 void natural_dual_base(const natural_base *natural, double z, double dual[3][3]);
 
 /*
- * Compute the matrix that maps strains in the base vectors at height z to strains in material axes
- * (map [6][6] out, Voigt order 11 22 33 23 13 12, engineering shears). The strain ij in material
- * axes is the sum over a and b of B_ai B_bj E_ab, with E_ab the strain in the base vectors a and b
- * and B the inverse of the matrix of base vectors.
+ * Compute the matrix that maps strains E_ab in the base vectors a and b at height z to strains in
+ * material axes (map [6][6] out, Voigt order 11 22 33 23 13 12, engineering shears). The strain ij
+ * in material axes is the sum of B_ai B_bj E_ab over a and b, where B is the inverse of the matrix
+ * of base vectors.
  */
 void natural_strain_map(const natural_base *natural, double z, double map[6][6]);
 

@@ -20,9 +20,9 @@ typedef struct quad_geometry {
     double normal[3]; /* unit normal of the element, along the cross product of its base vectors */
     double length[2]; /* lengths of the element along its directions 1 and 2, twice the lengths of
                          the base vectors (m) */
-    double skew[2];   /* skew coefficients alpha_1, alpha_2: components, along the base vectors, of
-                         the hourglass vector, 1/4 of the sum of xi1 xi2 times the corner positions
-                         (1) */
+    double skew[2]; /* skew coefficients alpha_1, alpha_2 of the element (1): components, along the
+                       base vectors, of the hourglass vector, which is 1/4 of the sum of xi1 xi2
+                       times the corner positions */
     double curvature[3]; /* curvatures B_11, B_22, B_12 of the element along the directions of its
                             base vectors g_a: B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), with L_a
                             the lengths of the element and d_a the derivatives of the director (1/m)

@@ -12,8 +12,8 @@
 /* ---- nodes -------------------------------------------------------------- */
 
 /*
- * Sums over the edges that meet at a node: the vectors to the neighbouring nodes, and their
- * lengths.
+ * Sums over the edges that meet at a node, for the irregularity of the mesh there: of the vectors
+ * to the neighbouring nodes, and of the lengths of these vectors (m).
  */
 typedef struct edge_sum {
     double vector[3], length;

@@ -36,17 +36,17 @@ typedef struct quad_rule {
                             sum of both absolute skew coefficients (0 on a parallelogram), and
                             largest distance of a node from the mean of its neighbours, relative to
                             their distances */
-    double bubble_share; /* factor, 0 to 1, of the transverse shear flexibility that is added on
-                            coarse meshes: 1 on regular meshes, smaller where thin elements are
-                            irregular */
+    double bubble_share; /* factor, 0 to 1, by which the element multiplies the transverse shear
+                            flexibility that is added on coarse meshes: 1 on regular meshes, smaller
+                            where thin elements are irregular */
     double lock; /* factor by which the bending of the element would have to be stiffened to keep
                     stresses smooth, from the members thinness and irregularity: [thinness
                     clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. No bending is actually stiffened; a
                     mesh with a factor above the limit QUAD_LOCK is refused unless the scene accepts
                     irregular meshes. */
-    double asymptotic; /* part of the bending strains that is added to the mean shear strain 12 of
-                          an element along asymptotic lines (twisted strips); 0 on elements along
-                          lines of curvature */
+    double asymptotic; /* weight, 0 to 1, of additional terms by which bending strains enter the
+                          mean shear strain 12 of an element along asymptotic lines (twisted
+                          strips); 0 on elements along lines of curvature */
 } quad_rule;
 
 #define QUAD_LOCK 1.5

@@ -273,8 +273,8 @@ static int refuse_locking(const quad_build *build, const int *named, double lock
 /* ---- all elements ------------------------------------------------------- */
 
 /*
- * Return the largest irregularity of the four nodes of an element (distance of a node from the mean
- * of its neighbours, relative to their distances).
+ * Return the largest irregularity of the four nodes of an element. The irregularity of a node is
+ * its distance from the mean of its neighbours, relative to their distances.
  */
 static double of_nodes(const quad_build *build, int element)
 {

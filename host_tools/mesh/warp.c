@@ -42,11 +42,12 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
- * Add, for a unit tilt of one node's director along its local axis e1 (j = 0) or e2 (j = 1), the
- * values at a corner of the eight strains of bending and transverse shear that the warping
- * correction contains to `row` [8]. Each is multiplied by the value of its shape (constant, linear
- * or bilinear over the element) there. The difference of the shear strain 12 between the faces is
- * added to *shear.
+ * Add the strains at one corner of an element, for a unit tilt of the director of one node, to sums
+ * over the corners. The director tilts along the local axis e1 (j = 0) or e2 (j = 1) of its node.
+ *   row   [8] in/out  sums of the eight strains of bending and transverse shear in the warping
+ *                     correction, each multiplied by its shape (constant, linear or bilinear over
+ *                     the element) at the corner
+ *   shear     in/out  sum of the differences of the shear strain 12 between the faces
  */
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
                        double *shear)
@@ -134,8 +135,10 @@ static void eliminate(tilt_system *equations, int step)
 }
 
 /*
- * Reduce the linear system for the warping correction of an element by Gauss-Jordan elimination
- * with complete pivoting (order [8] out: index of the unknown in each column). Returns the rank.
+ * Bring the linear system for the warping correction of an element to diagonal form, by
+ * Gauss-Jordan elimination with complete pivoting.
+ *   order [8] out  index of the unknown that belongs to each column after the column exchanges
+ * Returns the rank.
  */
 static int reduce(tilt_system *equations, int order[ROWS])
 {

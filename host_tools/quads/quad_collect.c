@@ -27,8 +27,8 @@ static int by_label(const void *left, const void *right)
 }
 
 /*
- * Value that marks nodes which no quadrilateral uses, and cells of the mesh file that are no
- * quadrilaterals.
+ * Value in place of an index, for nodes of the mesh file that no quadrilateral uses, and for its
+ * points and edges, which are no elements of the mesh.
  */
 static const uint32_t unused = UINT32_MAX;
 typedef struct collection {
@@ -87,7 +87,7 @@ static size_t find_node(const collection *collection, int64_t label)
 
 /*
  * Mark the nodes of one cell of the mesh file (point, edge or quadrilateral) as used, if it is a
- * quadrilateral. Returns 0, or -1 after writing the error message of the mesh file if it has an
+ * quadrilateral. Returns 0, or -1 after writing an error message about the mesh file if it has an
  * undefined node or a node twice.
  */
 static int mark_cell(collection *collection, const quad_raw_cell *cell)
@@ -123,7 +123,7 @@ static int check_place(const collection *collection, const quad_raw_node *node)
 
 /*
  * Give the nodes that quadrilaterals use their indices, in the order of the mesh file, and copy
- * their positions. Returns 0, or -1 after writing the error message of the mesh file.
+ * their positions. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int copy_nodes(collection *collection, const quad_options *options)
 {
@@ -184,8 +184,8 @@ static int by_number(const void *left, const void *right)
  * Find elements that the mesh file lists repeatedly: version 2.2 of the MSH format lists an element
  * once for each of its physical groups.
  *   first [cells] out  index of the first copy of each cell (point, edge or quadrilateral)
- * Returns 0, or -1 after writing the error message of the mesh file if two different elements have
- * the same nodes.
+ * Returns 0, or -1 after writing an error message about the mesh file if two different elements
+ * have the same nodes.
  */
 static int find_copies(const collection *collection, corners *key, size_t *first)
 {
@@ -236,7 +236,7 @@ static void copy_elements(collection *collection, const size_t *first)
  * Allocate the elements of the mesh and copy the quadrilaterals of the file.
  *   key    [cells + 1] out  work array
  *   first  [cells + 1] out  work array
- * Returns 0, or -1 after writing the error message of the mesh file.
+ * Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int collect_elements(collection *collection, corners *key, size_t *first)
 {
@@ -255,7 +255,7 @@ static int collect_elements(collection *collection, corners *key, size_t *first)
 
 /*
  * Check that no two elements have the same number in the mesh file. Returns 0, or -1 after writing
- * the error message of the mesh file.
+ * an error message about the mesh file.
  */
 static int check_labels(const collection *collection, numbered *entry)
 {
@@ -276,7 +276,7 @@ static int check_labels(const collection *collection, numbered *entry)
 
 /*
  * Copy a set of the mesh file; its members become indices of the mesh, ascending and without
- * repetition. Returns 0, or -1 after writing the error message of the mesh file.
+ * repetition. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int copy_set(const collection *collection, const quad_raw_set *from, quad_set *to)
 {

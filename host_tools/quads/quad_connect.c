@@ -72,7 +72,7 @@ enum { NOT_SEEN, AS_IT_IS, TURNED };
  * Spread a common orientation over the mesh: the neighbours of an element that have not been
  * reached yet get the orientation of the element and are added to the queue.
  *   queue  [elements] in/out  elements whose neighbours are to be visited; *count is their number
- * Returns 0, or -1 after writing the error message of the mesh file if the surface is one-sided.
+ * Returns 0, or -1 after writing an error message about the mesh file if the surface is one-sided.
  */
 static int spread(const quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                   uint32_t element, unsigned char *state, uint32_t *queue, size_t *count)

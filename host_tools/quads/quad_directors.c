@@ -277,10 +277,10 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* For the fit of a quadric around a node, each element at
-                                             the node adds two of its other corners: the next one
-                                             and the opposite one. Inside a smooth sheet the
-                                             neighbouring element adds the third one. */
+            for (int k = 1; k < 3; k++) { /* k = 1 adds the next corner and k = 2 the opposite one
+                                             to the fit of a quadric around the node `own`; the
+                                             third corner, inside a smooth sheet, is the next one of
+                                             the neighbouring element. */
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);
@@ -350,8 +350,8 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
 }
 
 /*
- * For each node on a free edge, sum the normal equations for its director (unit normal) over the
- * chords (straight lines) to neighbouring nodes whose directors are final.
+ * Sum the least-squares equations for the directors (unit normals) of the nodes on free edges. Each
+ * straight line from such a node to a neighbour whose director is final contributes one equation.
  */
 static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
 {

@@ -75,8 +75,8 @@ static uint32_t border_node(int elements, int j)
 }
 
 /*
- * Compute the coordinates of node j of layer i, a closed line of nodes around the disc's middle
- * block; i is 1 to the number of layers, the last of which is the rim.
+ * Compute the coordinates of node j of layer i in the mesh of a disc. A layer is a closed line of
+ * nodes around the middle block; layers count from 1, and the last one is the rim.
  */
 static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int j, double x[2])
 {

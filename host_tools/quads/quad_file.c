@@ -197,7 +197,7 @@ static int refuse_number(const quad_file *file, const char *what)
 
 /*
  * Copy the bytes of a binary number from the reading position of a mesh file. Returns 0, or -1
- * after writing the error message of the mesh file at the end of the file.
+ * after writing an error message about the mesh file at the end of the file.
  */
 static int take_bytes(quad_file *file, const char *what, void *value, size_t size)
 {
@@ -210,7 +210,7 @@ static int take_bytes(quad_file *file, const char *what, void *value, size_t siz
 
 /*
  * Move the reading position of a mesh file behind a number in text form that ends at `end`. Returns
- * 0, or -1 after writing the error message of the mesh file if no blank, line end or end of the
+ * 0, or -1 after writing an error message about the mesh file if no blank, line end or end of the
  * file follows.
  */
 static int take_number(quad_file *file, const char *what, const char *end)

@@ -44,7 +44,7 @@ uint32_t quad_file_hash(const quad_file *file);
 
 /* ---- text -------------------------------------------------------------- */
 
-/* Move the reading position of a mesh file behind blanks, tabs and line ends. */
+/* Move the reading position of a mesh file past blanks, tabs and line ends. */
 void quad_skip(quad_file *file);
 
 /* Move the reading position to the start of the next line. Returns whether there is a next line. */
@@ -61,7 +61,7 @@ bool quad_take_word(quad_file *file, const char *word);
 /*
  * Read an integer, a size or a real number, in text form or in binary form (4-byte int, 8-byte
  * unsigned size, 8-byte double). A real number must be finite in text form. `what` names the number
- * in an error message. Each function returns 0, or -1 after writing the error message of the mesh
+ * in an error message. Each function returns 0, or -1 after writing an error message about the mesh
  * file.
  */
 int quad_read_int(quad_file *file, const char *what, int *value);
@@ -70,7 +70,7 @@ int quad_read_real(quad_file *file, const char *what, double *value);
 
 /*
  * Check that the rest of the mesh file, behind the reading position, can hold `count` items of at
- * least `bytes` bytes each. Returns 0, or -1 after writing the error message of the mesh file.
+ * least `bytes` bytes each. Returns 0, or -1 after writing an error message about the mesh file.
  */
 int quad_check_count(const quad_file *file, const char *what, int64_t count, size_t bytes);
 

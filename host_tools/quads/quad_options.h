@@ -8,10 +8,10 @@
 #include <stdint.h>
 
 typedef struct quad_options {
-    double unit;     /* unit of length of the mesh file, measured in the unit of length of the scene
-                        file */
-    bool is_flipped; /* true: the outer face is the one from which the elements of the file appear
-                        clockwise */
+    double unit; /* unit of length of the mesh file, given as its size in the unit of length of the
+                    scene file */
+    bool is_flipped; /* true: the outer face of an element is the one from which the mesh file lists
+                        the corners clockwise; false: the other face */
     size_t most_nodes; /* largest number of nodes that a mesh file may have */
 } quad_options;
 

@@ -154,10 +154,10 @@ typedef struct search {
                         so far */
     uint32_t *other; /* [nodes] another node order, whose envelope is compared with the smallest one
                         found so far */
-    uint32_t *level; /* [nodes] distance of each node from the start of a node order, counted in
-                        elements */
-    uint32_t *place; /* [nodes] work memory for counting the entries of the stiffness matrix in its
-                        envelope */
+    uint32_t *level; /* [nodes] number of elements on the shortest way from the first node of a node
+                        order to each node */
+    uint32_t *place; /* [nodes] work memory in which each node's position in an order is stored
+                        while the envelope of the stiffness matrix is counted */
     uint64_t envelope; /* number of stored entries (envelope) of the stiffness matrix's factor for
                           the best node order; UINT64_MAX: no order has been found yet */
 } search;

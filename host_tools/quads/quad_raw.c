@@ -19,7 +19,7 @@ void quad_raw_free(quad_raw *raw)
 
 /*
  * Make room for one more item of `size` bytes in a growing array of nodes, cells or sets of a mesh
- * file. Returns 0, or -1 after writing the error message of the mesh file when memory runs out.
+ * file. Returns 0, or -1 after writing an error message about the mesh file when memory runs out.
  */
 static int make_room(void **items, size_t count, size_t *room, size_t size, const quad_file *file)
 {

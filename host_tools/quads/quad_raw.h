@@ -49,15 +49,16 @@ void quad_raw_free(quad_raw *raw);
 
 /*
  * Append a node or a cell (point, edge, quadrilateral) to the contents of a mesh file. Each
- * function returns 0, or -1 after writing the error message of the mesh file when memory runs out.
+ * function returns 0, or -1 after writing an error message about the mesh file when memory runs
+ * out.
  */
 int quad_raw_add_node(quad_raw *raw, const quad_file *file, const quad_raw_node *node);
 int quad_raw_add_cell(quad_raw *raw, const quad_file *file, const quad_raw_cell *cell);
 
 /*
  * Return the set of the mesh file with a given name whose members have a given number of corners
- * (0: nodes); a new set is added if there is none. Returns NULL after writing the error message of
- * the mesh file when memory runs out.
+ * (0: nodes); a new set is added if there is none. Returns NULL after writing an error message
+ * about the mesh file when memory runs out.
  */
 quad_raw_set *quad_raw_find_set(quad_raw *raw, const quad_file *file, const char *name,
                                 size_t length, int corners);
@@ -73,7 +74,7 @@ int quad_raw_refuse_shape(const quad_file *file, size_t at, int64_t label, const
 
 /*
  * Readers of the mesh file formats, which begin at the start of the file. Each returns 0, or -1
- * after writing the error message of the mesh file.
+ * after writing an error message about the mesh file.
  */
 int quad_read_gmsh(quad_file *file, quad_raw *raw);
 int quad_read_inp(quad_file *file, quad_raw *raw);

@@ -59,8 +59,8 @@ static void lift(sloan *run, uint32_t slot)
 }
 
 /*
- * Remove the candidate for the next number with the highest priority from the heap. Returns the
- * index of this node in the mesh.
+ * Take the node with the highest priority from the binary heap of candidates for the next number.
+ * Returns the index of this node in the mesh.
  */
 static uint32_t take_next(sloan *run)
 {

@@ -24,8 +24,8 @@ long long quad_node_label(const quad_mesh *mesh, size_t node);
 
 /*
  * Replace the numbers of nodes and elements in the mesh file by indices: fill the nodes, the
- * elements and the sets of nodes and elements of the mesh. Returns 0, or -1 after writing the error
- * message of the mesh file.
+ * elements and the sets of nodes and elements of the mesh. Returns 0, or -1 after writing an error
+ * message about the mesh file.
  */
 int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options);
@@ -44,8 +44,8 @@ void quad_topology_free(quad_topology *topology);
 
 /*
  * Find the neighbours of all elements, give the elements one orientation, and fill the mesh's named
- * sets of edges. Returns 0, or -1 after writing the error message of the mesh file: the surface is
- * branched, one-sided or in several parts.
+ * sets of edges. Returns 0, or -1 after writing an error message about the mesh file: the surface
+ * is branched, one-sided or in several parts.
  */
 int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw,
                  const quad_options *options, quad_topology *topology);
@@ -53,7 +53,7 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
 /*
  * Determine the directors (unit normals) and the first local axes of all nodes of a mesh, and
  * report sharp edges and pairs of nodes that are not joined as warnings. Returns 0, or -1 after
- * writing the error message of the mesh file.
+ * writing an error message about the mesh file.
  */
 int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                    quad_warnings *warnings);

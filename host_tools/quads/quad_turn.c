@@ -41,8 +41,9 @@ static uint32_t first_corner(const quad_mesh *mesh, const uint32_t node[4])
 }
 
 /*
- * Adapt the edge numbers (4 element + side) of a set after the corner lists of elements were
- * rotated; first [elements] is the former number of each element's new first corner.
+ * Renumber the sides in a set of edges after the corner lists of elements were rotated; an edge is
+ * the number 4 element + side.
+ *   first  [elements] in  number that the new first corner of each element had before
  */
 static void turn_set(quad_set *set, const uint32_t *first)
 {

@@ -110,7 +110,7 @@ static int find_entity(const gmsh *gmsh, int dimension, int tag)
 /*
  * Return the index of the geometric entity that stands for a physical group in a Gmsh file of
  * version 2.2, where the group number 0 means no group. Returns -1 for no group, and -2 after
- * writing the error message of the mesh file.
+ * writing an error message about the mesh file.
  */
 static int group_of(gmsh *gmsh, int dimension, int physical)
 {
@@ -131,7 +131,7 @@ static int group_of(gmsh *gmsh, int dimension, int physical)
 
 /*
  * Return the set of a physical group of points (dimension 0), edges (1) or quadrilaterals (2), or
- * NULL after writing the error message of the mesh file.
+ * NULL after writing an error message about the mesh file.
  */
 static quad_raw_set *set_of(gmsh *gmsh, int dimension, int tag)
 {
@@ -147,7 +147,7 @@ static quad_raw_set *set_of(gmsh *gmsh, int dimension, int tag)
 
 /*
  * Add every cell (point, edge or quadrilateral) of the Gmsh file to the sets of its physical
- * groups. Returns 0, or -1 after writing the error message of the mesh file.
+ * groups. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int collect_sets(gmsh *gmsh)
 {
@@ -171,7 +171,7 @@ static int collect_sets(gmsh *gmsh)
 
 /*
  * Check that the line that ends a section of the Gmsh file follows. Returns 0, or -1 after writing
- * the error message of the mesh file.
+ * an error message about the mesh file.
  */
 static int end_section(gmsh *gmsh, const char *end)
 {
@@ -216,7 +216,7 @@ static int read_names(gmsh *gmsh)
 
 /*
  * Skip numbers of a Gmsh file that are not needed: bounding boxes (pass_reals), or entities on a
- * boundary (pass_boundary). Returns 0, or -1 after writing the error message of the mesh file.
+ * boundary (pass_boundary). Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int pass_reals(gmsh *gmsh, int count)
 {
@@ -324,8 +324,8 @@ static int read_nodes_2(gmsh *gmsh)
 
 /*
  * Read the positions of a block of nodes whose numbers have been read; `parameters` is the number
- * of surface parameters behind each position, which are skipped. Returns 0, or -1 after writing the
- * error message of the mesh file.
+ * of surface parameters behind each position, which are skipped. Returns 0, or -1 after writing an
+ * error message about the mesh file.
  */
 static int read_places(gmsh *gmsh, size_t first, int parameters)
 {
@@ -364,7 +364,7 @@ static int read_node_block(gmsh *gmsh)
 
 /*
  * Function that reads the next block of a section of the Gmsh file. Returns 0, or -1 after writing
- * the error message of the mesh file.
+ * an error message about the mesh file.
  */
 typedef int read_block(gmsh *gmsh);
 
@@ -373,7 +373,7 @@ typedef int read_block(gmsh *gmsh);
  * items, lowest and highest number of an item, then the blocks.
  *   what   in  name of the items in messages
  *   found  in  number of items that have been read, which grows with each block
- * Returns 0, or -1 after writing the error message of the mesh file.
+ * Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int read_blocks(gmsh *gmsh, const char *what, read_block *read, const size_t *found)
 {
@@ -408,7 +408,7 @@ static int add_element(gmsh *gmsh, const quad_raw_cell *cell)
 
 /*
  * Read an element of a Gmsh file of version 2.2, whose number has been read: first its tags, then
- * its nodes. Returns 0, or -1 after writing the error message of the mesh file.
+ * its nodes. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int read_element_2(gmsh *gmsh, quad_raw_cell *cell, int type, int tags)
 {
@@ -432,7 +432,8 @@ static int read_element_2(gmsh *gmsh, quad_raw_cell *cell, int type, int tags)
 
 /*
  * Read a block of elements of one type from a binary Gmsh file of version 2.2; `left` is the number
- * of elements still to be read. Returns 0, or -1 after writing the error message of the mesh file.
+ * of elements still to be read. Returns 0, or -1 after writing an error message about the mesh
+ * file.
  */
 static int read_element_block_2(gmsh *gmsh, int *left)
 {
@@ -491,8 +492,8 @@ static int read_elements_2(gmsh *gmsh)
 }
 
 /*
- * Read an element of a Gmsh file of version 4.1. Returns 0, or -1 after writing the error message
- * of the mesh file.
+ * Read an element of a Gmsh file of version 4.1. Returns 0, or -1 after writing an error message
+ * about the mesh file.
  */
 static int read_element_4(gmsh *gmsh, int type, int group)
 {
@@ -538,7 +539,7 @@ static int read_elements_4(gmsh *gmsh)
 
 /*
  * Check that the integer 1 in the head of a binary Gmsh file has the byte order of this machine.
- * Returns 0, or -1 after writing the error message of the mesh file.
+ * Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int check_byte_order(gmsh *gmsh)
 {
@@ -581,7 +582,7 @@ static int read_format(gmsh *gmsh)
 
 /*
  * Skip a section of a Gmsh file that is not needed, up to the line that ends it. Returns 0, or -1
- * after writing the error message of the mesh file.
+ * after writing an error message about the mesh file.
  */
 static int skip_section(gmsh *gmsh, const char *name, size_t length)
 {

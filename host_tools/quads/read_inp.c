@@ -175,7 +175,7 @@ static int find_listed(const inp *in, piece name, bool is_elements)
 
 /*
  * Return the index of the set with a given name among the sets of the INP file; a new set is added
- * if there is none. Returns -1 after writing the error message of the mesh file when memory runs
+ * if there is none. Returns -1 after writing an error message about the mesh file when memory runs
  * out.
  */
 static int open_set(inp *in, piece name, bool is_elements)
@@ -202,7 +202,7 @@ static int open_set(inp *in, piece name, bool is_elements)
 
 /*
  * Add one node or element to the set whose members the present keyword of the INP file lists, if it
- * lists a set. Returns 0, or -1 after writing the error message of the mesh file.
+ * lists a set. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int add_member(inp *in, int64_t label, size_t at)
 {
@@ -212,7 +212,7 @@ static int add_member(inp *in, int64_t label, size_t at)
 
 /*
  * Add the members of another set, which must have been defined before, to the set that is being
- * read from the INP file. Returns 0, or -1 after writing the error message of the mesh file.
+ * read from the INP file. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int add_other_set(inp *in, piece name)
 {
@@ -247,7 +247,7 @@ static int node_line(inp *in)
 
 /*
  * Read an element of the INP file; its nodes may continue in the next line if a line ends with a
- * comma. Returns 0, or -1 after writing the error message of the mesh file.
+ * comma. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int element_line(inp *in)
 {
@@ -378,7 +378,7 @@ static options read_options(inp *in)
 
 /*
  * Begin a set of nodes or elements of the INP file: by a keyword *NSET or *ELSET, or by the option
- * of *NODE or *ELEMENT that names a set. Returns 0, or -1 after writing the error message of the
+ * of *NODE or *ELEMENT that names a set. Returns 0, or -1 after writing an error message about the
  * mesh file.
  */
 static int begin_set(inp *in, piece name, bool is_elements, bool is_needed, size_t at)
@@ -468,8 +468,8 @@ static size_t lower_bound(const numbered *entry, size_t count, int64_t label)
 
 /*
  * Add those members of a run of numbers (first, first + step, ...) that exist in the file to the
- * sets of the mesh. A run of one number must exist. Returns 0, or -1 after writing the error
- * message of the mesh file.
+ * sets of the mesh. A run of one number must exist. Returns 0, or -1 after writing an error message
+ * about the mesh file.
  */
 static int take_run(inp *in, const listed_set *from, const run *one, const numbered *entry,
                     size_t count)

@@ -55,7 +55,10 @@ typedef struct draw_scale {
     const char *unit;
 } draw_scale;
 
-/* Return a colour scale that contains values, or extend the range of a scale to contain values. */
+/*
+ * draw_scale_of returns a colour scale whose range contains `count` values; draw_extend extends the
+ * range of a scale so that it contains `count` values.
+ */
 draw_scale draw_scale_of(bool is_signed, const char *unit, const double *value, int count);
 void draw_extend(draw_scale *scale, const double *value, int count);
 

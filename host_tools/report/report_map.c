@@ -86,7 +86,7 @@ typedef struct electrode {
     shell part; /* copy of the drawn mesh with only the elements of this electrode, if the electrode
                    consists of whole elements */
     const scene_patches *patches;
-    int index;                    /* index of the electrode in its grid of patches */
+    int index; /* index of the electrode in its grid of patches or in its list of outlines */
     double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) of the
                                      electrode in the picture, known after drawing */
 } electrode;

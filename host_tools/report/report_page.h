@@ -19,11 +19,13 @@ typedef struct page {
     const mesh *mesh;
     const design *design;
     shell space, map;
-    design_inputs inputs; /* names and unit of what the amplifiers give: voltages or temperatures */
+    design_inputs inputs;      /* words for the inputs that the amplifiers supply, and their unit:
+                                  voltages, or temperatures of heaters */
     char pressure[WORDS_UNIT]; /* unit of pressures and stresses as text; empty if the scene file
                                   names none */
     draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
-    double *vector;   /* [nodes][3] displacement of each node that is drawn */
+    double *vector;   /* [nodes][3] displacement vector of each node in the shape that is drawn
+                         (length unit of the scene) */
     double *wanted;   /* [nodes][3] displacement in which the component that the target prescribes
                          has its target value; NAN at nodes outside the target */
     double *value;    /* [nodes] values that are shown in colours; for a reached shape its misfit,

@@ -159,8 +159,8 @@ void shell_extend(draw_scale *scale, const design *design, const double *value);
 bool shell_is_beyond(const design *design, const voltages *result, int amplifier);
 
 /*
- * Choose the map (flat picture of the surface) on which the patches of each actuator are drawn, so
- * that no patches overlap on a map: fill the members plan and plans.
+ * Distribute the actuators over flat maps of the surface so that patches on one map do not overlap.
+ * The members `plan` (map of each actuator) and `plans` (number of maps) are filled.
  */
 void shell_find_plans(shell *map);
 

@@ -7,8 +7,8 @@
 typedef struct solve_page {
     page page;
     const double *output;       /* values of all outputs of the scene, output after output */
-    const stress_field *stress; /* recovered stresses, which the page shows; NULL: the page shows no
-                                   stresses */
+    const stress_field *stress; /* recovered stresses of the structure, for the maps and tables on
+                                   the page; NULL: the page has none */
     shell_body body;
 } solve_page;
 

@@ -27,18 +27,19 @@ static const double points_of_cell = 4;
 static const double penalty = 1e-6;
 
 /*
- * Smallest share of the variance of y, with x and y relative to their ranges, that a straight line
- * fitted to the given points must leave. Below it the points are regarded as lying on a line: they
- * are about a hundred times as long as wide.
+ * Points are regarded as lying on a straight line where the line explains all but this fraction of
+ * the variance of y: they are then about a hundred times as long as wide (x and y relative to their
+ * ranges).
  */
 static const double narrow = 1e-4;
 
 /* ---- B-splines ---------------------------------------------------------- */
 
 /*
- * Compute the four cubic B-splines that differ from zero in a cell of the spline function, or their
- * first or second derivatives with respect to the coordinate in the cell, which runs from 0 to 1.
- *   derivative in   0, 1 or 2
+ * Compute the four cubic B-splines that differ from zero in a cell of the spline function, or one
+ * of their derivatives with respect to the coordinate `at` in the cell.
+ *   at         in   coordinate in the cell, from 0 to 1
+ *   derivative in   order of the derivative: 0, 1 or 2
  *   value [4]  out  values of the four functions
  */
 static void splines(double at, int derivative, double value[ORDER])
@@ -111,8 +112,8 @@ static void products(const bicubic *function, const double at[2], const int deri
 /* ---- normal equations --------------------------------------------------- */
 
 /*
- * Add a weight times the outer product, with itself, of the vector of the 16 products of B-splines
- * that differ from zero in a cell to the matrix of the normal equations for this cell.
+ * Add a weight times v v^T to the matrix of the normal equations for one cell of the spline
+ * function. The vector v [16] holds the products of B-splines that differ from zero in the cell.
  */
 static void add_square(const double product[TERMS], double weight, double matrix[TERMS][TERMS])
 {

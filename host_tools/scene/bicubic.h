@@ -32,7 +32,7 @@ typedef struct bicubic {
 /* Value of a bicubic spline function at a point (x, y), with its first and second derivatives. */
 typedef struct bicubic_jet {
     double value;
-    double first[2];  /* first derivatives of the spline function with respect to x and y */
+    double first[2];  /* derivatives of the spline function with respect to x and to y */
     double second[3]; /* second derivatives of the spline function: twice with respect to x, twice
                          with respect to y, and mixed */
 } bicubic_jet;

@@ -47,8 +47,8 @@ expr *expr_from_points(const char *text, int axes, const int *axis, size_t count
                        const double *point, const double *value);
 
 /*
- * Build a function from a list of values, one for each row of a target: a controlled displacement,
- * or an output of a measured influence matrix.
+ * Build a function from a list of values, one for each row of a target. A row is a controlled
+ * displacement, which may be an output of a measured influence matrix.
  *   text   in           description for reports
  *   value  [count]  in  values in the order of the rows
  * Returns NULL when memory runs out.

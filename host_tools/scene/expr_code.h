@@ -56,7 +56,9 @@ struct expr {
     int axes, axis[SCATTER_AXES]; /* number of coordinates of the scattered points, and index of
                                      each among the coordinates x, y, z in space and theta1, theta2
                                      on the surface */
-    double spacing; /* usual distance between neighbouring points of an interpolated function */
+    double spacing; /* median distance of a scattered point to its nearest neighbour, where the
+                       function interpolates between points; used to judge how far a place lies from
+                       the data */
     double *list;   /* [rows] values of a function that is given as a list, one for each row of a
                        target (controlled displacement); NULL for other functions */
     int rows;

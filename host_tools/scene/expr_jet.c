@@ -8,7 +8,10 @@
 #include <string.h>
 #include "expr_code.h"
 
-/* Value, first and second derivative of a function of one variable. */
+/*
+ * Value, first and second derivative of a function of one variable, with which the chain rule is
+ * applied to formulas.
+ */
 typedef struct slope1 {
     double value, first, second;
 } slope1;

@@ -10,7 +10,8 @@ enum { GAUSS_POINTS = 8 };
  * times the function at `place`.
  */
 typedef struct gauss_point {
-    double place;  /* coordinate of the quadrature point, in the unit of the interval */
+    double place;  /* coordinate of the quadrature point in the interval, in the same unit as the
+                      ends of the interval */
     double weight; /* weight of the point, in the unit of the interval; the weights add up to its
                       length */
 } gauss_point;

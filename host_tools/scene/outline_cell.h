@@ -23,9 +23,9 @@ typedef struct outline_cell {
                           outlines, counterclockwise */
     double centre[2]; /* mean of the four corners of a cell (element or part of one) in the plane of
                          the electrode outlines */
-    double ratio[3];  /* area of the surface divided by its projection on the plane of the electrode
-                         outlines, at the centre of the cell (element or part of one), and its two
-                         derivatives along the coordinates of the plane */
+    double ratio[3];  /* ratio of two areas in a cell (element or part of one), area of the surface
+                         over area in the plane of the electrode outlines: value at the centre of
+                         the cell, then derivatives along the two coordinates of the plane */
     double plane_area; /* area of the cell (element or part of one) in the plane of the electrode
                           outlines */
     double area; /* area of the cell (element or part of one) on the surface, from its area in the

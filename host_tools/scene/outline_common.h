@@ -7,9 +7,9 @@
 
 /*
  * Return the area of an element that two electrodes of different layers cover together, as a
- * fraction of the area of the element. If one of the two is given by a formula, or if their
- * outlines lie in different planes, the result is the product of the fractions that each electrode
- * covers, as for areas at independent random places.
+ * fraction of the area of the element. Polygons in one plane are intersected. If one of the two
+ * electrodes is given by a formula, or if their outlines lie in different planes, both areas are
+ * taken as independent: the result is the product of the fractions that the electrodes cover.
  */
 double outline_common_share(const scene *scene, const scene_patches *one, int electrode,
                             const scene_patches *other, int other_electrode, int element);

@@ -9,8 +9,8 @@
 #include "outline_cell.h"
 
 /*
- * Number of squares along a side of the grid into which an element is divided, and values of an
- * electrode's formula at the corners of the squares.
+ * Grid that divides an element into FORMULA_GRID x FORMULA_GRID squares. A formula_grid holds the
+ * values of an electrode's formula at the corners of these squares.
  */
 enum { FORMULA_GRID = 16 };
 typedef double formula_grid[FORMULA_GRID + 1][FORMULA_GRID + 1];

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Comparison of the electrodes of one layer, which must not overlap. The areas of polygons are
- * compared exactly; a common area of a thousandth of the smaller electrode is allowed, for rounding
- * and for arcs that are drawn by straight sides. An electrode that is given by a formula overlaps
- * another one where both cover a whole square of an 8 x 8 grid in an element, or where both cover
- * more than the element together.
+ * Check that the electrodes of one layer do not overlap.
+ *
+ * Two polygons may have a common area of a thousandth of the smaller electrode, for rounding and
+ * for arcs that are drawn by straight sides; their areas are compared exactly. For an electrode
+ * that is given by a formula, each element is divided into 8 x 8 squares. The electrode overlaps
+ * another one where both cover the whole of one square, or where the parts of an element that they
+ * cover add up to more than the element.
  */
 #ifndef OUTLINE_OVERLAP_H
 #define OUTLINE_OVERLAP_H

@@ -36,8 +36,9 @@ typedef struct hexagon_pattern {
  * with the second coordinate fastest.
  */
 typedef struct grid_pattern {
-    double from[2], to[2]; /* corner of the rectangle with the smallest coordinates, and corner with
-                              the largest coordinates, before the rotation by `angle` */
+    double from[2], to[2]; /* corners of the rectangle that the grid of electrodes divides, before
+                              its rotation by `angle`: `from` has the smallest coordinates, `to` the
+                              largest */
     double gap, angle; /* gap: distance between neighbouring electrodes (length); angle: rotation of
                           the whole grid about the middle of the rectangle that it divides (degrees)
                         */

@@ -180,8 +180,8 @@ static int check_place(const outline_work *work, int electrode, const electrode_
 }
 
 /*
- * Append the parts of all elements that one electrode covers to the list of covered parts. Returns
- * 0, or -1 with error filled.
+ * For one electrode, find the part of every element that the electrode covers, and append these
+ * parts to the list. Returns 0, or -1 with error filled.
  */
 static int add_electrode(outline_work *work, int electrode)
 {

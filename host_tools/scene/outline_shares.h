@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Part of the area of each element that an electrode with an outline of any shape covers. Outlines
- * are drawn in a plane, either of two coordinates in space or of the surface coordinates theta1 and
- * theta2. Polygons are clipped to the element, whose sides are straight in this plane. The ratio of
- * the areas on the surface and in the plane is taken as linear over an element, so that the parts
- * are exact on plates and on polar meshes, and of second order in the size of the elements
- * elsewhere. A formula is taken as linear on the triangles of a 16 x 16 grid in each element. The
- * parts of electrodes that cover an element together add up to 1.
+ * Part of the area of each element that an electrode with an outline of any shape covers.
+ *
+ * Outlines are drawn in a plane, either of two coordinates in space or of the surface coordinates
+ * theta1 and theta2. Polygons are clipped to the element, whose sides are straight in this plane.
+ * The ratio of the areas on the surface and in the plane is taken as linear over an element. The
+ * parts are therefore exact on plates and on polar meshes; elsewhere their error is of second order
+ * in the size of the elements. A formula is taken as linear on the triangles of a 16 x 16 grid in
+ * each element. Where electrodes together cover the whole of an element, their parts add up to 1.
  */
 #ifndef OUTLINE_SHARES_H
 #define OUTLINE_SHARES_H

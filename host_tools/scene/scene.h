@@ -19,9 +19,10 @@
 #include "spline.h"
 
 /*
- * Sizes and limits: bytes of a name (SCENE_NAME), bytes of the name of an amplifier or electrode, a
- * name followed by its position _i_j in a grid (SCENE_LABEL), largest number of mesh nodes
- * (SCENE_NODES), largest number of functions whose best fit is removed from a target (SCENE_FREE).
+ * Sizes and limits of a scene. SCENE_NAME: bytes of a name. SCENE_LABEL: bytes of the name of an
+ * amplifier or electrode, which is a name and its position _i_j in a grid. SCENE_NODES: largest
+ * number of mesh nodes. SCENE_FREE: largest number of functions whose best fit is removed from a
+ * target.
  */
 enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_NODES = 60000, SCENE_FREE = 16 };
 
@@ -320,8 +321,9 @@ typedef struct scene_spring {
     scene_direction about; /* axis of torsional springs: a rotation of the shell about it twists
                               them */
     scene_face face;       /* face of the shell to which the springs are attached */
-    double stiffness; /* stiffness of a spring: force per elongation, also per length or area; for a
-                         torsional spring moment per angle (rad) */
+    double stiffness; /* stiffness of one spring, or of springs per length or area, as `per` tells:
+                         force per elongation, for a torsional spring moment per angle (rad), in the
+                         units of the scene file */
     int per;          /* whether `stiffness` is that of one spring, or per length or area: a value
                                 of scene_per */
     double force; /* blocked force (force without elongation) of a stack actuator per volt (or other
@@ -436,8 +438,9 @@ typedef struct scene_load {
 typedef enum scene_body_type { BODY_PLANE, BODY_CYLINDER, BODY_SPHERE, BODY_PSI } scene_body_type;
 typedef struct scene_body {
     scene_body_type type;
-    double point[3];  /* coordinates of a point on a plane, of a point on the axis of a cylinder, or
-                         of the centre of a sphere */
+    double point[3];  /* point that fixes the position of a rigid body: a point of a plane, a point
+                         on the axis of a cylinder, or the centre of a sphere (length unit of the
+                         scene file) */
     double normal[3]; /* unit normal of the plane that bounds a rigid body, pointing out of the body
                        */
     double axis[3];   /* unit vector along the axis of a rigid cylinder */
@@ -524,8 +527,9 @@ typedef struct scene_output {
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
                                        neither a displacement nor a quantity of contact; only
                                        ELECTRIC_POTENTIAL has a place on the mesh */
-    bool of_sensor;   /* true: the output is a voltage or charge of sensor electrodes; false: of
-                         electrodes that amplifiers drive; only for electric outputs */
+    bool of_sensor;   /* type of the electrodes of an electric output (voltage, charge): true:
+                         electrodes of sensors; false: electrodes that amplifiers drive; other
+                         outputs do not use this member */
     int first, count; /* range of the electrodes of an electric output: numbers first to first +
                          count - 1 */
     scene_where where;
@@ -571,8 +575,9 @@ typedef struct scene_compare {
 /* Own limits of the amplifiers with the numbers first to first + count - 1. */
 typedef struct scene_limit {
     int first, count;
-    bool has_voltage;    /* whether these amplifiers have voltage limits of their own; otherwise the
-                            limits of all amplifiers apply to them */
+    bool has_voltage;    /* whether the amplifiers from `first` on, `count` in number, have voltage
+                            limits of their own; otherwise the limits of all amplifiers apply to
+                            them */
     double lower, upper; /* lower and upper voltage limit (V); equal limits fix the voltage */
     double step_limit; /* largest change of the voltage in one tick (V); infinite if not given; the
                           narrowest of all step limits of an amplifier applies */
@@ -606,7 +611,8 @@ typedef struct scene_limits {
                           the common ones, and step limits, which narrow the common one */
     int rows;
     int absolute_rows;    /* number of limits of sums of absolute values, the last ones in `row` */
-    scene_limit_row *row; /* [rows] limits of differences and of weighted sums of voltages */
+    scene_limit_row *row; /* [rows] limits of differences, of weighted sums and, at the end, of sums
+                             of absolute values of voltages */
     scene_at at;
 } scene_limits;
 
@@ -797,9 +803,9 @@ typedef struct scene_measured_mode {
     double frequency; /* natural frequency of a measured vibration mode (Hz) */
     double *shape; /* [outputs] displacement of each output in the measured vibration mode, in any
                       unit */
-    double *response; /* [amplifiers] coordinate of the vibration mode in equilibrium per volt of
-                         each amplifier: times the shape, the part of the mode in a column of the
-                         influence matrix; NULL where the scene does not give it */
+    double *response; /* [amplifiers] static coordinate of the vibration mode per volt of each
+                         amplifier; this coordinate times the mode's shape is the mode's part of the
+                         influence matrix column; NULL where the scene does not give it */
 } scene_measured_mode;
 
 typedef struct scene_influence {

@@ -79,8 +79,9 @@ int scene_check_names(const scene *scene, char *error)
 /* ---- surface and mesh ---- */
 
 /*
- * Number of intervals into which the range of a surface coordinate is divided; the geometry of the
- * surface is checked at their ends. A practical surface curves little within one interval.
+ * Number of intervals into which the range of a surface coordinate is divided for checks of the
+ * surface's geometry; the checks are made at the ends of the intervals. A practical surface curves
+ * little within one interval.
  */
 enum { SAMPLES = 2000 };
 
@@ -267,8 +268,8 @@ static int snap(const scene_line *line, double *coordinate, int *is_on)
 /* ---- places ---- */
 
 /*
- * Check that a rectangular region contains mesh lines of both directions, and widen its limits by a
- * tolerance for rounding errors.
+ * Check that a rectangular region contains at least one mesh line of each surface coordinate. The
+ * limits of the region are widened by a tolerance for rounding errors.
  */
 static int check_region(const scene *scene, scene_where *where, char *error)
 {

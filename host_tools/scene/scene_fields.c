@@ -203,8 +203,8 @@ static int check_keys(reader *reader, int node, const field *fields)
 
 /*
  * Read the value of a key with the function that its row of the table of keys names, after refusing
- * words that the scene language no longer has. Returns 0, or -1 after writing the error message of
- * the YAML tree.
+ * words that the scene language no longer has. Returns 0, or -1 after writing an error message
+ * about the scene file.
  */
 static int read_child(reader *reader, int node, const field *field, void *to)
 {
@@ -621,8 +621,8 @@ static int case_has(const form_case *one, const char *key)
 }
 
 /*
- * Return the permitted combination of keys (form_case) for a given word as value of the key `type`,
- * or NULL if there is none.
+ * Return the permitted combination of the keys of a mapping whose key `type` has the given word as
+ * its value. If there is none, the entry that ends the list is returned.
  */
 static const form_case *case_of_type(const form_case *cases, const char *word)
 {

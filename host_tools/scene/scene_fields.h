@@ -9,8 +9,9 @@
 #include "scene_reader.h"
 
 /*
- * Function that reads the value of a YAML node into *to. Returns 0, or -1 after writing the error
- * message of the YAML tree.
+ * Function that reads the value of a YAML node into the C object at `to`. The argument `rule` holds
+ * what the row of the table of keys states for this function, such as a permitted range. Returns 0,
+ * or -1 after writing an error message about the scene file.
  */
 typedef int field_read(reader *reader, int node, void *to, const void *rule);
 
@@ -128,7 +129,8 @@ int case_item_has(const case_item *item, const char *key);
 
 /*
  * Check the keys of a YAML mapping against the permitted combination (form_case) for its key `type`
- * with the given word as value. Returns 0, or -1 after writing the error message of the YAML tree.
+ * with the given word as value. Returns 0, or -1 after writing an error message about the scene
+ * file.
  */
 int check_type_case(reader *reader, int node, const form_case *cases, const char *word);
 
@@ -145,7 +147,7 @@ extern const form scene_form;
 /*
  * Read a YAML mapping into the C struct at `to`: unknown keys are rejected, the values are read in
  * the order of the table `fields`, and missing required keys are reported. Returns 0, or -1 after
- * writing the error message of the YAML tree.
+ * writing an error message about the scene file.
  */
 int read_map(reader *reader, int node, const field *fields, void *to);
 
@@ -182,21 +184,21 @@ extern const form number_form, above_zero_form, not_negative_form, formula_form,
     label_form, labels_form, triple_form, flag_form;
 
 /*
- * Check that a YAML node is a scalar, a list or a mapping. Returns 0, or -1 after writing the error
- * message of the YAML tree.
+ * Check that a YAML node is a scalar, a list or a mapping. Returns 0, or -1 after writing an error
+ * message about the scene file.
  */
 int require_kind(reader *reader, int node, tree_kind kind);
 
 /*
  * Allocate zeroed items of `size` bytes, one for each child of a YAML list or mapping. Returns NULL
- * after writing the error message of the YAML tree if the node is of another kind or has too many
- * children; *count is 0 for an empty node.
+ * after writing an error message about the scene file if the node is of another kind or has too
+ * many children; *count is 0 for an empty node.
  */
 void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *count);
 
 /*
- * Function that reads a YAML node into one zeroed item of a list. Returns 0, or -1 after writing
- * the error message of the YAML tree.
+ * Function that reads a YAML node into one zeroed item of a list. Returns 0, or -1 after writing an
+ * error message about the scene file.
  */
 typedef int item_read(reader *reader, int node, void *item);
 
@@ -212,7 +214,7 @@ int read_items(reader *reader, int node, void *items, size_t size, item_read *re
  * Read a name from a YAML node, and find the index of the item with this name in an array whose
  * items begin with their names.
  *   missing in  format of the error message where no item has the name; %s is the name
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 int read_index(reader *reader, int node, const void *items, int count, size_t size,
                const char *missing, int *index);

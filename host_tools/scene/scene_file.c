@@ -33,9 +33,9 @@ static void scale_column(number_table *table, size_t column, double factor)
 }
 
 /*
- * Convert the columns of a table that hold the coordinates x, y and z in a stated unit, such as
- * "x [mm]", to the unit of length of the scene. Returns 0, or -1 after writing the error message of
- * the YAML tree.
+ * Convert the columns of a table that hold the coordinates x, y and z in a stated unit, such as "x
+ * [mm]", to the unit of length of the scene. Returns 0, or -1 after writing an error message about
+ * the scene file.
  */
 static int convert_coordinates(reader *reader, int node, number_table *table)
 {
@@ -84,8 +84,8 @@ int scene_table_read(reader *reader, int node, number_table *table)
 }
 
 /*
- * Check that one entry of a table is finite. Returns 0, or -1 after writing the error message of
- * the YAML tree, with the row and column of the entry in the file.
+ * Check that one entry of a table is finite. Returns 0, or -1 after writing an error message about
+ * the scene file, with the row and column of the entry in the file.
  */
 static int check_finite(reader *reader, int node, const number_table *table, size_t row,
                         size_t column)
@@ -147,7 +147,8 @@ static int listed_column(const number_table *table, const char *name, int k)
 
 /*
  * Find the columns of a table that hold a function, from the list of columns in the scene file: the
- * coordinates, then the value. Returns 0, or -1 after writing the error message of the YAML tree.
+ * coordinates, then the value. Returns 0, or -1 after writing an error message about the scene
+ * file.
  */
 static int take_listed(reader *reader, const function_text *text, const number_table *table,
                        function_columns *columns)
@@ -182,8 +183,8 @@ static int take_listed(reader *reader, const function_text *text, const number_t
 
 /*
  * Find the columns of a table that hold a function, from the names of the columns: coordinates by
- * their names, and one other column for the value. Returns 0, or -1 after writing the error message
- * of the YAML tree.
+ * their names, and one other column for the value. Returns 0, or -1 after writing an error message
+ * about the scene file.
  */
 static int take_named(reader *reader, const function_text *text, const number_table *table,
                       function_columns *columns)
@@ -220,8 +221,8 @@ static int take_named(reader *reader, const function_text *text, const number_ta
  *   node  in  YAML node of the key that the values belong to, whose physical dimension the reader
  *         knows
  *   text  in/out  in: scale as the scene file states it; out: scale to the units of the scene
- * Returns 0, or -1 after writing the error message of the YAML tree: the unit has another dimension
- * than the key, or both the unit and `scale` convert the numbers.
+ * Returns 0, or -1 after writing an error message about the scene file: the unit has another
+ * dimension than the key, or both the unit and `scale` convert the numbers.
  */
 static int convert_values(reader *reader, int node, const number_table *table, int column,
                           function_text *text)
@@ -244,7 +245,7 @@ static int convert_values(reader *reader, int node, const number_table *table, i
  * Copy the coordinates and values of a function from a table.
  *   point  [rows][axes] out  coordinates of each point
  *   value  [rows]       out  value at each point
- * Returns 0, or -1 after writing the error message of the YAML tree if an entry is not finite.
+ * Returns 0, or -1 after writing an error message about the scene file if an entry is not finite.
  */
 static int copy_columns(reader *reader, const function_text *text, const number_table *table,
                         const function_columns *columns, double *point, double *value)
@@ -387,7 +388,7 @@ static int read_list(reader *reader, int node, scene_numbers *numbers)
 
 /*
  * Copy a list of numbers from a column of a table, or from its only row. Returns 0, or -1 after
- * writing the error message of the YAML tree.
+ * writing an error message about the scene file.
  */
 static int copy_list(reader *reader, int node, function_text *text, const number_table *table,
                      scene_numbers *numbers)

@@ -20,15 +20,15 @@ char *scene_file_path(const reader *reader, const char *name);
 
 /*
  * Read the table of numbers whose file name is the text of a YAML node. Returns 0, or -1 after
- * writing the error message of the YAML tree, with the position in the scene file and the position
- * in the file.
+ * writing an error message about the scene file, with the position in the scene file and the
+ * position in the file.
  */
 int scene_table_read(reader *reader, int node, number_table *table);
 
 /*
- * Return the coordinate that a column of a file holds according to its name, whose first letter may
- * be a capital and which may have a unit in brackets behind it: the index among x, y, z (in space),
- * theta1 and theta2 (on the surface), or -1 for any other name.
+ * Return which coordinate a column of a file holds, according to its name: the index among x, y, z
+ * (in space), theta1 and theta2 (on the surface), or -1 for any other name. The name may begin with
+ * a capital, and a unit in brackets may follow it.
  */
 int scene_file_axis(const char *name);
 

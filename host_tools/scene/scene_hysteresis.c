@@ -18,7 +18,7 @@ typedef struct list_rule {
 /*
  * Read a list of numbers into the scene_short_list `to`.
  *   rule  in  a list_rule: permitted range of the numbers and permitted lengths of the list
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 static int read_numbers(reader *reader, int node, void *to, const void *rule)
 {
@@ -90,7 +90,7 @@ const form hysteresis_form = {.type = FORM_MAP, .fields = hysteresis_fields};
 
 /*
  * Check the rules between the numbers of the section `hysteresis`: ascending voltages and slacks,
- * and lists of equal lengths. Returns 0, or -1 after writing the error message of the YAML tree.
+ * and lists of equal lengths. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_hysteresis(reader *reader, int node, const scene_hysteresis *hysteresis)
 {

@@ -42,7 +42,7 @@ static const char *const axis_name[AXES] = {"x", "y", "z"};
 /*
  * In the table of a measured influence matrix, separate the columns of coordinates from those of
  * the matrix; only a table whose rows are outputs can have coordinates. Returns 0, or -1 after
- * writing the error message of the YAML tree.
+ * writing an error message about the scene file.
  */
 static int separate_columns(reader *reader, influence_text *text)
 {
@@ -76,8 +76,8 @@ static void remove_unit(char *name)
 /*
  * Convert the columns of a measured influence matrix whose names end with a unit, such as "a1
  * (um/V)", to the units of the scene, and remove the unit from the name. Returns 0, or -1 after
- * writing the error message of the YAML tree: the unit is none of an influence matrix, or the key
- * `scale` converts the numbers, too.
+ * writing an error message about the scene file: the unit is none of an influence matrix, or the
+ * key `scale` converts the numbers, too.
  */
 static int convert_columns(reader *reader, influence_text *text)
 {
@@ -130,7 +130,7 @@ static double entry(const influence_text *text, int output, int actuator, char *
  * Compare a number of names, points or flags in the scene file with the number of outputs (or
  * actuators) of the measured influence matrix. If a number of outputs equals that of the actuators,
  * or the reverse, the error message says that the matrix is transposed. Returns 0, or -1 after
- * writing the error message of the YAML tree.
+ * writing an error message about the scene file.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)

@@ -45,8 +45,8 @@ const form measured_modes_form = {
     .type = FORM_LIST, .item = &mode_form, .least = 1, .most = MOST_MODES};
 
 /*
- * Read a list of numbers of a given length. Returns NULL after writing the error message of the
- * YAML tree.
+ * Read a list of numbers of a given length. Returns NULL after writing an error message about the
+ * scene file.
  */
 static double *read_numbers(reader *reader, int node, int count, const char *what)
 {

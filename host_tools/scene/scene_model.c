@@ -142,7 +142,8 @@ static const char *first_given(const reader *reader, int node, const char *const
 
 /*
  * Check that the scene file gives all keys of a list for a material. Returns 0, or -1 after writing
- * the error message of the YAML tree, which names the first missing key and all keys of the list.
+ * an error message about the scene file, which names the first missing key and all keys of the
+ * list.
  */
 static int require(reader *reader, int node, const char *const *keys)
 {
@@ -254,7 +255,8 @@ static int read_stiffness(reader *reader, int node, void *to, const void *rule)
 
 /*
  * Compute the engineering constants of a material from the inverse of its stiffness matrix. Returns
- * 0, or -1 after writing the error message of the YAML tree if the matrix is not positive definite.
+ * 0, or -1 after writing an error message about the scene file if the matrix is not positive
+ * definite.
  */
 static int elastic_stiffness(reader *reader, int node, material_text *text)
 {
@@ -588,7 +590,7 @@ const form layers_form = {.type = FORM_LIST, .item = &layer_form, .least = 1};
 /*
  * Check a piezoelectric layer with bare faces (without electrodes): its material needs
  * piezoelectric constants and permittivities, and interdigitated electrodes contradict a bare face.
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_bare(reader *reader, int node, const scene_layer *layer)
 {
@@ -724,8 +726,8 @@ const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000}
 
 /*
  * Check and read patches whose electrodes are given by outlines: their layer is continuous, and
- * they may have neither coordinate ranges nor element sets. Returns 0, or -1 after writing the
- * error message of the YAML tree.
+ * they may have neither coordinate ranges nor element sets. Returns 0, or -1 after writing an error
+ * message about the scene file.
  */
 static int read_outlined(reader *reader, int node, scene_patches *patches)
 {

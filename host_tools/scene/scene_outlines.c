@@ -26,8 +26,8 @@ static int out_of_memory(reader *reader, int node)
 
 /*
  * Refuse a pattern of electrodes whose gap between electrodes leaves none; `size` is the smallest
- * width of any electrode of the pattern. Returns 0, or -1 after writing the error message of the
- * YAML tree.
+ * width of any electrode of the pattern. Returns 0, or -1 after writing an error message about the
+ * scene file.
  */
 static int check_gap(reader *reader, int node, double gap, double size)
 {
@@ -43,8 +43,8 @@ static int check_gap(reader *reader, int node, double gap, double size)
 /* ---- polygons --------------------------------------------------------- */
 
 /*
- * Refuse a list of points that is not the outline of an area. Returns 0, or -1 after writing the
- * error message of the YAML tree.
+ * Refuse a list of points that is not the outline of an area. Returns 0, or -1 after writing an
+ * error message about the scene file.
  */
 static int check_polygon(reader *reader, int node, const double (*point)[2], size_t count)
 {
@@ -359,8 +359,8 @@ static int add_row(const bitmap_text *text, const number_table *table, size_t ro
 }
 
 /*
- * Return the number of electrodes that the pixels of a bitmap name, or -1 after writing the error
- * message of the YAML tree.
+ * Return the number of electrodes that the pixels of a bitmap name, or -1 after writing an error
+ * message about the scene file.
  */
 static int count_labels(reader *reader, const bitmap_text *text, const number_table *table)
 {

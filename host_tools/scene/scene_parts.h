@@ -37,7 +37,7 @@ int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[
 
 /*
  * Read a point on a mesh from a file, a mapping of x, y and z, and find the mesh node nearest to it
- * (scene_quads.c). Returns 0, or -1 after writing the error message of the YAML tree.
+ * (scene_quads.c). Returns 0, or -1 after writing an error message about the scene file.
  */
 int read_place(reader *reader, int node, scene_where *where);
 
@@ -56,8 +56,8 @@ int check_triads(scene *scene, char *error);
 field_read read_element, read_materials, read_layers, read_reference, read_patches;
 
 /*
- * Functions that read springs, the piezoelectric stacks of an actuator (into the scene_actuator at
- * `to`), and a direction given as a word or a vector (into the scene_direction at `to`), in
+ * Readers of springs, of the piezoelectric stacks of an actuator (into the scene_actuator at `to`),
+ * and of a direction, which is a word or a vector (into the scene_direction at `to`); see
  * scene_springs.c.
  */
 field_read read_springs, read_stacks, read_any_direction;
@@ -104,9 +104,9 @@ field_read read_measured_target;
 int scene_check_influence(const scene *scene, char *error);
 
 /*
- * Return the end of an error message that suggests to transpose the measured influence matrix of a
- * scene, or an empty text where the scene has none or its matrix has no more actuators than
- * outputs.
+ * Return an advice that an error message may end with: to transpose the measured influence matrix
+ * of a scene. The text is empty where the scene has no such matrix, or one without more actuators
+ * than outputs.
  */
 const char *scene_transposed_hint(const scene *scene);
 
@@ -143,22 +143,23 @@ field_read read_reversed, read_swapped;
 
 /*
  * Read a YAML list of names of actuators or single amplifiers, and append the numbers of their
- * amplifiers to an allocated list. Returns 0, or -1 after writing the error message of the YAML
- * tree.
+ * amplifiers to an allocated list. Returns 0, or -1 after writing an error message about the scene
+ * file.
  */
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
 /*
- * Functions that read limits of differences of voltages, of weighted sums and of sums of absolute
- * values (scene_rows.c); and the forms of these limits, from which schema and help are made.
+ * Readers of limits between amplifiers (scene_rows.c): of a difference of two voltages, of a
+ * weighted sum, and of a sum of absolute values. The forms describe their keys for the schema and
+ * the help.
  */
 field_read read_difference, read_sum, read_absolute_sum;
 extern const form difference_form, sum_form, absolute_sum_form;
 
 /*
- * Refuse a scene file that has limits of sums or differences of voltages together with a function
- * of the control loop that cannot observe them, such as the self-test, which moves one amplifier
- * after the other. Returns 0, or -1 with error filled.
+ * Refuse a scene file that limits sums or differences of voltages and also asks for a function of
+ * the control loop that disregards such limits, for example the self-test, which moves amplifiers
+ * one by one. Returns 0, or -1 with error filled.
  */
 int scene_check_rows(const scene *scene, char *error);
 

@@ -16,8 +16,8 @@ typedef struct points_text {
 
 /*
  * Record that column k of a file of points in space holds the coordinate number `axis` (0, 1, 2 for
- * x, y, z); a column of any other quantity is ignored. Returns 0, or -1 after writing the error
- * message of the YAML tree if an earlier column holds the same coordinate.
+ * x, y, z); a column of any other quantity is ignored. Returns 0, or -1 after writing an error
+ * message about the scene file if an earlier column holds the same coordinate.
  *   column [3] in/out  index of the column of x, y and z, or -1
  */
 static int take_column(reader *reader, int node, int axis, int k, int column[SCENE_AXES])
@@ -35,7 +35,7 @@ static int take_column(reader *reader, int node, int axis, int k, int column[SCE
 /*
  * Find the columns of the coordinates x, y and z in a file of points.
  *   column [3] out  index of the column of each coordinate, or -1 where the file has none
- * Returns 0, or -1 after writing the error message of the YAML tree if no column holds a
+ * Returns 0, or -1 after writing an error message about the scene file if no column holds a
  * coordinate.
  */
 static int find_columns(reader *reader, const points_text *text, const number_table *table,
@@ -131,7 +131,7 @@ int scene_points_table(reader *reader, int node, number_table *table, int column
 
 /*
  * Copy the rows of a table of points as coordinates x, y and z. Returns the number of points, or 0
- * after writing the error message of the YAML tree.
+ * after writing an error message about the scene file.
  */
 static size_t copy_points(reader *reader, int node, const number_table *table, const int column[3],
                           double (*point)[3])

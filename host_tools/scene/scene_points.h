@@ -16,7 +16,7 @@ extern const form scene_points_form;
  *   table   out      one row for each point, released by the caller also after an error;
  *                    coordinates that a list leaves out are 0
  *   column  [3] out  number of the column of x, y and z in the table; -1 where a file has none
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 int scene_points_table(reader *reader, int node, number_table *table, int column[SCENE_AXES]);
 
@@ -25,7 +25,7 @@ int scene_points_table(reader *reader, int node, number_table *table, int column
  *   cells    [2] in   numbers of cells of the piecewise bicubic height function along x and
  *                     y; 0: about four points to a cell
  *   function     out  height z over x and y, released by the caller
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 int scene_points_fit(reader *reader, int node, const int cells[2], bicubic *function);
 

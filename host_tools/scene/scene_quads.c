@@ -257,7 +257,8 @@ static const quad_set **allocate_places(const quad_mesh *mesh)
 
 /*
  * Refuse a name with *, which stands for several sets of the mesh file, where one set is needed.
- * The message names the sets that fit. Returns -1 after writing the error message of the YAML tree.
+ * The message names the sets that fit. Returns -1 after writing an error message about the scene
+ * file.
  */
 static int refuse_pattern(reader *reader, int node, const char *pattern)
 {
@@ -279,7 +280,7 @@ static int refuse_pattern(reader *reader, int node, const char *pattern)
 
 /*
  * Read the name of a set of the mesh file, or a pattern of such names, on which a support, load or
- * output acts. Returns 0, or -1 after writing the error message of the YAML tree.
+ * output acts. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int read_set_name(reader *reader, int node, scene_where *where, const void *rule)
 {
@@ -334,7 +335,7 @@ int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[
 /*
  * Find the element sets that a name, or a pattern with *, stands for, in the order of their names.
  *   found  [element sets of the mesh] out  whether each set was found
- * Returns their number, or -1 after writing the error message of the YAML tree.
+ * Returns their number, or -1 after writing an error message about the scene file.
  */
 static int find_sets(reader *reader, int node, const quad_set **found)
 {
@@ -354,7 +355,7 @@ static int find_sets(reader *reader, int node, const quad_set **found)
 
 /*
  * Check that an element set has elements, because a patch without elements has no effect. Returns
- * 0, or -1 after writing the error message of the YAML tree.
+ * 0, or -1 after writing an error message about the scene file.
  */
 static int check_set(reader *reader, int node, const quad_set *set)
 {
@@ -365,13 +366,13 @@ static int check_set(reader *reader, int node, const quad_set *set)
 
 /*
  * Function that read_sets calls for each element set of a YAML list of set names. Returns 0, or -1
- * after writing the error message of the YAML tree.
+ * after writing an error message about the scene file.
  */
 typedef int set_action(reader *reader, int node, const quad_set *set, void *to);
 
 /*
  * Check that a YAML node is a list and that the mesh of the scene comes from a file. Returns 0, or
- * -1 after writing the error message of the YAML tree.
+ * -1 after writing an error message about the scene file.
  */
 static int check_set_list(reader *reader, int node)
 {
@@ -382,7 +383,7 @@ static int check_set_list(reader *reader, int node)
 
 /*
  * Call a function for every element set that a YAML list of names and patterns stands for. Returns
- * 0, or -1 after writing the error message of the YAML tree.
+ * 0, or -1 after writing an error message about the scene file.
  */
 static int read_sets(reader *reader, int node, set_action *action, void *to)
 {
@@ -423,8 +424,8 @@ int read_layer_sets(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Make the elements of a set the next patch of a list of patches. Returns 0, or -1 after writing
- * the error message of the YAML tree if an element already belongs to another patch.
+ * Make the elements of a set the next patch of a list of patches. Returns 0, or -1 after writing an
+ * error message about the scene file if an element already belongs to another patch.
  */
 static int add_patch(reader *reader, int node, const quad_set *set, void *to)
 {

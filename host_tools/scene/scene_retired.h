@@ -12,7 +12,7 @@
 typedef enum retired_type {
     RETIRED_KEY,  /* a retired key of a scene (a key that is no longer read) is replaced by its new
                      name */
-    RETIRED_WORD, /* a retired word, which is the value of a key, is replaced by another word */
+    RETIRED_WORD, /* a retired word that is the value of a key is replaced by its new word */
     RETIRED_SLEW, /* a step limit (V a tick) becomes a rate limit (V/s) if the scene file gives the
                      tick rate */
     RETIRED_RATE  /* a retired key is moved to the section `control` */

@@ -10,9 +10,11 @@
 #include "scene_parts.h"
 
 /*
- * Append a limit of a weighted sum of `count` voltages to the limits of the scene, before those of
- * sums of absolute values. Returns the new limit, whose coefficients are 1 and whose amplifiers the
- * caller has to fill in, or NULL after writing the error message of the YAML tree.
+ * Append a limit of a weighted sum of voltages to the limits of the scene. It is placed before the
+ * limits of sums of absolute values.
+ *   count  in  number of voltages in the sum
+ * Returns the limit with coefficients of 1, whose amplifiers the caller has to fill in, or NULL
+ * after writing an error message about the scene file.
  */
 static scene_limit_row *add_row(reader *reader, int node, int count, double lower, double upper)
 {

@@ -14,7 +14,10 @@
 
 /* ---- surface ---- */
 
-/* List of pairs of numbers: points of a meridian, or tangent directions at its two ends. */
+/*
+ * List of pairs of numbers as read from a scene file: points (r, z) of the meridian of a surface of
+ * revolution, or the tangent directions at the two ends of the meridian.
+ */
 typedef struct pairs_text {
     int count;
     double (*pair)[2];
@@ -276,7 +279,8 @@ static int check_ascending(reader *reader, int node, const scene_line *line)
 
 /*
  * Divide a range of the surface coordinate theta1 or theta2 into elements whose lengths form a
- * geometric progression; `grading` is the length of the last element over that of the first.
+ * geometric progression.
+ *   grading in  length of the last element over that of the first
  */
 static int divide(reader *reader, int node, scene_line *line, double from, double to, int elements,
                   double grading)
@@ -346,9 +350,9 @@ static int check_ends(reader *reader, int node, int direction, double from, doub
 }
 
 /*
- * Find the first and last coordinate of the mesh along the surface coordinate theta1 or theta2. A
- * value that the scene file does not give is the end of the range in which the surface exists, if
- * that range is limited.
+ * Find the first and last coordinate of the mesh along the surface coordinate theta1 or theta2.
+ * Where the scene file does not give one of them, the end of the surface is taken; a surface
+ * without an end in this direction is an error.
  */
 static int find_ends(reader *reader, int node, int direction, line_text *text)
 {

@@ -159,8 +159,8 @@ const form springs_form = {.type = FORM_LIST, .item = &spring_form};
 
 /*
  * Check that springs or stacks have a point or node at which they are attached, and that their
- * other end and their direction do not contradict each other. Returns 0, or -1 after writing the
- * error message of the YAML tree.
+ * other end and their direction do not contradict each other. Returns 0, or -1 after writing an
+ * error message about the scene file.
  */
 static int check_ends(reader *reader, int node, const scene_spring *spring)
 {
@@ -220,8 +220,8 @@ static const form_case stack_cases[] = {
 const form stacks_form = {.type = FORM_MAP, .fields = stack_fields, .cases = stack_cases};
 
 /*
- * Count the stacks of an actuator: one for each point or node. Returns 0, or -1 after writing the
- * error message of the YAML tree.
+ * Count the stacks of an actuator: one for each point or node. Returns 0, or -1 after writing an
+ * error message about the scene file.
  */
 static int count_stacks(reader *reader, int node, const scene_spring *stacks, int *count)
 {

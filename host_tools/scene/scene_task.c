@@ -74,7 +74,7 @@ static const char *driven_by(const scene_actuator *actuator, int actuators, int 
 /*
  * Check the patches of an actuator or sensor: their material must be piezoelectric, they may be
  * connected only once, and their grids must have equal sizes; the patches of a sensor also need a
- * permittivity. Returns 0, or -1 after writing the error message of the YAML tree.
+ * permittivity. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_drive(reader *reader, int node, const scene_actuator *actuator, int drive,
                        int is_sensor)
@@ -206,8 +206,8 @@ static const form actuator_form = {
 const form actuators_form = {.type = FORM_LIST, .item = &actuator_form};
 
 /*
- * Check that an actuator which is a uniform temperature of the structure has no patches, and that
- * an actuator which heats patches has some.
+ * Check that an actuator has patches if it is a heater, and none if it stands for a uniform
+ * temperature of the whole structure.
  */
 static int check_temperature(reader *reader, int node, const scene_actuator *actuator)
 {
@@ -591,7 +591,7 @@ static int read_support_of(reader *reader, int node, void *to, const void *rule)
 
 /*
  * Check that an output of a reaction has either a place or the name of supports. Returns 0, or -1
- * after writing the error message of the YAML tree.
+ * after writing an error message about the scene file.
  */
 static int finish_reaction(reader *reader, int node, const output_text *text)
 {

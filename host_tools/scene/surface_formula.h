@@ -10,11 +10,13 @@
 #include "surface_point.h"
 
 /*
- * Return whether a surface is given by formulas or fitted to points. The other functions of this
- * file are for such surfaces only. At a point of such a surface, e1 is tangent to the line along
- * which the surface coordinate theta1 varies, e3 is the unit normal along the cross product of the
- * tangents, and e2 = e3 x e1. In surface_point, `lame` contains the lengths of the tangents,
- * `curvature` the normal curvatures of the coordinate lines, and `geodesic` is 0.
+ * Return whether a surface is given by formulas or fitted to points; the other functions of this
+ * file are for such surfaces only.
+ *
+ * At a point of such a surface, e1 is tangent to the line along which the surface coordinate theta1
+ * varies. The unit normal e3 is along the cross product of the tangents, and e2 = e3 x e1. In
+ * surface_point, `lame` contains the lengths of the tangents, `curvature` the normal curvatures of
+ * the coordinate lines, and `geodesic` is 0.
  */
 int surface_is_general(const scene_surface *surface);
 

@@ -13,9 +13,9 @@ typedef struct surface_point {
     double lame[2]; /* Lame parameters A1, A2: arc length per unit of the surface coordinates theta1
                        and theta2 */
     double curvature[2]; /* principal curvatures k1, k2 along the surface coordinates theta1, theta2
-                            (1/length), defined by de3/dtheta1 = A1 k1 e1 and de3/dtheta2 = A2 k2 e2
-                            with unit tangents e1, e2, normal e3 and Lame parameters A1, A2 (arc
-                            length per unit of the coordinates) */
+                            (1/length): de3/dtheta1 = A1 k1 e1 and de3/dtheta2 = A2 k2 e2, with the
+                            unit tangents e1, e2, the normal e3, and A1, A2 the arc lengths per unit
+                            of the coordinates */
     double geodesic[2]; /* geodesic curvatures of the coordinate lines (1/length): (dA2/dtheta1)/(A1
                            A2) and (dA1/dtheta2)/(A1 A2) with the surface coordinates theta1, theta2
                            and the Lame parameters A1, A2 (arc length per unit of the coordinates)

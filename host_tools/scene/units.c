@@ -21,8 +21,8 @@ typedef struct symbol {
 } symbol;
 
 /*
- * Each symbol with its powers of the base units m, N, V, K, s and rad, its power of ten, and its
- * power of pi/180.
+ * Symbols of units, each with its powers of the base units m, N, V, K, s and rad, its power of ten,
+ * and its power of pi/180 (1 for the degree).
  */
 static const symbol symbols[] = {
     {"m", {{1, 0, 0, 0, 0, 0}, 0, 0}, 1},   {"N", {{0, 1, 0, 0, 0, 0}, 0, 0}, 1},

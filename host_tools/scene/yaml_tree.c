@@ -339,8 +339,8 @@ static int take_key(builder *builder, const yaml_event_t *event, scene_at at)
 }
 
 /*
- * Insert a node at the current position in the tree: as the value of the key just read, at the end
- * of the open list, or as the root.
+ * Insert a new YAML node at the position that has been reached in the tree: as the value of the key
+ * just read, at the end of the list being read, or as the root.
  */
 static int place(builder *builder, int node)
 {

@@ -75,8 +75,8 @@ int tree_find(const tree *tree, int map, const char *key);
 const char *tree_name(const tree *tree, int node);
 
 /*
- * Write the error message of the tree for a fault at a YAML node (tree_fault) or at a position in
- * the file (tree_fault_at). Both return -1.
+ * Write an error message about a YAML file, with the position of a node (tree_fault) or with a
+ * given position (tree_fault_at). Both return -1.
  */
 int tree_fault(const tree *tree, int node, const char *format, ...);
 int tree_fault_at(const tree *tree, scene_at at, const char *format, ...);

@@ -12,32 +12,32 @@
 
 enum {
     LOADS = CONTROLLER_KNOWN_LOADS
-}; /* number of known loads: loads whose factors the simulator tells the controller */
+}; /* number of loads whose factors the simulator gives to the controller (known loads) */
 
 /*
  * FMI value reference (number) of the first variable of each group of variables of the FMU, counted
  * separately for real, integer and text variables.
  */
 enum {
-    TARGET = 0, /* variables for the wanted displacements of the target nodes */
-    READING = TARGET + CONTROLLER_OUTPUTS, /* variables for the readings of the sensors; NaN where a
+    TARGET = 0, /* FMU variables: wanted displacements of the target nodes */
+    READING = TARGET + CONTROLLER_OUTPUTS, /* FMU variables: readings of the sensors; NaN where a
                                               sensor gives no reading */
-    NOW = READING + CONTROLLER_READINGS, /* variables for the factors of the known loads, which the
-                                            simulator tells the controller, at the time of the
-                                            readings */
-    NEXT = NOW + LOADS, /* variables for the factors of the known loads, which the simulator tells
-                           the controller, at the time when the next voltages act */
-    VOLTAGE = NEXT + LOADS, /* variables for the voltages that the amplifiers are to output (V) */
+    NOW = READING + CONTROLLER_READINGS,   /* FMU variables: factors of the known loads, which the
+                                              simulator tells the controller, at the time of the
+                                              readings */
+    NEXT = NOW + LOADS, /* FMU variables: factors of the known loads, which the simulator tells the
+                           controller, at the time when the next voltages act */
+    VOLTAGE = NEXT + LOADS, /* FMU variables: voltages that the amplifiers are to output (V) */
     REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables of the FMU */
-    COMMAND = 0, /* variable for the command to the supervisor, which switches the control loop
-                    between its operating modes; only in an FMU with a supervisor */
-    STATUS = CONTROLLER_SUPERVISED, /* variable for the status of the latest tick of the control
-                                       loop, a value of pzs_status */
-    ITERATIONS = STATUS + 1, /* variable for the number of iterations of the optimiser in the latest
+    COMMAND = 0, /* FMU variable: command to the supervisor, which switches the control loop between
+                    its operating modes; only in an FMU with a supervisor */
+    STATUS = CONTROLLER_SUPERVISED, /* FMU variable: status of the latest tick of the control loop,
+                                       a value of pzs_status */
+    ITERATIONS = STATUS + 1, /* FMU variable: number of iterations of the optimiser in the latest
                                 tick */
-    MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* variable for the operating mode of the supervisor;
+    MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* FMU variable: operating mode of the supervisor;
                                                   only in an FMU of a supervised control loop */
-    STATUS_TEXT = 0 /* variable for the text of the latest tick's status */
+    STATUS_TEXT = 0                            /* FMU variable: text of the latest tick's status */
 };
 
 /*

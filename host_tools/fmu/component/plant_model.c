@@ -23,16 +23,16 @@
  * seed among the integer variables.
  */
 enum {
-    VOLTAGE = 0, /* variables for the commands of the controller to the amplifiers (V) */
-    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* variables for the load factors, followed by the
-                                          temperature change of the structure (K) */
-    READING = LOAD + PLANT_LOADS, /* variables for the readings of the sensors that the controller
-                                     receives */
-    SHAPE = READING + PLANT_SENSORS, /* variables for the true displacements of the target nodes */
-    OUTPUT = SHAPE + PLANT_TARGETS,  /* variables for the output voltages of the amplifiers (V) */
+    VOLTAGE = 0, /* FMU variables: commands of the controller to the amplifiers (V) */
+    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* FMU variables: load factors, followed by the temperature
+                                          change of the structure (K) */
+    READING = LOAD + PLANT_LOADS,      /* FMU variables: readings of the sensors that the controller
+                                          receives */
+    SHAPE = READING + PLANT_SENSORS,   /* FMU variables: true displacements of the target nodes */
+    OUTPUT = SHAPE + PLANT_TARGETS,    /* FMU variables: output voltages of the amplifiers (V) */
     REALS = OUTPUT + PLANT_AMPLIFIERS, /* number of real variables of the FMU */
     INPUTS = PLANT_AMPLIFIERS + PLANT_LOADS,
-    SEED = 0 /* variable for the seed of the random numbers for the sensor noise */
+    SEED = 0 /* FMU variable: seed of the random numbers for the sensor noise */
 };
 
 /*
@@ -42,7 +42,7 @@ enum {
 typedef char sizes_agree[REALS == FMU_REALS_USED && INPUTS == FMU_REAL_INPUTS ? 1 : -1];
 
 typedef struct plant {
-    uint64_t random; /* state of the random number generator */
+    uint64_t random; /* state of the generator of the random numbers in the sensor noise */
     double time;     /* simulated time since the start (s) */
     int tick;        /* number of steps of the FMU since the start */
     electrode electrode[PLANT_AMPLIFIERS];
@@ -52,8 +52,9 @@ typedef struct plant {
                                 factors, temperature change (K) */
     double rows[PLANT_ROWS]; /* displacements of the target nodes, followed by the displacements at
                                 the sensors */
-    double deviation[PLANT_ROWS]; /* vibration: difference between each displacement in `rows` and
-                                     its value in static equilibrium */
+    double deviation[PLANT_ROWS]; /* part of each displacement in `rows` that is vibration: the
+                                     displacement less its value in static equilibrium (length unit
+                                     of the scene) */
     double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* ring buffer with the noise-free readings
                                                           of the present tick and of as many ticks
                                                           before as the readings are late
