@@ -454,8 +454,11 @@ int analysis_find_reactions(analysis *analysis, const double *displacement, char
 }
 
 /*
- * Compute the reactions and the outputs of strains and stresses of a displacement. Returns
- * `failed`, the result of the computation of the displacement, or -1 with error filled.
+ * Compute what follows from a displacement: the reactions, and the strains and stresses that the
+ * scene names as outputs. If the computation of the displacement failed, nothing is done, except
+ * where the load steps ended at an equilibrium below the full load.
+ *   failed in  return value of the computation of the displacement
+ * Returns `failed`, or -1 with error filled.
  */
 static int recover_all(analysis *analysis, int failed, const double *displacement, char *error)
 {
@@ -689,10 +692,10 @@ static double work_of_loads(analysis *analysis, double *value)
 }
 
 /*
- * Ratio of the stiffness with open electrodes to the stiffness with short-circuited electrodes,
- * computed as the inverse ratio of the works that the same loads do. Opening the electrodes reduces
- * the work by the sum over the electrodes of open voltage times charge, where the charge is that
- * under the same loads when short-circuited.
+ * Ratio of the stiffness with open electrodes to the stiffness with short-circuited ones. It is the
+ * inverse ratio of the works that the same loads do in both states. The work is smaller with open
+ * electrodes; the difference is the sum over the electrodes of their open-circuit voltage times
+ * their short-circuit charge.
  */
 double analysis_stiffening(analysis *analysis)
 {

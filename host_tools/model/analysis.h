@@ -186,8 +186,9 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
  */
 int analysis_find_reactions(analysis *analysis, const double *displacement, char *error);
 /*
- * Value of the scene's output with index k, which is a reaction, from given reactions; NAN where
- * these are empty.
+ * Value of one output of the scene, a component of a reaction, taken from computed reactions.
+ *   k in  index of the output
+ * Returns NAN where the reactions have not been computed.
  */
 double analysis_reaction(const analysis *analysis, const reactions *reactions, int k);
 /* Number of values (nodes or electrodes) of the scene's output with index k. */

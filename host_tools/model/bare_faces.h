@@ -33,11 +33,11 @@ typedef struct bare_faces {
                      between layers), or -1 where the potential is 0 */
     size_t *slot; /* [count] slot (node on an interface between layers) of each electric potential
                    */
-    double (*resultants)[POTENTIAL_NODES][LAMINATE_STRAINS]; /* [types][layers] stress resultants
-                                                                per volt of each of the eight
-                                                                electric potentials of a layer (four
-                                                                corners on two faces) in each
-                                                                element type */
+    double (*resultants)[POTENTIAL_NODES][LAMINATE_STRAINS]; /* [types][layers] stress resultants in
+                                                                each element type per volt of each
+                                                                potential of a layer; a layer has
+                                                                eight potentials in an element, at
+                                                                four corners of two faces */
     double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] charges at
                                                                 the potentials of one layer per volt
                                                                 of the potentials of another layer

@@ -173,10 +173,10 @@ static double unlikelihood(const spectrum *spectrum, double ratio)
 }
 
 /*
- * Choose the most likely ratio of the variances of noise and model error on a logarithmic grid
- * around the mean eigenvalue. Where the smallest ratio is not significantly less likely, as with
- * few orthogonal pokes (shapes measured under known voltages), the noise cannot be separated from
- * errors of the model; then the smallest ratio is chosen, which trusts the measurements.
+ * Choose the most likely ratio of the variances of noise and model error. The ratios to choose from
+ * lie on a logarithmic grid around the mean eigenvalue. If the smallest ratio is almost as likely,
+ * noise and model error cannot be separated, for example with few orthogonal pokes (shapes measured
+ * under known voltages). The smallest ratio is then chosen, so that the measurements are trusted.
  *   is_separable out  whether noise and errors of the model can be separated
  */
 static double choose_ratio(const spectrum *spectrum, bool *is_separable)

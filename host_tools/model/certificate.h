@@ -42,9 +42,10 @@ typedef struct certificate_target {
     char reason[SCENE_ERROR]; /* why the stability of the loop was not tested on the structure
                                  deformed to its target although the scene's kinematics is not
                                  linear; otherwise empty */
-    double amplitude;         /* largest displacement of a target node, divided by the thickness */
-    double first;   /* first natural frequency of the deformed structure, relative to that of the
-                       reference state */
+    double amplitude; /* largest displacement of a target node where the shell has its target shape,
+                         divided by the thickness */
+    double first;     /* first natural frequency of the deformed structure, relative to that of the
+                         reference state */
     bool is_stable; /* true where, on every structure tried, small vibrations decay and every storm
                        (simulation with fast jumps of the target) settles; the structures have
                        static responses and frequencies above and below those of the model */
@@ -149,8 +150,9 @@ typedef struct certificate {
                           are valid only then */
     bool assumes_measured; /* true where the loop was assessed as if every target node were
                               measured, because some readings come from electrodes */
-    int modes;      /* number of vibration modes of the structure with which the loop is assessed */
-    double damping; /* damping ratio of the structure's first vibration mode */
+    int modes; /* number of vibration modes of the structure in the model that the stability tests
+                  use */
+    double damping;       /* damping ratio of the structure's first vibration mode */
     bool has_own_damping; /* true where the scene file gives the damping ratio; false where it is an
                              assumption */
     double bandwidth; /* corner frequency of the first-order lag of the amplifiers that the scene

@@ -106,9 +106,8 @@ typedef struct design {
                          error; 0 for rows on constrained dof */
     int fixed_rows;   /* number of controlled displacements (target rows) on constrained dof, which
                          voltages cannot change */
-    double *fixed_weight; /* [targets] for controlled displacements on constrained dof, the weight
-                             that the row had before its entry in `weight` was set to 0; 0 for the
-                             other rows */
+    double *fixed_weight; /* [targets] original weights of the controlled displacements on
+                             constrained dof, whose entries in `weight` are 0; 0 for all others */
     int free_functions; /* number of free functions of the target: shapes that may be added to it at
                            no cost */
     double *free_value; /* [free_functions][targets] free functions of the target (shapes that may
@@ -234,10 +233,10 @@ int design_vary(const design *design, scene *copy);
 
 /*
  * Stress resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one element, times
- * the area of the element (N m).
+ * the area of the element.
  *   cell  in  index of the amplifier within the actuator's grid, second grid index fastest
- *   h0  [10] out  resultants for mean and difference of both faces for the strains 11, 22, 33 and
- *       12; then the strains 13 and 23
+ *   h0 [10] out  resultants (N m): for the strains 11, 22, 33 and 12 the mean and the difference
+ *                of both faces, then those for the strains 13 and 23
  * Returns whether the amplifier acts in the element.
  */
 int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell, int element,

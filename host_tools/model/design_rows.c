@@ -20,9 +20,9 @@ enum {
 };
 
 /*
- * Return the distance by which the safe voltages (voltages that obey all limits) stay inside limit
- * row k, a limit of a weighted sum of voltages (V): twice the margin by which a controller in
- * single precision narrows the row against rounding errors.
+ * Return the distance (V) that the safe voltages (voltages that obey all limits) keep from limit
+ * row k, a limit of a weighted sum of voltages. A controller in single precision narrows the row by
+ * a margin against rounding errors; the distance is twice this margin.
  */
 static double safe_margin(const design *design, int k)
 {

@@ -141,9 +141,10 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
 }
 
 /*
- * Set, for a follower load (load that turns with the shell), which fractions of (pressure at a
- * corner of an element times area of the element) act as forces on that corner, on each
- * neighbouring corner and on the opposite corner.
+ * Set how a follower load (pressure that turns with the shell) is distributed over the corners of
+ * an element. share[0], share[1] and share[2] are fractions of the pressure at a corner times the
+ * area of the element: the forces on that corner, on each neighbouring corner and on the opposite
+ * one.
  */
 static void set_shares(pzs_follower *follower, int is_cartesian)
 {

@@ -30,11 +30,10 @@ typedef struct estimation {
                        and voltage errors), divided by the noise of both sensors; later its
                        eigenvalues on the diagonal */
     double *eigenvector; /* [sensors][sensors] eigenvectors, as columns, of the covariance of the
-                            readings divided by the noise of both sensors */
-    double *target_part, *side, *direction, *rotated; /* work arrays of the computation of the shape
-                                                         estimator's gains, of the sizes
-                                                         [disturbances (loads and voltage errors)],
-                                                         [sensors], [targets] and [sensors] */
+                            sensor readings, each reading divided by the noise of its sensor */
+    double *target_part, *side, *direction,
+        *rotated; /* work arrays; target_part [disturbances (loads and voltage errors)], side
+                     [sensors], direction [targets], rotated [sensors] */
 } estimation;
 
 static int allocate(estimation *estimation)
@@ -215,9 +214,9 @@ static double eigenvalue(const estimation *estimation, size_t i)
 }
 
 /*
- * Solve (1 + C) x = side by the eigenvectors of C, and store x in `side` [sensors]. The matrix C is
- * the covariance of the sensor readings under the disturbances (loads and voltage errors), divided
- * by the noise of both sensors.
+ * Solve (1 + C) x = side by the eigenvectors of C, and store x in `side` [sensors]. C is the
+ * covariance that the disturbances (loads and voltage errors) cause between the sensor readings,
+ * each reading divided by the noise of its sensor.
  */
 static void apply_filter(estimation *estimation)
 {

@@ -163,13 +163,11 @@ static void full_force(arc_search *arc_search)
 }
 
 /*
- * Add to a change of the displacement, which was solved for at constant voltages, the part that the
- * voltages of the open electrodes cause, and append the change of the voltages.
- *   input            in      index of the input to whose unit the change belongs; the constant
- *                            NEWTON: a change by residual forces and charges; the constant
- *                            NO_INPUT: a change by forces without charges
- *   change [free dof, then open electrodes] in/out  change of the displacement, then of the
- *   voltages
+ * Complete a change of the displacement that was computed at constant voltages: add the part that
+ * the voltages of the open electrodes cause, and append the change of these voltages.
+ *   input  in  cause of the change: one unit of the input with this index; NEWTON: residual forces
+ *              and charges; NO_INPUT: forces without charges
+ *   change [free dof, then open electrodes] in/out  changes of displacement and voltages
  * Returns false if the voltages cannot be solved for.
  */
 static bool condense_voltages(arc_search *arc_search, uint32_t input, double *change)
@@ -361,9 +359,10 @@ static bool try_step(arc_search *arc_search, double arc)
 }
 
 /*
- * Replace a step on the load path that has passed the full load by one that ends at the full load.
- * *arc becomes the length of that step. Returns whether the step has converged without turning back
- * by more than a right angle.
+ * Repeat a step of the load path that has passed the full load, so that it ends at the full load.
+ *   arc out  length of the repeated step
+ * Returns whether the step has converged. A step that reverses the direction of the path (by more
+ * than a right angle) counts as not converged.
  */
 static bool land_at_full_load(arc_search *arc_search, double *arc)
 {
@@ -491,9 +490,9 @@ typedef struct step_control {
 } step_control;
 
 /*
- * Choose the length of the next step: longer after few iterations, shorter after many. Where a
- * shorter step has needed no fewer iterations than the one before, as with follower loads, whose
- * tangent is not exact, so many iterations are usual from then on.
+ * Choose the length of the next step on the load path: longer after few iterations, shorter after
+ * many. The number of iterations that counts as usual grows where a shorter step did not reduce it.
+ * This happens with follower loads, whose approximate tangent slows convergence at any length.
  */
 static void adapt_length(step_control *control, double arc, int iterations)
 {

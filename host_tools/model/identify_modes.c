@@ -22,8 +22,8 @@ enum {
     LEAST_ROWS = 40, /* smallest number of samples of all channels (weighted sums of the readings)
                         together in a vector of delayed samples */
     LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
-    SKIPPED = 4, /* number of samples at the beginning of an interval of constant voltages that are
-                    not fitted, as the voltages may act up to so many samples late */
+    SKIPPED = 4, /* number of samples left out at the beginning of an interval of constant voltages,
+                    because the voltages may act with a delay of up to so many samples */
     SWEEPS = 12, /* number of sweeps of Jacobi's method, which computes the eigenvalues of the
                     covariance of the signals */
     SUBSPACE_ROUNDS = 20,
@@ -879,8 +879,8 @@ static bool take_memory(fit *fit)
 }
 
 /*
- * Frequencies between which structures vibrate (Hz). A record that shows no frequency of this range
- * has another number of samples a second than was stated.
+ * Lowest and highest frequency at which structures vibrate (Hz). If a record can only show
+ * frequencies outside this range, the user has stated a wrong sampling rate.
  */
 static const double slowest = 1e-3, fastest = 1e7;
 

@@ -14,7 +14,8 @@ enum {
                        that fits the record best */
 };
 
-static const double quarter_turn = 1.5707963267948966; /* a quarter of a full turn (rad) */
+static const double quarter_turn = 1.5707963267948966; /* phase angle of a quarter of a period of
+                                                          vibration (rad) */
 
 /*
  * Smallest pivot of the scaled normal matrix of the voltage steps (diagonal entries 1) at which the
@@ -112,11 +113,14 @@ static bool invert_steps(steps *steps, double *factor)
 /* ---- responses ------------------------------------------------------------ */
 
 /*
- * Compute by how much each voltage step changes the static value of a modal coordinate, if the
- * voltages act `delay` samples after they were recorded: minus the jump of the free vibration.
- *   value [count] out  real parts (multiples of the mode's shape)
- * Returns the sum of the squares of the imaginary parts, which are 0 for the true delay, and adds
- * the sum of all squares to *total.
+ * Compute by how much each voltage step changes the static value of a vibration mode's coordinate.
+ * This change is minus the jump that the step causes in the free vibration.
+ *   delay         in   assumed delay with which the voltages act (samples)
+ *   value [count] out  real parts of the changes (multiples of the mode's shape)
+ *   total         in/out  sum of the squares of real and imaginary parts, to which those of this
+ *       mode
+ *                 are added
+ * Returns the sum of the squares of the imaginary parts, which vanish for the true delay.
  */
 static double static_values(const steps *steps, size_t mode, double delay, double *value,
                             double *total)

@@ -50,12 +50,12 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Express a load vector, given in the local axes of the node `from`, in the local axes of the node
- * `to`. With the improved element formulation, which interpolates displacement vectors in space, a
- * load of fixed direction keeps its direction in space. With the element formulation `published`,
- * which interpolates components along the local axes, the load keeps its components. A pressure
- * always keeps its components, because the interpolation of its vector between two nodes would lose
- * a part angle^2/6 of its length, with the angle between the normals at both nodes.
+ * Transform a load vector from the local axes of one node to those of another. The improved element
+ * formulation interpolates displacement vectors in space; a load of fixed direction then keeps its
+ * direction. The formulation `published` interpolates components along the local axes; the load
+ * then keeps its components. A pressure always keeps its components: vectors interpolated between
+ * two nodes would be too short by the fraction angle^2/6, where angle (rad) is that between the
+ * normals of both nodes.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])

@@ -28,7 +28,8 @@ typedef struct load_path_point {
                        */
     double tilt;   /* largest angle between the line through the thickness of the deformed shell and
                       the normal of the undeformed shell (degrees) */
-    int tilt_node; /* index of the node where this largest angle `tilt` occurs */
+    int tilt_node; /* index of the node at which the line through the thickness has turned by the
+                      largest angle, `tilt` */
     face_strain compression; /* lowest principal Green's strain of both faces of the shell, and the
                                 element in which it occurs */
     double thickness_strain; /* Green's strain of the lines through the thickness of the shell in

@@ -44,10 +44,11 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
 }
 
 /*
- * Moments of the mass over the thickness: integrals of density times the products of the
- * displacement functions (constant, linear and quadratic in the height) times the metric (1 + k1
- * z)(1 + k2 z) with the principal curvatures k1 and k2 and the height z, over the plies that are
- * present, per area of the reference surface.
+ * Integrals over the thickness of an element, per area of the reference surface, from which its
+ * mass matrix is made: density times two displacement functions times the metric (1 + k1 z)(1 + k2
+ * z). The displacement functions are constant, linear and quadratic in the height z; k1 and k2 are
+ * the principal curvatures. Only plies that are present count.
+ *   m [FUNCTIONS][FUNCTIONS] out  integral for each pair of displacement functions
  */
 static void moments(const laminate *laminate, const laminate_place *place, double per_area,
                     double m[FUNCTIONS][FUNCTIONS])
@@ -68,8 +69,10 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
 }
 
 /*
- * Fraction of an element's mass that is the entry of its mass matrix for two of its corners: from
- * bilinear interpolation in the consistent matrix, with all mass at the corners in the lumped one.
+ * Entry of an element's mass matrix for two of its corners, divided by the mass of the element. In
+ * the consistent matrix the entry follows from bilinear interpolation; in the lumped matrix all
+ * mass is at the corners.
+ *   lumped in  weight of the lumped matrix in the mean of both matrices, 0 to 1
  */
 static double share(const laminate_place *place, int row, int column, double lumped)
 {

@@ -21,8 +21,9 @@ typedef struct matrix_modes {
                   that the mode shapes explain more of the matrix */
     int swapped[2]; /* indices, counted from 0, of the two outputs (rows of the influence matrix)
                        that were swapped first */
-    double random_rest; /* share of the squared norm of the influence matrix outside the span of the
-                           mode shapes, if the rows of the shapes stood in random order (mean) */
+    double random_rest; /* fraction of the squared norm of the influence matrix that mode shapes
+                           with randomly ordered rows would leave unexplained on average; a
+                           reference value for `rest` */
     double rest; /* share of the influence matrix outside the span of the mode shapes, which no
                     static responses explain */
     double swapped_rest; /* share of the influence matrix outside the span of the mode shapes, after

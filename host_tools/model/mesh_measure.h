@@ -31,7 +31,7 @@ mesh_measure mesh_measure_modes;
 /* Write the name of the natural frequency with index `mode`, counted from 0. */
 void mesh_mode_name(int mode, char name[SCENE_LABEL]);
 
-/* Name under which mesh_measure_shape stores the shape error. */
+/* Name of the shape error in the list of results whose discretisation error is estimated. */
 extern const char *const mesh_shape_name;
 
 #endif

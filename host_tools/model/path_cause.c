@@ -14,8 +14,9 @@
 static const double soft_strain = -0.3;
 
 /*
- * Return the index of the point of a load path before its first limit point. Where it has none, the
- * index of the point before its first bifurcation is returned, or that of its last point.
+ * Choose the point of a load path at which the cause of its critical behaviour is examined: the one
+ * before the first limit point, otherwise before the first bifurcation, otherwise the last point.
+ * Returns the index of this point.
  */
 static int critical_point(const load_path *path)
 {

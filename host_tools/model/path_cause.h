@@ -5,7 +5,7 @@
 
 #include "analysis.h"
 
-/* Bytes of the text that names the cause of the end of a load path. */
+/* Size (bytes) of the text that says why a load path ended before the full load. */
 enum { PATH_CAUSE_BYTES = 2 * SCENE_ERROR };
 
 /*

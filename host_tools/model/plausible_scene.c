@@ -199,8 +199,8 @@ static bend bend_at(const scene *scene, const int node[2], int direction)
 }
 
 /*
- * Measure the mesh at a point force along one direction: the number of elements that the dent under
- * the force requires, divided by the number of elements present.
+ * Measure whether the mesh resolves the dent under a point force, along one direction: number of
+ * elements that the dent needs, divided by the number of elements there.
  */
 static void measure_point(const scene *scene, const scene_load *load, int direction,
                           measured *found)

@@ -24,9 +24,10 @@ void strain_of_element(const mesh *mesh, int element, const double *displacement
                        double strain[10]);
 
 /*
- * Compute the components of a stress in axes that are turned about axis 3 by an angle (rad) against
- * the axes of the given components (Voigt order 11 22 33 23 13 12). strain_turn does this for
- * engineering strains.
+ * Components of a stress, or of a strain, in axes that are turned by an angle (rad) about axis 3.
+ * strain_turn_stress is for stresses, strain_turn for strains with engineering shears.
+ *   stress, strain [6] in   components in the original axes, in the order 11 22 33 23 13 12
+ *   turned         [6] out  components in the turned axes; may be the same array
  */
 void strain_turn_stress(const double stress[6], double angle, double turned[6]);
 void strain_turn(const double strain[6], double angle, double turned[6]);

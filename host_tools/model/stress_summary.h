@@ -66,10 +66,10 @@ double stress_reserve(const scene_strength *strength, const double stress[STRESS
 double stress_field_reserve(const design *design, int layer, double field);
 
 /*
- * Compute the load on each element for the picture in a report: 1 over the smallest reserve factor
- * of the layers of the element if a material of the scene has strengths, otherwise the largest von
- * Mises stress in the element (Pa).
- *   value [elements] out  load on each element
+ * Compute how far each element is loaded, for the picture in a report. If a material of the scene
+ * has strengths, this is 1 over the smallest reserve factor of the element's layers, otherwise the
+ * largest von Mises stress in the element (Pa).
+ *   value [elements] out  utilisation (1) or stress (Pa) of each element
  * Returns whether a material has strengths.
  */
 bool stress_load(const stress_field *field, double *value);

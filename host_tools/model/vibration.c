@@ -267,9 +267,9 @@ static void append(search *search, double *column)
         }
     }
     /*
-     * The product of the mass matrix and the vector `next` is older than the last orthogonalisation
-     * of `next` against the basis. The norm of `next` is right nevertheless, because the removed
-     * part is orthogonal, with the mass matrix, to the new vector.
+     * The vector mass_next (mass matrix times `next`) was computed before the last
+     * orthogonalisation of `next` against the basis. The norm is still right, because the removed
+     * part is orthogonal to `next` with respect to the mass matrix.
      */
     const double norm = sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)

@@ -62,13 +62,14 @@ static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
 /*
- * Settings of the vibration damper (stage of the control tick that damps vibration), from which one
- * is chosen, the fastest first. damping: part of a vibration mode's deviation from its equilibrium
- * that the voltages remove in a tick, over the phase angle of the mode in a tick (1/rad). mix:
- * weight, 0 to 1, of the deviation computed from the change of the mode's velocity; that computed
- * from its position has the weight 1 - mix. drift: assumed change of the loads in a tick, relative
- * to the noise of the sensors. later: number of ticks by which the readings are assumed to be older
- * than the scene file states.
+ * Settings of the vibration damper (stage of the control tick that damps vibration) from which the
+ * stability tests choose one; the fastest first.
+ *   damping  fraction of a vibration mode's deviation from its equilibrium that the voltages remove
+ *            in a tick, divided by the mode's phase angle in a tick (1/rad)
+ *   mix      weight, 0 to 1, of the deviation that is computed from the change of the mode's
+ *            velocity; the deviation computed from its position has the weight 1 - mix
+ *   drift    assumed change of the loads in a tick, relative to the noise of the sensors
+ *   later    assumed additional age of the sensor readings (ticks)
  */
 static const struct {
     double damping, mix, drift;
@@ -79,7 +80,7 @@ enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
  * Largest acceptable ratio of the settling time after fast target jumps to that of the fastest
- * settings. Up to this ratio, settings that tolerate a larger error of the readings' age are
+ * settings. Up to this ratio, settings that tolerate a larger deviation of the readings' delay are
  * preferred to faster ones.
  */
 static const double slowest = 1.25;
@@ -339,8 +340,9 @@ static int try_age(const storm_rig *rig, int storms, int older, bool *settles, c
 }
 
 /*
- * Count the ticks by which readings may be older (sign = 1) or newer (sign = -1) than the scene
- * file states, so that small vibrations decay and the shape settles after fast jumps of the target.
+ * Count by how many ticks the sensor readings may be older (sign = 1) or newer (sign = -1) than the
+ * scene file states. The count ends where small vibrations grow, or where the shape no longer
+ * settles after fast jumps of the target.
  *   storms  in  number of storms (simulations with fast jumps of the target) for each age
  *   most    in  largest number of ticks to try
  *   stood   in/out  number of ticks with which the loop has passed these tests
@@ -616,9 +618,10 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
     if (retable(trial, &options, error) < 0)
         return -1;
     for (int i = 0; i < PLANTS;
-         i += 1 + (i == 0) * 2) { /* The structures 0, 3 and 4 of the arrays storm_gain and
-                                     storm_frequency: the model, and two with the largest static
-                                     response, one with lower and one with higher frequencies. */
+         i += 1 + (i == 0) * 2) { /* The loop tests three structures: the model (0), and the two
+                                     with the largest static response, of lower (3) and higher (4)
+                                     natural frequencies. The numbers are indices of storm_gain and
+                                     storm_frequency. */
         storm_result result;
         const storm_plant plant = {
             .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};

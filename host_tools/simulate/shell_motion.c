@@ -95,9 +95,9 @@ static size_t count_followed(const vibration *vibration, double step)
 }
 
 /*
- * Choose the viscosity b (s), which damps a vibration mode of angular frequency w by the ratio b
- * w/2, if the scene file states damping ratios: the largest viscosity with which no vibration mode
- * that the time steps resolve has more than its stated damping ratio.
+ * Choose the viscosity b (s) where the scene file states damping ratios. A viscosity damps a
+ * vibration mode of angular frequency w with the ratio b w/2. The largest viscosity is chosen with
+ * which no mode that the time steps resolve exceeds its stated damping ratio.
  */
 static double viscosity_of(const shell_motion *motion, const scene_dynamics *dynamics)
 {

@@ -41,10 +41,9 @@ typedef struct shell_motion {
     const vibration *vibration; /* vibration modes of the shell that are damped; NULL: the motion is
                                    not damped */
     mass mass;
-    pzs_solver solver; /* solver of the nonlinear equilibrium of the structure, which works on
-                          arrays of this motion: its `displacement` is that at half the time step,
-                          its `resultant` the stress resultants at half the step, extrapolated along
-                          the last increment */
+    pzs_solver solver; /* solver of the nonlinear equilibrium, with arrays of this motion as its
+                          state: displacement at half the time step, and stress resultants at half
+                          the step that are extrapolated along the last Newton increment */
     double step_most;  /* longest time step of the motion of the shell (s) */
     double mass_damping, viscosity; /* damping a of mass (1/s); viscosity b of which one half acts
                                        on the stress resultants and one on the velocity (s) */

@@ -21,9 +21,9 @@
 enum {
     LAST = 20,       /* smallest number of ticks over which the results at the end of a phase (time
                         between events of the scene) are averaged */
-    LAST_MOST = 500, /* largest number of ticks over which results are averaged at the end of a
-                        phase (interval between events); usually one period of the first vibration
-                        mode where that is shorter */
+    LAST_MOST = 500, /* largest number of ticks over which the results at the end of a phase
+                        (interval between events) are averaged; if one period of the first vibration
+                        mode is shorter, it is used */
     WINDOW = 1000    /* number of ticks after an event in which the settling time is measured */
 };
 

@@ -12,12 +12,12 @@
 #include "../model/vibration.h"
 
 /*
- * Write a VTK file for ParaView with the displacement of the middle surface, the potentials of bare
- * faces (without electrodes), forces and moments of the supports at the nodes, forces of a contact
- * body at the nodes, and the recovered stresses: for each layer and height stress and
- * strain in material axes, at the element centres and averaged at the nodes; reserve factors,
- * resultants and electric fields. With stresses a node on the border of a patch has two points in
- * the file, one for each side of the border.
+ * Write a VTK file for ParaView with the results of one solution. At the nodes: displacement of the
+ * middle surface, potentials of bare faces (without electrodes), forces and moments of the
+ * supports, forces of a contact body. For each layer and height: stress and strain in material
+ * axes, at element centres and averaged at nodes. For the elements: reserve factors, resultants and
+ * electric fields. With stresses, a node on the border of a patch is two points in the file, one
+ * for each side.
  *   u [dof]  in  displacement vector
  *   stress   in  recovered stresses; NULL: without
  */

@@ -19,7 +19,9 @@ enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESER
 enum { UNIT_TEXT = 2 * WORDS_UNIT };
 
 /*
- * Store stresses, strains and electric field of an element in the arrays of a layer [LAYER_ARRAYS].
+ * Store the stresses, strains and electric field that one layer has in one element in the arrays of
+ * the VTK file that belong to this layer.
+ *   array [LAYER_ARRAYS] in/out  arrays of the layer, over all elements
  */
 static void fill_element(const vtk_array *array, const scene_strength *strength, int element,
                          const stress_layer *result)
