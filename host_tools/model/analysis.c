@@ -555,8 +555,9 @@ int analysis_linearise(analysis *analysis, char *error)
 }
 
 /*
- * Compute the influence matrix about the equilibrium that the nonlinear solver has reached, then
- * the least-squares problem for the voltages, for the target less the displacement there.
+ * Compute the influence matrix of the structure linearised about the equilibrium that the nonlinear
+ * solver has reached. Then set up the least-squares problem for the voltages: they are to cause the
+ * target minus the displacement at this equilibrium.
  *   displacement  [free_dof] in  displacement vector at the equilibrium
  */
 static int influence_at(analysis *analysis, const double *displacement, char *error)

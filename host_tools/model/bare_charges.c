@@ -59,9 +59,9 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
 }
 
 /*
- * Add the charges that a temperature input (temperature load or heater) causes at the electric
- * potentials of a layer in an element per kelvin of the input, times a factor, to the column of
- * this input.
+ * Add the charges that a temperature load or heater causes at the potentials of one layer of an
+ * element to the column of this input in the matrix of charges.
+ *   factor in  temperature of the layer per kelvin of the input
  */
 static void add_temperature(const design *design, int layer, int element,
                             const laminate_field *temperature, double factor, int input,

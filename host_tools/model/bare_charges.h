@@ -10,9 +10,9 @@
 #include "design.h"
 
 /*
- * Add the charges that a unit of every electric potential (1 V) and of every temperature (1 K)
- * causes at the electric potentials of the nodes of one element on bare faces (without electrodes),
- * while the strains are zero.
+ * Add the charges at the potentials of one element to the matrix of charges, at zero strain: those
+ * that 1 V of each potential and 1 K of each temperature input causes. The element's potentials are
+ * those of its nodes on bare faces (without electrodes).
  *   dense [electrodes][inputs] in/out  charge of each electrode or potential per unit of each input
  */
 void bare_charges_add(const design *design, int element, double *dense);

@@ -114,8 +114,9 @@ static void fill_vibration(const transition *transition, size_t i, const double 
 }
 
 /*
- * Fill those rows of the transition matrix that advance the past measurements of vibration mode i
- * and the effect of the amplifiers' output voltages on it.
+ * Fill the rows of the transition matrix for the memory of the loop: the past measurements of
+ * vibration mode i, which grow one tick older. If the amplifiers lag, also the static effect of
+ * their output voltages on the mode.
  */
 static void fill_memory(const transition *transition, size_t i)
 {

@@ -92,10 +92,10 @@ typedef struct certificate_loop {
                                      small vibrations grow most */
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
-    double worst; /* largest distance, at the end of a storm (a simulation with fast jumps of the
-                     target), from the best shape that the voltage limits allow (that of the
-                     smallest shape error), relative to the norm of the target, or to a fiftieth of
-                     the norm of the shapes that voltages can reach where this is more */
+    double worst; /* largest distance of the shape at the end of a storm (simulation with fast jumps
+                     of the target) from the best shape within the voltage limits, over the norm of
+                     the target; if that norm is below 1/50 of the norm of the shapes that voltages
+                     can reach, over this 1/50 */
     double worst_gain, worst_frequency,
         worst_step; /* static response to voltages and natural frequencies, relative to the
                        controller's model, of the structure in the worst storm (simulation with fast

@@ -265,10 +265,11 @@ static int check_park_rows(const design *design, char *error)
 }
 
 /*
- * Compute the park voltages (voltages of rest, also after a fault): the voltage of the scene file,
- * which must be inside the limits of every amplifier that is not held at one voltage. Without it,
- * the voltages inside the limits that are nearest to 0, or, where these violate limits between
- * amplifiers, voltages that obey them. Returns 0, or -1 with error filled.
+ * Compute the park voltages, to which the supervisor returns after a fault. If the scene file
+ * states a park voltage, it must be inside the limits of every amplifier that is not held at one
+ * voltage. Otherwise each amplifier parks at the voltage inside its limits that is nearest to 0. If
+ * these voltages violate limits between amplifiers, voltages that obey all limits replace them.
+ * Returns 0, or -1 with error filled.
  */
 static int build_park(design *design, char *error)
 {

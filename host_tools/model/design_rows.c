@@ -67,9 +67,9 @@ static void shrink(const scene_limit_row *row, double limit, double *voltage)
 }
 
 /*
- * Move voltages [amplifiers] by the shortest distance to limit row k (limit of a sum of voltages),
- * narrowed on each side by a margin. Returns the violation of the row (V), in which
- * half of the margin is tolerated.
+ * Move voltages [amplifiers] by the shortest distance to where they obey limit row k, the limit of
+ * a sum of voltages, narrowed by a margin. Returns by how much the sum exceeded the limit (V); half
+ * of the margin counts as obeyed.
  */
 static double project(const design *design, int k, double *voltage)
 {

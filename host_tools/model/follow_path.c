@@ -347,9 +347,9 @@ static bool make_step(arc_search *arc_search, double change, double arc)
 }
 
 /*
- * Make a step of a given length on the load path from its last converged point, whose tangent
- * stiffness has been factored. Returns whether the step has converged without turning back by more
- * than a right angle.
+ * Make a step of the given length on the load path, from its last converged point, whose tangent
+ * stiffness has been factored. Returns whether the step has converged. A step that reverses the
+ * direction of the path (by more than a right angle) counts as not converged.
  */
 static bool try_step(arc_search *arc_search, double arc)
 {
@@ -484,7 +484,7 @@ typedef struct step_control {
                        (m) */
     int usual; /* number of linear solves of a step on a load path after which the next step has the
                   same length */
-    int before;      /* number of linear solves of the step on a load path before the last one */
+    int before;      /* number of linear solves that the previous step on the load path needed */
     bool is_shorter; /* whether the last change of the length of the steps on a load path was a
                         reduction */
 } step_control;
@@ -505,10 +505,11 @@ static void adapt_length(step_control *control, double arc, int iterations)
 }
 
 /*
- * Compute the next point of the load path at the distance *arc, or at the full load if that comes
- * first, with the critical points before it; *arc becomes the length of the step. *iterations is
- * the number of linear solves without those of the search for critical points. Returns false if
- * the step fails.
+ * Compute the next point of the load path, and the critical points before it. The step ends at the
+ * full load if that comes first.
+ *   arc        in/out  length of the step: wanted, then made
+ *   iterations out     number of linear solves without those of the search for critical points
+ * Returns false if the step fails.
  */
 static bool find_point(arc_search *arc_search, load_path *path, double *arc, int *iterations)
 {

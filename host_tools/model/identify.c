@@ -241,9 +241,9 @@ static void fill_likeness(fit *fit)
 }
 
 /*
- * Set the bounds of the unknowns of the hysteresis fit: at least least_slope for the slopes of the
- * piecewise linear function of the voltage, no bound for the constant, at least 0 for the weights
- * of the play operators and the creep amplitudes.
+ * Set the bounds of the unknowns of the hysteresis fit. The slopes of the piecewise linear function
+ * of the voltage are at least least_slope. The weights of the play operators and the creep
+ * amplitudes are at least 0. The constant has no bounds.
  */
 static void fill_bounds(fit *fit)
 {

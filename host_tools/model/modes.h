@@ -42,9 +42,9 @@ typedef struct modes {
 } modes;
 
 /*
- * Compute the results of every target shape, where the scene file lists several as alternatives, on
- * the nonlinear structure where analysis->nonlinear is 1 and on the linear one where it is 0. The
- * influence matrix must be computed. The target of the scene is restored afterwards.
+ * Compute the results of every target shape of a scene that lists several as alternatives. The
+ * structure is nonlinear or linear as analysis->is_nonlinear says. The influence matrix must have
+ * been computed. The target of the scene is restored afterwards.
  *   limit  [limits] in  pairs of voltage limits that all amplifiers share; the limits of each
  *          amplifier apply in addition
  * Returns 0, or -1 with error filled; call modes_free in either case.

@@ -40,8 +40,10 @@ bool path_has_lost_normal(const load_path *path, const mesh *mesh)
 }
 
 /*
- * Write into `text` that the shell has turned too far from its undeformed normal at the last point
- * of a load path, and which element option avoids the loss of stiffness that follows.
+ * Write the cause of a load path's end into `text`: the shell has turned so far from its undeformed
+ * normal that the seventh dof of a node has lost its stiffness. The text names the options of the
+ * element that avoid this.
+ *   index in  index of the last point of the path
  */
 static void name_tilt(const load_path_point *point, int index, const mesh *mesh, char *text)
 {
@@ -84,8 +86,8 @@ static void name_bend(const load_path_point *point, int index, const mesh *mesh,
 }
 
 /*
- * For a load path of equal load steps, write the last status of the equilibrium solver as the cause
- * of its end, and what can be done.
+ * Write into `text` why a load path of equal load steps has ended, from the last status of the
+ * equilibrium solver, and what the user can do.
  */
 static void name_status(const load_path *path, const analysis *analysis, char *text)
 {

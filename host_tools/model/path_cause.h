@@ -9,8 +9,9 @@
 enum { PATH_CAUSE_BYTES = 2 * SCENE_ERROR };
 
 /*
- * Return whether the shell is compressed so strongly at the first limit point of a load path, or at
- * its last point where it has no critical point, that the law of the material softens there.
+ * Return whether the shell is compressed so strongly that its material law softens. This is
+ * examined at the first critical point of the load path, limit points before bifurcations; without
+ * critical points, at the last point of the path.
  */
 bool path_is_softened(const load_path *path);
 

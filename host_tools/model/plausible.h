@@ -100,12 +100,11 @@ void plausible_prestress(plausible *warnings, const scene *scene, double unloade
 
 /*
  * Warn about a stable control loop with a vibration model in three cases: the noise of its sensors
- * is as large as its target; the loop becomes unstable
- * if the sensor readings are one tick older than the scene file states; or the target displaces the
- * structure by so many thicknesses that the linear vibration model may be wrong.
- *   older     in  largest number of ticks by which the readings may be older than the scene file
- *                 states
- *       while the loop stays stable
+ * is as large as its target; the loop becomes unstable if the sensor readings are one tick older
+ * than the scene file states; or the target displaces the structure by so many thicknesses that the
+ * linear vibration model may be wrong.
+ *   older     in  largest additional age of the sensor readings (ticks) with which the loop is
+ *       stable
  *   amplitude in  largest displacement of the target divided by the thickness of the structure
  *   noise     in  standard deviation of the sensors' noise, divided by the root mean square of the
  *                 target; 0 where the target is zero

@@ -90,11 +90,10 @@ static void name_dead(const char *name, int count, char *names)
 }
 
 /*
- * Name the actuators whose voltage is not fixed and whose effect (norm of the column of the
- * influence matrix), relative to a reference, lies in a range. The result *found gets the least of
- * these effects and a text with the names.
- *   reference  in  effect of another actuator
- *   from, to   in  range of the relative effects: from <= effect < to
+ * Find the actuators of weak effect: those whose voltage can change, and whose column of the
+ * influence matrix has a norm in the range from <= norm / reference < to. Store the smallest of
+ * these ratios and a text with the names in *found.
+ *   reference  in  norm of the column of another actuator
  */
 static void name_weak(const scene *scene, double reference, double from, double to,
                       const char *reference_name, measured *found)

@@ -129,11 +129,9 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate, for plausibility rules on transverse
- * shear.
- *   k    in   index of the number that the rule asks for; there is one, with the index 0
- *   wave out  squared wave number of a half sine wave over the shorter side of the structure
- *       (1/m2)
- * Returns false for any other k, and where nothing can be computed.
+ * shear. Such a rule has one number to measure, k = 0.
+ *   wave out  squared wave number of a half sine wave over the shorter side of the structure (1/m2)
+ * Returns whether k is 0 and the stiffnesses could be computed.
  */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,
                       double *wave)

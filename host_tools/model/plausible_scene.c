@@ -61,11 +61,11 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 }
 
 /*
- * Store in found->value the electric field that an actuator's voltage causes in the layer of
- * piezoelectric patches that it drives (V/m). The value stays NAN if the scene file gives a field
- * limit for the material, because this limit narrows the voltages, and for a film actuator up to
- * the voltage of its data sheet: electrodes of such a film may be fingers on its faces, so that
- * voltage over thickness is not its field.
+ * Store in found->value the electric field (V/m) that an actuator's voltage causes in the layer of
+ * its piezoelectric patches: voltage over thickness. The value stays NAN in two cases. If the scene
+ * file gives a field limit for the material, the voltages obey it anyway. In a film actuator at no
+ * more than the voltage of its data sheet, the field is unknown, because the electrodes may be
+ * fingers on the faces.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {

@@ -140,8 +140,9 @@ static int measure_strength_of(const subject *of, int k, bool wants_soft, measur
 }
 
 /*
- * Strength over modulus of a solid: bulk ceramics 5e-4, soft metals and concrete 1e-4 to 1e-3,
- * strong metals and plies 0.01, polymers 0.03, fibres and silicon 0.05.
+ * Measure the tensile strength of a material over its modulus. Usual values: bulk ceramics 5e-4,
+ * soft metals and concrete 1e-4 to 1e-3, strong metals and plies 0.01, polymers 0.03, fibres and
+ * silicon 0.05.
  */
 int measure_strength(const subject *of, int k, measured *found)
 {

@@ -20,9 +20,9 @@ enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 static const double same_within = 1e-3;
 
 /*
- * Whether a second try with slower loads may help: load steps were shortened or have failed, and
- * not because of a contact, which limits load steps by itself, or of a limit point, beyond which
- * there may be no equilibrium that the loads lead to.
+ * Whether a second try with more slowly rising loads may find a better equilibrium: the first one
+ * failed or had to shorten load steps. It does not help in scenes with contact, where the contact
+ * limits the load steps, nor at limit points, beyond which there may be no equilibrium.
  */
 static bool may_help(const equilibrium *equilibrium, pzs_status status)
 {
@@ -53,11 +53,13 @@ static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *s
 }
 
 /*
- * Compute the equilibrium once more with loads that rise more slowly, after a first try with the
- * given status.
+ * Compute an equilibrium a second time, with loads that rise more slowly. The second result is kept
+ * if the first try failed, or if both tries end at the same displacement; otherwise the first is
+ * restored.
+ *   status in             status of the first try
  *   first  [free_dof] in  displacement of the first try
- *   state  in  state of the equilibrium solver after the first try
- * Returns the status of the try that counts, whose state is left in the solver.
+ *   state  in             state of the equilibrium solver after the first try
+ * Returns the status of the result that is kept.
  */
 static pzs_status second_try(equilibrium *equilibrium, const double *value, pzs_status status,
                              const double *first, const void *state)

@@ -6,10 +6,10 @@
 #include "equilibrium.h"
 
 /*
- * Solve for the equilibrium at given input values, from the reference state. Where the scene leaves
- * the choice of ramp_solves to the program and the solver had to shorten load steps or found no
- * equilibrium, the loads are tried once more rising over more linear solves. The number that needs
- * fewer load steps is left in the settings of the solver.
+ * Compute the equilibrium at given input values, from the reference state. A second try with more
+ * slowly rising loads follows if the first one found no equilibrium or had to shorten load steps,
+ * unless the scene file states how slowly loads rise (`ramp_solves`, a number of linear solves).
+ * The settings of the better try stay in the solver.
  *   value [inputs] in  input values (V, K, Pa or load factors)
  * Returns the status of the solver.
  */

@@ -36,10 +36,10 @@ typedef struct all_dof {
                       */
     double *unit;    /* [free and constrained dof] force per unit of one load */
     double *value;   /* [nodes] value of one load at each node */
-    double (*prescribed)[LAMINATE_STRAINS]; /* [elements] stress resultants of each strain of an
-                                               element under voltages and temperatures without any
-                                               strain, times the area of the element: work per unit
-                                               of the strain (N m, for a curvature N m2) */
+    double (*prescribed)[LAMINATE_STRAINS]; /* [elements] stress resultants that voltages and
+                                               temperatures cause in each element at zero strain,
+                                               times the area of the element: work per unit of each
+                                               strain (N m), or of each curvature (N m2) */
 } all_dof;
 
 static double *dof_vector(const all_dof *all, int k)
@@ -93,8 +93,8 @@ static int allocate(all_dof *all)
 }
 
 /*
- * Let a model, and a copy of the equilibrium solver, use the copy of the structure in which the
- * constrained dof are numbered, too, so that forces on them can be computed.
+ * Let a copy of the model and of the equilibrium solver use a structure that numbers the
+ * constrained dof, too. They then compute forces also on the constrained dof.
  */
 static void attach(all_dof *all)
 {

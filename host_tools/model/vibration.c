@@ -343,8 +343,10 @@ static void apply_to_waiting(search *search)
 }
 
 /*
- * Extend the projection of the Lanczos operator by one more basis vector, and append what is new in
- * the product with this vector to the basis. Returns whether there was a vector left.
+ * One step of the Lanczos method: apply the operator to the next basis vector, store the products
+ * with the basis as a column of the projection, and append the part of the result that is
+ * orthogonal to the basis as a new basis vector. Returns 0 where no basis vector is left, otherwise
+ * 1.
  */
 static int extend_basis(search *search)
 {
@@ -570,10 +572,10 @@ static void take_shape(search *search, size_t i, double *vector)
 }
 
 /*
- * Twice the strain energy of a displacement vector, computed from the strains of the elements and
- * the elongations of the springs, so that a rigid motion without springs has no energy beyond
- * rounding errors of second order.
- *   vector [free_dof] in  displacement vector
+ * Twice the strain energy of a displacement vector, from the strains of the elements and the
+ * elongations of the springs. Unlike u'K u, this sum has almost no rounding errors for a rigid
+ * motion.
+ *   vector [free_dof] in  displacement vector u
  */
 static double energy(const search *search, const double *vector)
 {

@@ -25,17 +25,16 @@ typedef struct voltages {
     double *aligned_target; /* [targets] target plus that combination of its free functions (shapes
                                that may be added at no cost) which is nearest to the shape reached
                              */
-    double error; /* relative shape error: weighted norm of shape minus target over that of target
-                     minus shape without voltages, over the controlled displacements that can move
-                     and without the free functions (shapes that may be added to the target at no
-                     cost). The shape without voltages is the linear one. NAN: no equilibrium was
-                     found */
+    double error; /* relative shape error: weighted norm of (shape - target) over that of (target -
+                     linear shape without voltages). Constrained displacements and the free
+                     functions of the target (shapes that may be added at no cost) do not count.
+                     NAN: no equilibrium was found */
     double error_all; /* relative shape error over all controlled displacements (target rows), those
                          on constrained dof included */
     double rms, valley; /* weighted root mean square and peak-to-valley value of shape minus target,
                            over the controlled displacements that can move */
-    int fixed_off;      /* number of controlled displacements (target rows) on constrained dof that
-                           differ from the target */
+    int fixed_off; /* number of controlled displacements that differ from their target although a
+                      support prescribes them, so that no voltage can help */
     double optimality; /* violation of the optimality (KKT) conditions relative to the largest entry
                           of the gradient at zero voltage; NAN where the result is not an optimum */
     double limit[2];   /* lowest and highest voltage that any amplifier may give (V) */

@@ -114,10 +114,10 @@ enum { SIMULATE_STATUSES = PZS_E_ARGUMENT };
 typedef struct simulate_count {
     long beyond_limits; /* number of voltages, commanded by the controller or put out by the
                            amplifiers, that violate a voltage limit or the step limit */
-    long beyond_rows; /* number of limits of differences and sums of voltages that the commanded or
-                         the output voltages of a tick violate */
-    long not_finite;  /* number of commanded or output voltages that are not finite */
-    long iterations;  /* number of iterations of the optimiser in all ticks of the simulation */
+    long beyond_rows;   /* number of violations of a limit on a difference or sum of voltages, by
+                           commanded or output voltages, in all ticks */
+    long not_finite;    /* number of commanded or output voltages that are not finite */
+    long iterations;    /* number of iterations of the optimiser in all ticks of the simulation */
     int iterations_most;
     long status[SIMULATE_STATUSES]; /* number of ticks with each warning of the controller; ticks
                                        without a warning at index 0 */

@@ -375,9 +375,9 @@ static void drive_amplifiers(storm *storm)
 }
 
 /*
- * Voltage (V) that would act on the ceramic of electrode k without the loop of its hysteresis:
- * linear in the mean output voltage of its amplifier, between the voltages that act at the lower
- * and at the upper voltage limit.
+ * Voltage (V) that would act on the ceramic of electrode k if its hysteresis loop had no width. It
+ * varies linearly with the mean output voltage of the amplifier, between the two voltages that act
+ * on the ceramic at the voltage limits.
  */
 static double straight_effect(const storm *storm, size_t k)
 {
