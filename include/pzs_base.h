@@ -85,8 +85,8 @@ typedef enum pzs_status {
     PZS_OK = 0,
 
     /*
-     * Warnings have the values 1 to 63: the outputs are valid, but the caller should know the
-     * reason.
+     * Warnings have the values 1 to 63: the outputs are valid, but the caller should know of the
+     * event that the warning names.
      */
     PZS_W_ITERATIONS = 1, /* Warning: the optimiser reached its work limit (largest number of
                              multiply-adds in a tick), so the voltages are inside all limits and no
@@ -107,11 +107,15 @@ typedef enum pzs_status {
     PZS_W_BEHIND,
     PZS_W_UNSTABLE, /* Warning: the equilibrium is unstable, because its tangent stiffness has
                        negative pivots. */
-    PZS_W_PARKED,   /* Warning: by command, the voltages are at the park voltages (voltages of rest,
-                       from the tables) or on a ramp to them, and do not follow the target. */
     /*
-     * Warning: the supervisor ramps the voltages to the park voltages (voltages of rest, from the
-     * tables) after an error or an alarm; the status at the end of the ramp is PZS_E_LATCHED.
+     * Warning: before control begins, or by command, the voltages are at safe voltages (park
+     * voltages from the tables, or reference voltages) or on a ramp to them, and do not follow the
+     * target.
+     */
+    PZS_W_PARKED,
+    /*
+     * Warning: after an error or an alarm the supervisor ramps the voltages to the park voltages,
+     * the safe voltages in its tables. At the end of the ramp the status is PZS_E_LATCHED.
      */
     PZS_W_RAMP,
     PZS_W_OUTPUT,   /* Warning: the last gate, the check of all voltages at the end of a tick, has
@@ -120,10 +124,10 @@ typedef enum pzs_status {
     PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other; the loop does not
                        yet control the voltages. */
     /*
-     * Warning: where sums of voltages are limited, pzs_hold fixed input info.where, or the
-     * controller was started, at voltages from which the limits allow only a gradual way: all
-     * voltages go to the safe voltages of pzs_limit_rows in several ticks, or stay if that way is
-     * not allowed either.
+     * Warning of a problem with limits of sums of voltages: the limits allow no direct change to
+     * the voltage at which pzs_hold fixed input info.where, or from the voltages at which the
+     * controller was started. All voltages therefore go to the safe voltages of pzs_limit_rows in
+     * several ticks, or stay if the limits do not allow this either.
      */
     PZS_W_LIMIT_ROWS,
     PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of
@@ -143,14 +147,17 @@ typedef enum pzs_status {
                         misaligned; info.where is the number of bytes needed. */
     PZS_E_STAGE,     /* Error: the function was called before the initialisation that it needs. */
     /*
-     * Error: after an error or an alarm the supervisor keeps the voltages at the park voltages
-     * (voltages of rest); only pzs_loop_init starts the loop again.
+     * Error: after an earlier error or alarm the supervisor keeps the voltages at the park
+     * voltages, the safe voltages in its tables. Only pzs_loop_init starts the loop again.
      */
     PZS_E_LATCHED,
     PZS_E_NONFINITE, /* Error: an input array contains NaN or infinity at index info.where. */
-    PZS_E_LIMITS, /* Error: the lower limit of input info.where exceeds its upper limit, one of the
-                     two limits is not a number, or a park voltage (voltage of rest) is outside its
-                     limits. */
+    /*
+     * Error: the lower limit of input info.where exceeds its upper limit, one of these limits is
+     * not a number, or the park voltage of the input (safe voltage in the tables) is outside its
+     * limits.
+     */
+    PZS_E_LIMITS,
     PZS_E_LOOSE, /* Error: the free degree of freedom info.where has no stiffness, because a part is
                     loose or a support is missing. */
     PZS_E_NEGATIVE,  /* Error: the stiffness matrix of the undeformed structure has a negative pivot
@@ -165,8 +172,9 @@ typedef enum pzs_status {
      * info.load_factor tells where it lies on the way from the input values before the call (0) to
      * the wanted ones (1).
      */
-    PZS_E_DIVERGED, /* Error: no equilibrium was found beyond the last one although load steps were
-                       halved down to 1/64, or the voltages of open electrodes did not converge. */
+    PZS_E_DIVERGED, /* Error: the load could not be raised beyond the last equilibrium, although
+                       load steps were halved down to 1/64, or the voltages of open electrodes did
+                       not converge. */
     PZS_E_LIMIT, /* Error: no equilibrium was found and the tangent stiffness becomes singular, so a
                     limit point or a bifurcation is near. */
     /*
@@ -176,16 +184,19 @@ typedef enum pzs_status {
      */
     PZS_E_CONTACT,
     /*
-     * Error: the contact body would enter element info.where at a node or between its nodes (refine
-     * the mesh there or enlarge the body), or would pass through the element; info.penetration of
-     * the contact tells which.
+     * Error: the rigid contact body would enter element info.where, at a node or between its nodes,
+     * or would pass through the element; info.penetration of the contact tells which. To be cured
+     * by a finer mesh there or a larger body.
      */
     PZS_E_PENETRATION,
     PZS_E_SOLVES, /* Error: the limit on linear solves, settings.solve_limit, was reached before the
                      equilibrium. */
-    PZS_E_SELFTEST /* Error: the self-test found a faulty amplifier or sensor, or vibration hid
-                      their responses; pzs_selftest_info tells which, and the loop does not begin to
-                      control the voltages. */
+    /*
+     * Error: the self-test found a faulty amplifier or sensor, or vibration hid the response of an
+     * amplifier. The findings are in pzs_selftest_info, and the loop does not begin to control the
+     * voltages.
+     */
+    PZS_E_SELFTEST
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)

@@ -27,9 +27,9 @@ extern "C" {
 /* Settings of a calibration that a program may change after pzs_calibration_init. */
 typedef struct pzs_calibration_settings {
     /*
-     * number of records (voltages with their readings) that the recursive least squares remember: a
-     * record counts less, and is finally forgotten, after this number of newer records with
-     * voltages in the same proportions; at least 2, default infinity (1)
+     * number of records (voltages with their readings) that the recursive least squares remember. A
+     * new record reduces the weight of older records with voltages in the same proportions; after
+     * this number of new records such an old one hardly counts. At least 2, default infinity (1)
      */
     pzs_real memory;
     pzs_real amplitude; /* amplitude of the test voltages, relative to half of the voltage range of
@@ -50,14 +50,17 @@ typedef struct pzs_calibration_info {
                               as long as there are no more records than inputs (m2) */
     uint32_t records; /* number of records (voltages with their readings) that the calibration has
                          used so far */
-    uint32_t period;  /* number of test patterns in a period, in which every pattern occurs once;
-                         over a period, the test voltages of any two inputs, each minus its mean,
-                         are orthogonal */
-    int32_t where;    /* index of the input or output to which the last status of the calibration
-                         refers, or -1 */
-    bool is_settled;  /* true if the test voltages have been constant for settings.settle ticks, so
-                         that readings taken before the next pzs_calibration_excite belong to
-                         them */
+    /*
+     * number of test patterns in a period, in which every pattern occurs once. Over a period the
+     * test voltages of any two inputs, each minus its mean, are orthogonal, so that the effects of
+     * all inputs can be told apart
+     */
+    uint32_t period;
+    int32_t where;   /* index of the input or output to which the last status of the calibration
+                        refers, or -1 */
+    bool is_settled; /* true if the test voltages have been constant for settings.settle ticks, so
+                        that readings taken before the next pzs_calibration_excite belong to
+                        them */
 } pzs_calibration_info;
 
 typedef struct pzs_calibration {

@@ -95,11 +95,10 @@ typedef struct pzs_problem {
                                                  for at least PZS_DUAL_INPUTS inputs, else NULL;
                                                  without them the optimisation of many inputs takes
                                                  more time */
-    const pzs_sparse_influence *sparse; /* sparse influence matrix, in place of the full matrix
-                                           `influence`, which is then NULL; `hessian` must be given;
-                                           NULL: the matrix is not sparse. Stages of the loop that
-                                           read single entries of the influence matrix refuse a
-                                           sparse one */
+    const pzs_sparse_influence *sparse; /* sparse influence matrix in place of `influence`, which is
+                                           then NULL, while `hessian` must be given; NULL: the
+                                           matrix is not sparse. Stages of the loop that read single
+                                           entries of the influence matrix refuse a sparse one */
 } pzs_problem;
 
 /*

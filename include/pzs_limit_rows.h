@@ -33,11 +33,11 @@ typedef struct pzs_limit_rows {
     const pzs_real *upper; /* [sums.count] upper limit of each weighted sum of voltages, or infinity
                               (V); above the lower limit by more than twice the rounding error of
                               the sum */
-    const pzs_real *safe;  /* [inputs] safe voltages inside the limits of all voltages and of all
-                              their sums, to which the controller can always return (V) */
-    uint16_t absolute_count; /* number of limited sums, the last ones, that are weighted sums of
-                                absolute values of voltages; their coefficients are not negative,
-                                their lower limits are -infinity */
+    const pzs_real *safe;  /* [inputs] safe voltages, to which the controller can always return (V);
+                              they obey the limits of all voltages and of all sums of voltages */
+    uint16_t absolute_count; /* number of limited sums of absolute values of voltages, which come
+                                last in `sums`; their coefficients are not negative, their lower
+                                limits are -infinity */
     const struct pzs_absolute_row_calls *absolute_call; /* functions for limits of sums of absolute
                                                            values of voltages:
                                                            &pzs_absolute_rows_calls, or NULL where

@@ -22,29 +22,33 @@ extern "C" {
 /*
  * One element type: geometry and material of a four-node shell element, as the element computations
  * need them. Equal elements share one type. The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and
- * (-,+) along the surface coordinates theta1 and theta2, of which the direction a = 0 or 1 names
- * one; corner r' is the neighbour of corner r in direction a. With the displacements u_r and u_r'
- * [3] of both corners, the derivative of the displacement along theta_a, in the local frame of
- * corner r, is S_a u_r + T_a u_r' with two 3 x 3 matrices S_a and T_a. The element formulations
- * `published` (dissertation of Plotnikova, 2013) and `improved` differ only in these numbers.
+ * (-,+) along the surface coordinates theta1 and theta2. A direction a = 0 or 1 stands for theta1
+ * or theta2; corner r' is the neighbour of corner r in direction a. Let u_r and u_r' [3] be the
+ * displacements of both corners. The derivative of the displacement along theta_a, in the local
+ * frame of corner r, is then S_a u_r + T_a u_r' with two 3 x 3 matrices S_a and T_a. The element
+ * formulations `published` (dissertation of Plotnikova, 2013) and `improved` differ only in these
+ * numbers.
  */
 typedef struct pzs_element_type {
     /*
-     * matrix [3][3] for each corner and each of both directions of an element: derivative of the
-     * displacement at the corner along the surface coordinate of the direction, per displacement of
-     * this corner (1/m)
+     * [4 corners][2 directions][3][3] derivative of the displacement at a corner of the element,
+     * along the surface coordinate theta1 or theta2, with respect to the displacement of this
+     * corner (1/m)
      */
     pzs_real s[4][2][3][3];
-    pzs_real t[4][2][3][3];   /* matrix [3][3] for each corner and each of both directions of an
-                                 element: derivative of the displacement at the corner along the
-                                 surface coordinate of the direction, per displacement of the
-                                 neighbouring corner in this direction (1/m) */
-    pzs_real g_mean[4][2][3]; /* base vectors at each corner of the element along the surface
-                                 coordinates theta1 and theta2, mean of outer and inner face of the
-                                 shell (1) */
-    pzs_real g_diff[4][2][3]; /* base vectors along the surface coordinates theta1 and theta2 at
-                                 each corner of the element: those of the outer face minus those of
-                                 the inner face of the shell, divided by the thickness (1/m) */
+    /*
+     * [4 corners][2 directions][3][3] derivative of the displacement at a corner of the element,
+     * along the surface coordinate theta1 or theta2, with respect to the displacement of the
+     * neighbouring corner in this direction (1/m)
+     */
+    pzs_real t[4][2][3][3];
+    pzs_real g_mean[4][2][3]; /* [4 corners][2 directions][3] base vectors at each corner of the
+                                 element along the surface coordinates theta1 and theta2, mean of
+                                 outer and inner face of the shell (1) */
+    pzs_real g_diff[4][2][3]; /* [4 corners][2 directions][3] difference of the base vectors at each
+                                 corner of the element along theta1 and theta2: those of the outer
+                                 face minus those of the inner face of the shell, divided by the
+                                 thickness (1/m) */
     /*
      * Stiffness of the four strain modes 00, 01, 10, 11 of the element, one after the other: packed
      * lower triangles with a row for each strain that the strain mode contains. Strain mode r1 r2
@@ -65,31 +69,31 @@ typedef struct pzs_element_type {
      */
     pzs_real warp[9];
     /*
-     * skew of the element, alpha_1 and alpha_2, and its length ratio (1): the area varies as 1 +
-     * alpha_1 xi2 + alpha_2 xi1, where xi1 and xi2 run from -1 to 1 over the element, so that
-     * alpha_1 and alpha_2 are 0 on a parallelogram; the length ratio is the length of the element
-     * along theta2 divided by that along theta1
+     * skew alpha_1, alpha_2 of the element, and its length ratio (1). The area varies over the
+     * element as 1 + alpha_1 xi2 + alpha_2 xi1, where xi1 and xi2 run from -1 to 1; on a
+     * parallelogram alpha_1 and alpha_2 are 0. The length ratio is the length of the element along
+     * theta2 divided by that along theta1
      */
     pzs_real skew[3];
 } pzs_element_type;
 
 /* One node of a shell: its place in space and its triad (local axes). */
 typedef struct pzs_node {
-    pzs_real position[3]; /* coordinates x, y, z of the node on the reference surface (m), from an
-                             origin that all nodes share */
+    pzs_real position[3]; /* coordinates x, y, z of the node on the reference surface (m); all nodes
+                             of a shell have the same origin */
     pzs_real triad[3][3]; /* components along x, y, z of the unit vectors e1, e2, e3 (rows) of the
                              local axes of the node; e3 points to the outer face of the shell */
 } pzs_node;
 
 /*
- * One element type in a short form, for meshes on which nearly every element is a type of its own.
- * The matrices and base vectors of pzs_element_type (its members s, t, g_mean and g_diff) are left
- * out; the library computes them, to the same bits, from the nodes of one element that has the
- * type. 104 of 293 reals remain.
+ * One element type in a short form of 104 instead of 293 reals, for meshes on which nearly every
+ * element is a type of its own. The form lacks the matrices and base vectors of pzs_element_type
+ * (its members s, t, g_mean and g_diff). The library computes them, to the same bits, from the
+ * nodes of one element that has the type.
  */
 typedef struct pzs_compact_type {
-    pzs_real d[88]; /* stiffness of the four strain modes (constant, linear and bilinear over the
-                       element) of an element type, as in pzs_element_type.d (N m) */
+    pzs_real d[88];     /* stiffness of the four strain modes (variations over the element) of an
+                           element type, as in pzs_element_type.d (N m) */
     pzs_real thickness; /* thickness of the element (m) */
     pzs_real middle;    /* height of the middle of the shell above the reference surface, on which
                            the nodes lie (m) */
@@ -139,18 +143,18 @@ typedef struct pzs_structure {
     const pzs_node *node; /* [nodes] nodes of the structure, from which the library computes the
                              matrices and base vectors that the element types in `compact` leave
                              out; NULL where `compact` is NULL */
-    pzs_rows input; /* force vector on the free degrees of freedom per unit of each input (N/V, N/K,
-                       N/Pa or 1) */
-    pzs_rows output; /* outputs of the structure, one row for each displacement (m): coefficients of
-                        the free degrees of freedom in the output */
+    pzs_rows input;  /* one row for each input: force vector on the free degrees of freedom per unit
+                        of the input (N/V, N/K, N/Pa or 1) */
+    pzs_rows output; /* one row for each output, a displacement at a chosen point (m): coefficients
+                        of the free degrees of freedom in the output */
     pzs_rows spring; /* one row for each spring: its elongation per unit of each free degree of
                         freedom (1); count 0: no springs */
     const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), at least 0
                                        */
     /*
-     * Rotated axes at the nodes of oblique supports: the first three degrees of freedom of such a
-     * node are the displacements, mean of both faces of the shell, along other axes than those of
-     * its triad (local axes).
+     * Rotated axes at the nodes of oblique supports. The first three degrees of freedom of such a
+     * node are its mean displacements (mean of both faces of the shell) along these axes, not along
+     * the triad (local axes) of the node.
      */
     uint16_t turns; /* number of different sets of rotated axes, along which the displacements of
                        nodes at oblique supports are counted */
@@ -202,8 +206,8 @@ typedef struct pzs_model_state {
     pzs_element_type *rebuilt;  /* element type whose matrices and base vectors were last computed
                                    from the nodes; not used where the tables hold them for all
                                    element types */
-    const uint8_t *constrained; /* [free_dof] nonzero: this degree of freedom is kept at zero in
-                                   addition to those of the supports, as passed to the last
+    const uint8_t *constrained; /* [free_dof] nonzero: this degree of freedom is kept at zero
+                                   although no support does so, as demanded in the last
                                    pzs_assemble; NULL: none is */
     uint8_t stage;
 } pzs_model_state;
@@ -215,9 +219,9 @@ typedef struct pzs_model {
 
 /*
  * Size of the workspace of a finite-element model (bytes). `envelope` is the number of stored
- * entries of its stiffness matrix, padding included; generated headers define it for each size of
- * the blocks in which the matrix is factored (PZS_TILE). If the tables of the element types leave
- * out what the library computes from the nodes (pzs_compact_type), PZS_COMPACT_BYTES are added.
+ * entries of its stiffness matrix, padding included, which depends on PZS_TILE; generated headers
+ * define it for each value of PZS_TILE. A structure with element types in the short form
+ * pzs_compact_type needs PZS_COMPACT_BYTES more.
  */
 #define PZS_MODEL_BYTES(free_dof, envelope)                                                        \
     (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(free_dof)) +                           \
@@ -258,8 +262,9 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 /*
  * Scale the stiffness matrix of a model to unit diagonal by powers of two, factor it as L D L^T,
  * and estimate its condition number. Errors: PZS_E_STAGE; PZS_E_LOOSE and PZS_E_NEGATIVE
- * (info.where = free degree of freedom); PZS_E_CONDITION if the estimate exceeds 1.2/epsilon with
- * the machine epsilon or, where solutions are refined iteratively, 600/epsilon or 1e14.
+ * (info.where = free degree of freedom); PZS_E_CONDITION if the estimate exceeds 1e14 or a multiple
+ * of 1/epsilon with the machine epsilon: 600 where solutions are refined iteratively, otherwise
+ * 1.2.
  */
 pzs_status pzs_factor(pzs_model *model);
 
@@ -289,25 +294,27 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, p
  *                                    structure, in generated tables PREFIX_ALL_OUTPUTS and
  *                                    PREFIX_ALL_INPUTS
  * A structure whose tables contain electrodes (PREFIX_ELECTRODES) has more inputs than amplifiers.
- * If some electrodes are open, pzs_electric_factor and pzs_influence_open must follow. The first
- * PREFIX_INPUTS columns of the first PREFIX_OUTPUTS rows are then the influence matrix that
- * pzs_loop_init and pzs_control_init take, which the program copies without the other columns.
- * Errors: those of pzs_solve, which leave info.where at the index of an input; the columns of the
- * inputs before info.where are then written.
+ * If some electrodes are open, pzs_electric_factor and pzs_influence_open must follow. The
+ * controller (pzs_loop_init, pzs_control_init) takes the first PREFIX_INPUTS columns of the first
+ * PREFIX_OUTPUTS rows; the program copies them into a matrix without the other columns. Errors:
+ * those of pzs_solve, which leave info.where at the index of an input; the columns of the inputs
+ * before info.where are then written.
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 
 /* ---- electrodes: charges, sensors, open circuits (lib/model/electrode.c) */
 
 /*
- * Tables of the electrodes whose charge matters. The charge of an electrode, on its side towards
- * the normal e3, is the scalar product of the force vector of its input with the displacement, plus
- * the charge that flows while the shell cannot deform: sensing is the transpose of actuation. All
- * arrays are const and may stay in flash.
+ * Tables of electrodes whose charge is measured (sensors) or prescribed (open electrodes). The
+ * charge is that on the side of the electrode towards the normal e3. It is the sum of two parts:
+ * the scalar product of the displacement with the force vector of the electrode's input, because
+ * sensing is the transpose of actuation, and the charge that flows while the shell cannot deform.
+ * All arrays are const and may stay in flash.
  */
 typedef struct pzs_electrodes {
-    uint32_t format, scene; /* format number of the electrode tables and hash of their scene file,
-                               which must be those of the structure */
+    uint32_t format, scene; /* format: format number of the electrode tables; scene: hash of the
+                               scene file from which they were generated; both must equal those in
+                               the tables of the structure */
     uint32_t crc;           /* checksum of the electrode tables and their arrays, computed by
                                pzs_electrodes_seal */
     uint16_t count;
@@ -317,8 +324,8 @@ typedef struct pzs_electrodes {
                             is unknown; 0: electrode of prescribed voltage */
     /*
      * one row for each electrode: charge per unit of an input while the shell cannot deform (C/V or
-     * C/K), with the index of the input in the member dof; for the electrode's own voltage it is
-     * the capacitance, for a temperature the pyroelectric charge
+     * C/K); the member dof holds the indices of the inputs. For the electrode's own voltage this
+     * charge is the capacitance, for a temperature the pyroelectric charge
      */
     pzs_rows direct;
 } pzs_electrodes;

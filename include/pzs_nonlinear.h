@@ -26,18 +26,21 @@ extern "C" {
  */
 typedef struct pzs_prescribed_resultants {
     /*
-     * number of rows of the array `value`: each row holds the ten stress resultants that an input
-     * prescribes on an element, and elements with equal resultants share a row
+     * number of rows of the array `value`, each with the ten stress resultants that an input
+     * prescribes on an element; elements with equal resultants share a row
      */
     uint16_t values;
-    const uint32_t *start;   /* [inputs + 1] index in the arrays `element` and `which` at which the
-                                elements begin on which each input acts; an input that acts on no
-                                element by prescribed resultants is a load */
+    /*
+     * [inputs + 1] index, in the arrays `element` and `which`, of the first element on which each
+     * input acts by prescribed stress resultants. An input that acts on no element in this way is a
+     * load
+     */
+    const uint32_t *start;
     const uint16_t *element; /* [start[inputs]] indices of the elements on which an input acts by
                                 prescribed stress resultants, one input after the other */
     /*
-     * [start[inputs]] for each entry of the array `element`, the index in the array `value` of the
-     * stress resultants that are prescribed on this element
+     * [start[inputs]] index in the array `value` of the stress resultants that an input prescribes
+     * on an element, for each entry of the array `element`
      */
     const uint16_t *which;
     const pzs_real (*value)[10]; /* [values] stress resultants per unit of an input, times the area
@@ -46,8 +49,8 @@ typedef struct pzs_prescribed_resultants {
 } pzs_prescribed_resultants;
 
 /*
- * Free degrees of freedom whose displacement is prescribed: it is the value of one input times a
- * constant displacement.
+ * Free degrees of freedom with a prescribed displacement, which is the value of one input times a
+ * constant.
  */
 typedef struct pzs_prescribed_motion {
     uint16_t count;
@@ -64,8 +67,9 @@ typedef struct pzs_prescribed_motion {
  * element types (pzs_element_type or pzs_compact_type). All arrays are const and may stay in flash.
  */
 typedef struct pzs_nonlinear {
-    uint32_t format, scene; /* format number of the nonlinear tables and hash of their scene file,
-                               which must be those of the structure */
+    uint32_t format, scene; /* format: format number of the nonlinear tables; scene: hash of the
+                               scene file from which they were generated; both must equal those in
+                               the tables of the structure */
     uint32_t crc; /* checksum of the nonlinear solver's tables and their arrays, computed by
                      pzs_nonlinear_seal */
     pzs_prescribed_resultants resultants;
@@ -104,9 +108,11 @@ typedef struct pzs_solver_settings {
      * present displacement; default 12; 0: plain Newton method
      */
     uint16_t extrapolated_iterations;
-    uint16_t ramp_solves; /* number of linear solves at the start of a load step in which the input
-                             values rise in equal parts to the values of the end of the load step;
-                             default 1 */
+    /*
+     * number of linear solves, at the start of a load step, over which the input values rise in
+     * equal parts to their values at the end of the load step; default 1
+     */
+    uint16_t ramp_solves;
     uint32_t solve_limit; /* largest number of linear solves in one call of pzs_equilibrium; default
                              400 */
 } pzs_solver_settings;
@@ -158,7 +164,7 @@ typedef struct pzs_solver_state {
                                             equilibrium, each times the area of the element (N m) */
     uint16_t iteration; /* number of linear solves of the equilibrium solver in the present load
                            step */
-    pzs_status pending_error; /* status of an option of the solver (such as a contact) that had not
+    pzs_status pending_error; /* error of an option of the solver (such as a contact) that had not
                                  converged when the last load step ended, or PZS_OK */
     pzs_status refused; /* error with which an option of the solver (such as a contact) rejected the
                            last load step, or PZS_OK */
@@ -166,8 +172,10 @@ typedef struct pzs_solver_state {
                            that the contact body would enter */
     pzs_status warned;  /* warning of an option of the solver (such as a contact) about the last
                            converged load step, or PZS_OK */
-    bool is_balanced; /* whether the imbalance of the forces in the present load step is at most as
-                         large as the applied force, or is a rounding error */
+    bool is_balanced;   /* whether the forces in the present load step are roughly in balance: the
+                           imbalance   is at most as large as the applied force, or is a rounding
+                           error
+                         */
     uint8_t stage;
 } pzs_solver_state;
 
@@ -220,7 +228,7 @@ void pzs_solver_reset(pzs_solver *solver);
 pzs_status pzs_equilibrium(pzs_solver *solver, const pzs_real *value);
 
 /*
- * Compute the influence matrix at the deformed shape, the outputs per unit of each input, from the
+ * Compute the influence matrix, the outputs per unit of each input, at the deformed shape from the
  * tangent stiffness there. Follower loads make the tangent stiffness unsymmetric; each column then
  * takes a few more linear solves, at most 60.
  *   influence [outputs][inputs] out  influence matrix (m/V)
@@ -237,8 +245,9 @@ pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
  * Plotnikova 2013). All arrays are const and may stay in flash.
  */
 typedef struct pzs_follower {
-    uint32_t format, scene; /* format number of the follower-load tables and hash of their scene
-                               file, which must be those of the structure */
+    uint32_t format, scene; /* format: format number of the follower-load tables; scene: hash of the
+                               scene file from which they were generated; both must equal those in
+                               the tables of the structure */
     uint32_t crc;   /* checksum of the tables of the follower load and their arrays, computed by
                        pzs_follower_seal */
     uint16_t input; /* index of the input whose value scales the follower pressure; the force vector
@@ -250,17 +259,22 @@ typedef struct pzs_follower {
     uint8_t true_area;   /* 1: the follower pressure is force per deformed area of the face given
                             by normal_face; 0: force per undeformed area. In both cases it acts
                             along the normal of the deformed face */
-    pzs_real share[3];   /* parts of the force of the follower pressure at one corner of an element
-                            that act on this corner, on each neighbouring corner and on the opposite
-                            corner (1) */
-    const pzs_real (*area)[4]; /* [types] part of the area of an element of each type that belongs
-                                  to each of its four corners (m2) */
-    const pzs_real (*lean)[4][2]; /* [types] for each corner of an element, the components of its
-                                     two base vectors along the director of the shell there (1): not
-                                     zero where a flat element approximates a curved shell; NULL:
-                                     all zero */
-    const pzs_real *pressure;     /* [nodes] follower pressure at each node per unit of the input,
-                                     positive along the normal e3 (N/m2) */
+    /*
+     * distribution of the force that the follower pressure at one corner of an element causes (1):
+     * the part that acts on this corner [0], on each neighbouring corner [1] and on the opposite
+     * corner [2]
+     */
+    pzs_real share[3];
+    const pzs_real (*area)[4]; /* [types][4] area of the part of an element, for each element type,
+                                  that belongs to each corner (m2) */
+    /*
+     * [types][4][2] components, along the director of the shell at each corner of an element, of
+     * the two base vectors there (1). They are not zero where a flat element approximates a curved
+     * shell; NULL: all zero
+     */
+    const pzs_real (*lean)[4][2];
+    const pzs_real *pressure; /* [nodes] follower pressure at each node per unit of the input,
+                                 positive along the normal e3 (N/m2) */
 } pzs_follower;
 
 /*
@@ -389,8 +403,9 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
  * flash.
  */
 typedef struct pzs_contact_face {
-    uint32_t format, scene; /* format number of the contact tables and hash of their scene file,
-                               which must be those of the structure */
+    uint32_t format, scene; /* format: format number of the contact tables; scene: hash of the scene
+                               file from which they were generated; both must equal those in the
+                               tables of the structure */
     uint32_t crc;           /* checksum of the contact tables and their arrays, computed by
                                pzs_contact_face_seal */
     uint8_t face;           /* face of the shell that may come into contact: 0 inner, 1 outer */
@@ -399,8 +414,8 @@ typedef struct pzs_contact_face {
     pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */
     /*
      * length that scales tolerances of the contact (m): largest side of the axis-parallel box
-     * around the contact face of the shell; a gap between shell and contact body below 1e-8 of this
-     * length (in single precision 32 times the machine epsilon) counts as closed
+     * around the contact face of the shell. A gap between shell and contact body counts as closed
+     * if it is below 1e-8 of this length (in single precision 32 times the machine epsilon)
      */
     pzs_real size;
     const pzs_real (*place)[3]; /* [nodes] positions of the nodes on the undeformed contact face (m)
@@ -423,9 +438,9 @@ pzs_status pzs_contact_face_seal(pzs_contact_face *tables, const pzs_structure *
  */
 typedef struct pzs_contact_settings {
     /*
-     * penalty stiffness of the contact in the first iteration of a load step, relative to the
-     * stiffness of the structure, above 0; default 10. It doubles in each iteration, up to 100. The
-     * converged result does not depend on it
+     * penalty stiffness of the contact in the first iteration of a load step, divided by the
+     * stiffness of the structure, above 0 (1); default 10. It doubles in each iteration, up to 100.
+     * The converged result does not depend on it
      */
     pzs_real stiffness;
 } pzs_contact_settings;
@@ -452,13 +467,17 @@ typedef struct pzs_contact_info {
                                  contact */
     pzs_real force[3];        /* resultant force of the contact pressure on the shell (N) */
     uint16_t nodes;           /* number of nodes in contact with the rigid body */
-    pzs_real sag; /* largest depth by which the contact body was allowed to enter an element between
-                     its nodes in the last load step, because the element is flat where the shell is
-                     curved (m) */
+    /*
+     * largest depth, in the last load step, by which the contact body entered an element between
+     * its nodes without being rejected (m). Such a depth is allowed because the element is flat
+     * where the shell is curved
+     */
+    pzs_real sag;
     pzs_penetration penetration; /* kind of penetration for which the solver rejected the last load
                                     step, or about which it warned */
-    uint8_t side; /* face of the shell that the contact body enters: 0 inner, 1 outer; if it is not
-                     the contact face of the tables, the body comes from behind */
+    uint8_t side; /* face of the shell that the contact body enters: 0 inner, 1 outer. If this is
+                     not the contact face of the tables, the contact body comes from the other side
+                     of the shell */
     uint16_t element, node; /* indices of the element and node that the contact body penetrates; for
                                a penetration between nodes, `node` is PZS_CONSTRAINED */
     pzs_real spot[3]; /* position of the point of the shell that lies deepest in the contact body
@@ -473,22 +492,25 @@ typedef struct pzs_contact_state {
     pzs_real *pressure;           /* [nodes] present contact pressure per undeformed area (N/m2) */
     pzs_real *converged_pressure; /* [nodes] contact pressure per undeformed area at the last
                                      equilibrium (N/m2) */
-    pzs_real *facing; /* [nodes] scalar product of the normal of the contact face with the normal of
-                         the contact body, summed over the elements at each node; negative where the
-                         face is turned towards the body (1) */
+    /*
+     * [nodes] sum over the elements at each node of the scalar product of two normals, of the
+     * contact face and of the contact body (1); negative where the face is turned towards the body
+     */
+    pzs_real *facing;
     uint8_t *touching; /* [nodes] active set of the contact: 1 if the node is in contact with the
                           body, otherwise 0 */
     uint8_t *converged_touching; /* [nodes] active set of the contact at the last equilibrium: 1 if
                                     the node was in contact with the body, otherwise 0 */
     bool has_changed; /* whether the set of nodes in contact changed before the last linear solve */
-    bool is_warm; /* whether the load step started with the unchanged set of nodes in contact of the
-                     last equilibrium */
+    bool is_warm;   /* whether the load step began with the same set of nodes in contact as the last
+                       equilibrium */
     bool is_loose;  /* whether the shell can move as a rigid body on its supports, so that only
                        contact can hold it */
     pzs_real reach; /* half of the longest diagonal of all elements of the shell (m); every point of
                        the shell is at most this far from a node */
-    bool lacks_contact; /* true: at the last linear solve no node was assumed to touch the contact
-                           body, or none of those nodes had a compressive contact force */
+    bool lacks_contact; /* whether contact was missing at the last linear solve: no node was assumed
+                           to touch the contact body, or none of these nodes had a compressive
+                           contact force */
 } pzs_contact_state;
 
 typedef struct pzs_contact {
