@@ -72,7 +72,10 @@ uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
     return add_bytes(add_bytes(0, rest, CRC_REST), (const uint8_t *)data + folded, bytes - folded);
 }
 
-/* The difference of a number with itself is 0 for a finite number and NaN for NaN and infinity. */
+/*
+ * A number minus itself is 0 if it is finite, and NaN if it is NaN or infinite. The test thus needs
+ * no classification of numbers.
+ */
 int32_t pzs_guard_nonfinite(const pzs_real *value, uint32_t count)
 {
     const uint32_t blocks = count / FINITE_BLOCK * FINITE_BLOCK;

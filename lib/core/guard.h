@@ -55,8 +55,8 @@ static inline void guard_repair_bool(bool *flag)
 }
 
 /*
- * Continue a cheap checksum of numbers by one number, and return it. It changes with every single
- * flipped bit of `number`, and costs less than a CRC-32.
+ * Continue a checksum over real numbers by one number, and return it. The checksum changes with
+ * every single flipped bit of `number`, and costs less than a CRC-32.
  */
 static inline uint32_t guard_add(uint32_t sum, pzs_real number)
 {

@@ -35,8 +35,8 @@ static inline polynomial load(const uint8_t *data)
 }
 
 /*
- * Multiply a polynomial by a power of x, up to a multiple of the polynomial of the CRC-32; this
- * moves data over the distance (in bits) that is the exponent.
+ * Multiply a polynomial by a power of x, modulo the polynomial of the CRC-32. The product stands
+ * for the same data, moved by as many bits as the exponent of the power.
  *   factor in  remainders of the powers of x for the lower and the upper half of the data
  */
 PCLMUL static inline polynomial move(polynomial value, polynomial factor)
@@ -47,16 +47,16 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
-    const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* factor by which the computation of
-                                                                 a CRC-32 multiplies data, a
-                                                                 polynomial, to move them over
-                                                                 CRC_BLOCK bytes, the length of one
-                                                                 step */
-    const polynomial over_rest = {0x1751997d0, 0x0ccaa009e}; /* factor by which the computation of a
-                                                                CRC-32 multiplies data, a
-                                                                polynomial, to move them over
-                                                                CRC_REST bytes, the length to which
-                                                                a long array is reduced */
+    /*
+     * factor by which a polynomial is multiplied to move its data over the length of one step of
+     * the CRC-32, CRC_BLOCK bytes
+     */
+    const polynomial over_block = {0x154442bd4, 0x1c6e41596};
+    /*
+     * factor by which a polynomial is multiplied to move its data over CRC_REST bytes, the length
+     * to which the CRC-32 reduces a long array
+     */
+    const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};
     const polynomial start = {(long long)crc, 0};
     polynomial part[4];
     for (unsigned k = 0; k < 4u; k++)

@@ -10,7 +10,10 @@
 
 /* Number of bytes that one step of the CRC-32 with polynomial products processes. */
 #define CRC_BLOCK 64u
-/* Number of bytes to which the CRC-32 with polynomial products reduces a long array. */
+/*
+ * Number of bytes to which pzs_wide_fold reduces a long array, so that the CRC-32 of these bytes is
+ * that of the array.
+ */
 #define CRC_REST 16u
 
 #define FINITE_BLOCK 8u /* number of reals of which pzs_wide_is_finite reads a multiple */

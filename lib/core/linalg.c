@@ -180,8 +180,9 @@ int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale)
 }
 
 /*
- * The entries of the matrix are scaled in the order of memory, panel by panel (PZS_TILE rows each)
- * and column by column. Padding entries are zero and stay zero.
+ * The entries of the matrix are scaled in the order in which they lie in memory, which is the
+ * fastest: panel by panel (PZS_TILE rows each) and column by column. Padding entries are zero and
+ * stay zero.
  */
 void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
 {
@@ -217,8 +218,9 @@ static void add_sizes(const pzs_real *entry, uint32_t row, uint32_t past, uint32
 }
 
 /*
- * The entries of the matrix are added to its row and column sums in the order of memory, panel by
- * panel (PZS_TILE rows each) and column by column.
+ * The absolute values of the entries are added to the row and column sums of the matrix in the
+ * order in which the entries lie in memory, which is the fastest: panel by panel (PZS_TILE rows
+ * each) and column by column.
  */
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 {
@@ -369,8 +371,8 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 
 /*
  * Return the index of the first column that is still to be eliminated before a panel (PZS_TILE
- * matrix rows) can be finished. For the first panel of a group of panels these are all
- * columns left of the group, for any other panel those of the panel before it.
+ * matrix rows) can be finished. For the first panel of a group of panels it is the first stored
+ * column of the group, for any other panel the first column of the panel before it.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -385,9 +387,9 @@ static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uin
 
 /*
  * Step of the factorisation of a matrix: eliminate the columns left of a panel (PZS_TILE matrix
- * rows) from this panel and from the next panels of its group, up to panel `past` - 1, except
- * columns that have been eliminated together with an earlier panel. Each strip of columns is
- * eliminated from all of these panels while the factors of its rows are in the cache.
+ * rows) from this panel and from the next panels of its group, up to panel `past` - 1. Columns that
+ * were eliminated together with an earlier panel are left out. The loop over the columns is the
+ * outer one: each strip of columns is read once for all panels, so that it stays in the cache.
  */
 static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {

@@ -32,8 +32,8 @@ bool pzs_linalg_has_wide(void);
 
 /*
  * Step of the factorisation A = L D L^T with W = L D: eliminate a strip of PZS_TILE columns in two
- * panels (PZS_TILE rows each): W_ij = A_ij - sum over k < j of W_ik L_jk, for the rows i of the
- * panels and the columns j of the strip.
+ * panels (PZS_TILE rows each). It computes W_ij = A_ij - sum over k < j of W_ik L_jk for the rows i
+ * of the panels and the columns j of the strip.
  *   strip [2]                  in/out  the strip in both panels
  *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the diagonal tile of the rows j, column by
  *                                      column; those of the columns k before it precede them in

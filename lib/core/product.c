@@ -125,7 +125,8 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 
 /*
  * Define a function that computes product [cols] = sum over the rows i of vector_i times row i of
- * the table in vector registers, for `cols` columns in COUNT tiles of PZS_TILE columns.
+ * the table. The sums of `cols` columns, in COUNT tiles of PZS_TILE columns, stay in vector
+ * registers.
  */
 #define SUM_TILES(name, COUNT)                                                                     \
     static void name(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,    \
@@ -199,7 +200,10 @@ static void sum_rows(pzs_real *restrict product, const pzs_real *restrict table,
 
 /* ---- matrices ------------------------------------------------------------------- */
 
-/* Whether all entries of a vector are zero, as voltages are at the start of many controllers. */
+/*
+ * Whether all entries of a vector are zero. Many controllers start with zero voltages, for which
+ * the product with a matrix need not be computed.
+ */
 static bool is_zero(const pzs_real *vector, size_t count)
 {
     size_t i = 0;

@@ -70,7 +70,8 @@
 
 /*
  * Return how many matrix columns the next assembler loop of a product processes when `left` columns
- * are left: at most GROUP_LIMIT, and nearly as many as in the following loops.
+ * are left. The columns are divided into groups of nearly equal size, of at most GROUP_LIMIT
+ * columns.
  */
 static size_t group_columns(size_t left)
 {

@@ -30,15 +30,15 @@ static inline bool product_is_wide(size_t cols)
 #if PZS_WIDE
 
 /*
- * Sum of the rows of a table, each multiplied by its factor, with AVX2 instructions; arguments and
- * result are those of pzs_product_sum_rows.
+ * Compute the sum of the rows of a table, each multiplied by its factor, with AVX2 instructions.
+ * The arguments and the bits of the result are those of pzs_product_sum_rows.
  */
 void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
                        const pzs_real *restrict vector, size_t rows, size_t cols);
 
 /*
- * Subtraction of chosen rows of a table, each multiplied by its factor, from a vector, with AVX2
- * instructions; arguments and result are those of pzs_product_subtract_rows.
+ * Subtract chosen rows of a table, each multiplied by its factor, from a vector, with AVX2
+ * instructions. The arguments and the bits of the result are those of pzs_product_subtract_rows.
  */
 void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict table,
                             size_t stride, const uint16_t *index, const pzs_real *restrict factor,

@@ -32,9 +32,9 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node, pzs
     for (unsigned corner = 0; corner < 4; corner++)
         for (unsigned direction = 0; direction < 2; direction++) {
             /*
-             * The second and third strain modes (linear parts of the strains) vary as the element
-             * coordinates xi2 and xi1; the sign of the coordinate at a corner tells on which side
-             * its neighbour lies.
+             * The neighbour of a corner along theta1 (theta2) lies towards larger theta1 (theta2)
+             * if the element coordinate xi1 (xi2) is negative at the corner. mode_sign [2] and [1]
+             * hold the signs of xi1 and xi2 at the corners.
              */
             const pzs_real sign = -mode_sign[2 - direction][corner];
             const unsigned other = neighbour[corner][direction];

@@ -264,11 +264,11 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Place of one degree of freedom of an element in the stiffness matrix, which is stored in envelope
- * form, in panels of PZS_TILE rows. The entry in the row of this degree of freedom and in the
- * column of another one has the index base + step of the other one, because successive columns of a
- * panel are PZS_TILE reals apart. The unsigned `base` may wrap round where column 0 is outside the
- * panel; the sum is correct.
+ * Place of one degree of freedom of an element in the stiffness matrix. The matrix is stored in
+ * envelope form, in panels of PZS_TILE rows, in which successive columns are PZS_TILE reals apart.
+ * The matrix entry in the row of degree of freedom a and in the column of degree of freedom b
+ * therefore has the index (base of a) + (step of b). The unsigned `base` may wrap round where
+ * column 0 is outside the panel; the sum is correct.
  */
 typedef struct add_place {
     uint16_t dof;
@@ -365,8 +365,9 @@ static uint16_t element_dof(const pzs_model *model, uint32_t element, unsigned i
 }
 
 /*
- * Add the stiffness matrix of an element whose matrix the tables do not contain: each row is
- * computed as the force of a unit displacement of one degree of freedom.
+ * Add the stiffness matrix of an element, if the tables do not contain this matrix, to the
+ * stiffness matrix of the structure. Each row is computed as the force of a unit displacement of
+ * one degree of freedom.
  */
 static void add_computed_matrix(pzs_model *model, uint32_t element)
 {
@@ -374,8 +375,8 @@ static void add_computed_matrix(pzs_model *model, uint32_t element)
     const pzs_element_type *type = pzs_model_element_type(model, element);
     for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
         const uint16_t row = element_dof(model, element, i);
-        pzs_real force[SHELL_MAX] = {0}; /* nodal displacement of the element, which is then
-                                            replaced by the nodal force that its stiffness causes */
+        pzs_real force[SHELL_MAX] = {0}; /* in: nodal displacement of the element; out: nodal force
+                                            that the stiffness of the element causes */
         if (row == PZS_CONSTRAINED)
             continue;
         force[i] = 1;
@@ -528,9 +529,8 @@ static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *
 {
     const pzs_structure *structure = model->state.structure;
     for (uint32_t element = 0; element < structure->elements; element++) {
-        pzs_real element_vector[SHELL_MAX]; /* nodal displacement of the element, which is then
-                                               replaced by the nodal force that its stiffness causes
-                                             */
+        pzs_real element_vector[SHELL_MAX]; /* in: nodal displacement of the element; out: nodal
+                                               force that the stiffness of the element causes */
         pzs_model_gather(model, structure->element[element], SHELL_NODES, vector, element_vector);
         pzs_shell_force(pzs_model_element_type(model, element), structure->dof_per_node,
                         element_vector, element_vector);
@@ -607,9 +607,10 @@ void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs
 }
 
 /*
- * Compute the residual of the stiffness equations (force minus stiffness matrix times displacement)
- * from the strains of the elements, and the energy norm of the error of the displacement relative
- * to the energy norm of the displacement, and write both into the info of the model.
+ * Compute two measures of the error of a displacement and write them into the info of the model.
+ * They are the residual of the stiffness equations (force minus stiffness matrix times
+ * displacement, from the strains of the elements), and the relative error of the displacement in
+ * the energy norm.
  *   residual, correction [free_dof] out  work arrays
  */
 static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_real *displacement,

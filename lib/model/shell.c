@@ -10,11 +10,11 @@
 #include <string.h>
 
 /*
- * Base vectors at a corner of a shell element, from which strains are measured, as pointers: along
- * the surface coordinates theta1 and theta2, mean of the two faces and difference divided by the
- * thickness; director beta; and the degree of freedom q, the excess of u3 at the middle surface
- * over the faces, divided by the thickness. For the undeformed state the pointers lead into
- * pzs_element_type, with beta = e3 (the normal) and q = 0.
+ * Pointers to the base vectors at a corner of a shell element, from which strains are measured:
+ * along the surface coordinates theta1 and theta2, mean of the two faces and difference divided by
+ * the thickness; director beta; and the degree of freedom q. The number q is the excess of u3 at
+ * the middle surface over the faces, divided by the thickness. For the undeformed state the
+ * pointers lead into pzs_element_type, with beta = e3 (the normal) and q = 0.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -181,10 +181,11 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
 }
 
 /*
- * Compute the stresses [10] at one corner of an element (11, 22, 33 and 12, each conjugate to the
- * mean and to the difference of the two faces, 13 and 23) from the stress resultants of its four
- * strain modes (constant, linear and bilinear over the element): the transpose of the map from the
- * strains at the corners to those of the strain modes.
+ * Compute the stresses at one corner of an element from the stress resultants of its four strain
+ * modes (constant, linear and bilinear over the element). The map is the transpose of that from the
+ * strains at the corners to the strain modes.
+ *   stress [10] out  stresses conjugate to the strains 11, 22, 33 and 12, each as mean and
+ * difference of the two faces, and to 13 and 23
  */
 static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real stress[10])
 {
@@ -230,10 +231,10 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Add the effect of the in-plane shear resultant of an element that is constant over the element
- * (component 12, mean of outer and inner face of the shell) to the other stress resultants of a
- * warped (not plane) element. This is the transpose of add_warp, which adds other strains to the
- * shear strain.
+ * Distribute the in-plane shear resultant of a warped (not plane) element to the other stress
+ * resultants. It is the resultant of component 12, mean of outer and inner face, in the strain mode
+ * that is constant over the element. This is the transpose of add_warp, which adds the other
+ * strains to the shear strain.
  */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
@@ -355,8 +356,8 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 #if PZS_NONLINEAR
 
 /*
- * Convert the base vectors at a deformed corner of an element from the struct shell_corner, which
- * holds them, to the struct shape, which points to them.
+ * Return pointers (struct shape) to the base vectors at a deformed corner of an element, which a
+ * struct shell_corner holds.
  */
 static shape shape_of(const shell_corner *corner)
 {

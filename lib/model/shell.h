@@ -51,9 +51,9 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
                                 const pzs_real *h0, pzs_real *force);
 
 /*
- * Base vectors at one corner of a deformed element, along the surface coordinates theta1 and
- * theta2: mean of the two faces and difference divided by the thickness; director beta; and the
- * degree of freedom q, the excess of u3 at the middle surface over the faces, divided by the
+ * Base vectors at one corner of a deformed element along the surface coordinates theta1 and theta2,
+ * mean of the two faces and difference divided by the thickness; director beta; and the degree of
+ * freedom q. The number q is the excess of u3 at the middle surface over the faces, divided by the
  * thickness. The derivatives of a displacement at the corner have the same form, with the change of
  * the director as beta.
  */
@@ -66,9 +66,9 @@ typedef struct shell_corner {
 
 #if PZS_NONLINEAR
 /*
- * Number of stress resultants of an element at a displacement. They are conjugate to those 22
- * strains of the four strain modes 00, 01, 10 and 11, in this order, that the element takes into
- * account (ten, five, five and two). Those of the mode that varies as xi1^r1 xi2^r2 over the
+ * Number of stress resultants of an element at a displacement. The element takes 22 strains of its
+ * four strain modes 00, 01, 10 and 11 into account (ten, five, five and two), and each resultant is
+ * conjugate to one of them. The resultants of the mode that varies as xi1^r1 xi2^r2 over the
  * element are multiplied by area/3^(r1+r2) (N m). The strains are exact to second order in the
  * displacement, so their second variation is constant.
  */
