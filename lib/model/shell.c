@@ -184,8 +184,8 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
  * Compute the stresses at one corner of an element from the stress resultants of its four strain
  * modes (constant, linear and bilinear over the element). The map is the transpose of that from the
  * strains at the corners to the strain modes.
- *   stress [10] out  stresses conjugate to the strains 11, 22, 33 and 12, each as mean and
- * difference of the two faces, and to 13 and 23
+ *   stress [10] out  stresses conjugate to the strains 11, 22, 33 and 12 (each as mean and
+ *                    difference of the two faces), 13 and 23
  */
 static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real stress[10])
 {

@@ -164,8 +164,8 @@ static contact_point find_point(const pzs_contact *contact, const pzs_solver *so
 
 /*
  * Return the stiffness of the shell at a node, per area (N/m3), from the diagonal of the stiffness
- * matrix: that along the normal e3 of the shell if this degree of freedom is free, otherwise that
- * of another one. Returns 0 where the face has no free degree of freedom.
+ * matrix: that along the normal e3 of the shell or, if this degree of freedom is not free, that
+ * along e1 or e2. Returns 0 where the face has no free degree of freedom.
  */
 static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                     uint16_t node)
@@ -202,8 +202,8 @@ static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *
 
 /*
  * Compute state.facing [nodes], which is negative where the deformed shell points towards the
- * contact body: for each node, the sum over its elements of the scalar product of the outward
- * normal of the deformed face and the normal of the body.
+ * contact body. The entry of a node is a sum over the elements at the node: scalar product of the
+ * outward normal of the deformed face and the normal of the body.
  */
 static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -518,10 +518,11 @@ static void axis_of_dof(const pzs_structure *structure, const pzs_real triad[3][
 }
 
 /*
- * Add one constrained degree of freedom to a Gram matrix [6][6], the sum of r' r over the rows r
- * [6] of all constrained degrees of freedom. A row r holds the displacements that the six rigid
- * motions of the shell (three translations, and three rotations times the size of the mesh) cause
- * in degree of freedom k (0 to 5) of a node.
+ * Add one constrained degree of freedom to a Gram matrix, which shows whether the supports prevent
+ * all rigid motions of the shell. The matrix [6][6] is the sum of r' r over the constrained degrees
+ * of freedom. The row r [6] holds the displacements in this degree of freedom under three unit
+ * translations and three rotations, times the size of the mesh. The degree of freedom has the
+ * number k (0 to 5) at its node.
  */
 static void add_support(const pzs_contact *contact, const pzs_solver *solver, pzs_real height,
                         uint16_t node, int k, pzs_real gram[6][6])
@@ -544,9 +545,9 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
 }
 
 /*
- * Whether the supports allow the shell to move as a rigid body. The function eliminates in a Gram
- * matrix [6][6], the sum of r' r over all supported degrees of freedom, where the row r holds the
- * displacements by three unit translations and three rotations, of about 1. A pivot counts as
+ * Whether the supports allow the shell to move as a rigid body, that is, whether the Gram matrix
+ * [6][6] of the supported degrees of freedom (add_support) is singular. Its rows belong to three
+ * translations and three rotations, with entries of about 1. In its elimination a pivot counts as
  * positive only if it exceeds 1e-6 plus a bound of its rounding error.
  */
 static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)

@@ -95,8 +95,9 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
 typedef struct body_point {
     pzs_real gap, normal[3];
     /*
-     * matrix of the second derivatives of the gap to the contact body (1/m). Along the normal of
-     * the body these are 0; instead the matrix has there the largest curvature of the body
+     * matrix of the second derivatives of the gap to the contact body (1/m), to which the largest
+     * curvature of the body is added in the direction of its normal, where the second derivatives
+     * are 0
      */
     pzs_real hessian[3][3];
     pzs_real radius; /* smallest radius of curvature of the contact body (m); 0: the body is flat */
@@ -178,8 +179,8 @@ typedef struct penetration {
 
 /*
  * Search for points where the contact body penetrates one element of the shell, which is taken as a
- * flat facet: corners of the facet at the last equilibrium (0) and at the present displacement (1),
- * and result of the search.
+ * flat facet. The search holds the corners of the facet at the last equilibrium (0) and at the
+ * present displacement (1), and its result.
  */
 typedef struct facet_search {
     pzs_contact *contact;
@@ -229,13 +230,13 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 }
 
 /*
- * Return the depth in the contact body (m) that is allowed for a point of a facet whose nodes lie
- * outside the body. A flat facet whose corners touch a body of radius R enters it by the sum over
- * the corners of shape function times distance^2 / (2 R), which is length^2 / (8 R) in the middle
- * of a side. This error of the mesh is allowed twice, because a distance function may return more
- * than the distance, but at most R/5; a facet with diagonals of length R enters by R (1 -
- * sqrt(3/4)). A body smaller than the diagonals may enter only where a corner is in contact,
- * because nothing else holds it back.
+ * Return the depth (m) to which a point of a facet may lie in the contact body if the nodes of the
+ * facet lie outside. A flat facet whose corners touch a body of radius R enters the body by the sum
+ * over the corners of shape function times distance^2 / (2 R). In the middle of a side this is
+ * length^2 / (8 R). This error of the mesh is allowed twice, because a distance function may return
+ * more than the distance. The largest allowed depth is R/5; a facet with diagonals of length R
+ * enters by R (1 - sqrt(3/4)). A body smaller than the diagonals may enter only where a corner is
+ * in contact, because nothing else holds it back.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
                             const pzs_real position[3], const body_point *at)
@@ -507,9 +508,9 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver)
 /* ---- length of a load step ---------------------------------------------- */
 
 /*
- * Return the part (0 to 1) of a motion of the contact body after which its gap to a point of the
- * shell has shrunk to `near` (m). The gap falls by at most the length of the motion, so each step
- * moves the body by the remaining gap.
+ * Return how far the contact body may move before its gap to a point of the shell has shrunk to
+ * `near` (m), as a part (0 to 1) of its motion. The gap falls by at most the length of the motion.
+ * Each step therefore moves the body by the gap that is left, less `near`.
  */
 static pzs_real free_motion(const pzs_contact *contact, const pzs_real position[3],
                             const pzs_real motion[3], pzs_real near)

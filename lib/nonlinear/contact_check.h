@@ -31,9 +31,10 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
 pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver);
 
 /*
- * Return the largest part (above 0, at most 1) of the way from the last equilibrium to the input
- * values that one load step may take: until the contact body is closer to a node than half of the
- * longest diagonal of an element, and then by half of the smallest radius of curvature of the body.
+ * Return the largest part (above 0, at most 1) of the way from the last equilibrium to the wanted
+ * input values that one load step may take. The contact body may move freely until it is closer to
+ * a node than half of the longest diagonal of an element. From there it may move by half of its
+ * smallest radius of curvature.
  *   value [inputs] in  wanted input values
  */
 pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *solver,

@@ -115,9 +115,10 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
 }
 
 /*
- * Return the charge that electrode k must gain: its prescribed minus its present charge for a step
- * of Newton's method (input = NEWTON), or otherwise the charge per unit of an input. If this input
- * is the voltage of an open electrode, it stands for the prescribed charge of that electrode.
+ * Return the charge that electrode k must gain in a linear solve. For a step of Newton's method
+ * (input = NEWTON) it is the prescribed minus the present charge. Otherwise it is the charge per
+ * unit of an input; if the input is the voltage of an open electrode, it stands for the prescribed
+ * charge of that electrode.
  */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)

@@ -17,8 +17,8 @@
 pzs_real pzs_face_height(const pzs_structure *structure, unsigned face);
 
 /*
- * Compute the displacement of the outer or inner face of the shell above or below some of its
- * nodes, at a given height above the middle surface (m).
+ * Compute the displacement of the outer or inner face of the shell at some of its nodes.
+ *   height                  in   height of the face above the mean of the two faces (m)
  *   vector       [free_dof] in   displacement over the free degrees of freedom
  *                                (m, or 1 for differences over the thickness)
  *   displacement [count][3] out  displacement of the face in the frames of the nodes (m)

@@ -259,8 +259,9 @@ static void scatter_forces(const pzs_solver *solver, uint32_t element, pzs_real 
 }
 
 /*
- * Compute the symmetric part of the tangent stiffness of a follower load on an element, minus half
- * of the sum of the derivatives of its forces and their transpose, as a packed lower triangle.
+ * Compute the symmetric part of the tangent stiffness of a follower load on an element, as a packed
+ * lower triangle. With the derivatives S of the forces by the displacement it is -(S + S') / 2,
+ * where S' is the transpose of S.
  */
 static void symmetric_tangent(pzs_real (*slope)[FACE_DOF], unsigned dof_per_node, pzs_real *k)
 {

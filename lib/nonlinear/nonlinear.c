@@ -518,13 +518,13 @@ static void set_input_values(pzs_solver *solver, const pzs_real *value, pzs_real
  * Iterate by Newton's method towards the equilibrium at `part` (above 0, at most 1) of the
  * remaining way to the wanted input values.
  *
- * The first settings.ramp_solves linear solves raise the input values in equal parts: displacements
- * of a linear solution far beyond the validity of linear kinematics would cost more solves later.
- * The iteration has converged when the last increment and the predicted next one are below the
- * tolerance, relative to the displacement of the load step, and the force imbalance is not larger
- * than the applied force or is a rounding error. Where a load step moves less than a thousandth of
- * the whole displacement (a tenth in float, because of rounding), the increments are compared with
- * that part of the whole displacement. Returns whether the iteration has converged.
+ * The first settings.ramp_solves linear solves raise the input values in equal parts. Without this
+ * the first displacement could lie far beyond the validity of linear kinematics, which would cost
+ * more solves later. The iteration has converged when the last increment and the predicted next one
+ * are below the tolerance, relative to the displacement of the load step, and the force imbalance
+ * is not larger than the applied force or is a rounding error. Where a load step moves less than a
+ * thousandth of the whole displacement (a tenth in float, because of rounding), the increments are
+ * compared with that part of the whole displacement. Returns whether the iteration has converged.
  * state.pending_error holds the status of an option of the solver (such as a contact) that has not
  * converged.
  */
@@ -680,8 +680,8 @@ typedef struct load_progress {
 
 /*
  * Make the units in which load steps are counted smaller, so that a shortened load step can still
- * be halved STEP_HALVINGS times. Between the last equilibrium and the wanted input values lie
- * progress->total equal units; the function doubles this number as often as necessary.
+ * be halved STEP_HALVINGS times. The way from the last equilibrium to the wanted input values is
+ * divided into progress->total equal units. The function doubles this number as often as necessary.
  *   part in  shortened load step, as a fraction (0 to 1) of the remaining way
  */
 static void refine_units(load_progress *progress, pzs_real part)

@@ -78,10 +78,11 @@ struct pzs_solver_option_calls {
     void (*add_unit_force)(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *force);
     /*
-     * For a solver option with unknowns of its own (voltages of open electrodes): add the
-     * displacement that these unknowns cause to du [free_dof], which was solved for without them.
-     *   input in  the input to whose unit du is the response; the constant NEWTON: du is the
-     *             response to the force imbalance; NO_INPUT: du is the response to another force
+     * For a solver option with unknowns of its own, such as the voltages of open electrodes: add
+     * the displacement that these unknowns cause to du [free_dof], a displacement that was computed
+     * without them.
+     *   input in  load that has caused du: the index of an input for a unit of this input; the
+     *             constant NEWTON for the force imbalance; NO_INPUT for another force
      * Returns false if the unknowns cannot be solved for. This function may use the third and
      * fourth vector of the work array of the model.
      */
@@ -190,8 +191,8 @@ bool pzs_nonlinear_factor(pzs_solver *solver);
 
 /*
  * Add the displacement that the additional unknowns of all solver options (voltages of open
- * electrodes) cause to du [free_dof], the response without them. Returns false if the unknowns
- * cannot be solved for.
+ * electrodes) cause to du [free_dof], a displacement that was computed without them. Returns false
+ * if the unknowns cannot be solved for.
  */
 bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du);
 

@@ -45,11 +45,12 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Where the stresses of one strain mode (constant, linear or bilinear over the element) lie in the
- * array of stress rows, the stresses per unit of each nodal degree of freedom: number of rows,
- * number of rows to which the seventh degree of freedom of a node (q, displacement of the middle
- * surface minus the mean of both faces) contributes, index of the first row, strain that belongs to
- * each row, and its row in the packed stiffness of the mode (pzs_element_type.d).
+ * Where the array of stress rows holds the stresses of one strain mode, which is constant, linear
+ * or bilinear over the element. A stress row has one stress per unit of each nodal degree of
+ * freedom. Members: number of rows; number of rows to which the seventh degree of freedom of a node
+ * contributes (q, displacement of the middle surface minus the mean of both faces); index of the
+ * first row; strain that belongs to each row; its row in the packed stiffness of the mode
+ * (pzs_element_type.d).
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS], kept[ROWS];
@@ -66,13 +67,13 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Two rows of stresses per unit of each nodal degree of freedom, from two strain modes (constant,
- * linear or bilinear over the element), that contribute to the same stress at a node. A strain mode
- * is 1 or -1 at a node; a node needs the sum of both rows or their difference, depending on the
- * signs of strain mode `mode` at this node and at the node of the column. Sum and difference
- * replace the rows: where the sign is negative at the node of the column, the first row receives
- * the sum, otherwise the second row does. The last four of the 14 pairs (PAIRS - PAIRS_WITH_Q) are
- * zero in the columns of the seventh degree of freedom of a node.
+ * Two rows of stresses per unit of each nodal degree of freedom that contribute to the same stress
+ * at a node. They come from two strain modes (constant, linear or bilinear over the element), and
+ * each mode is 1 or -1 at a node. A node therefore needs the sum or the difference of both rows: it
+ * depends on the signs of strain mode `mode` at this node and at the node of the column. Sum and
+ * difference replace the rows. Where the sign is negative at the node of the column, the first row
+ * receives the sum, otherwise the second row does. The last four of the 14 pairs (PAIRS -
+ * PAIRS_WITH_Q) are zero in the columns of the seventh degree of freedom of a node.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -211,11 +212,12 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 }
 
 /*
- * Add the effect of the warp of an element (its distance from a plane) to the row of strain 12,
- * mean of both faces, of one node in the array of nodal strains (strains per unit of each nodal
- * degree of freedom): a linear combination of other strains. Some of its factors depend on the
- * signs that the two linear strain modes have at the node. The combination can be part of the row
- * because this strain is used only in the strain mode that is constant over the element.
+ * Correct the row of strain 12, mean of both faces, of one node in the array of nodal strains
+ * (strains per unit of each nodal degree of freedom) for the warp of the element, which is its
+ * distance from a plane. The correction is a linear combination of other strains. Some of its
+ * factors depend on the signs that the two linear strain modes have at the node. The row may
+ * contain the correction because strain 12 is used only in the strain mode that is constant over
+ * the element.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -420,10 +422,10 @@ static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COL
 /* ---- geometric part --------------------------------------------------- */
 
 /*
- * Geometric stiffness between two nodes of an element, two 3 x 3 matrices: `mean` couples the
- * displacements of the nodes, mean of both faces of the shell; `cross` couples such a mean with a
- * difference over the thickness. The coupling of two differences is `mean` times a quarter of the
- * squared thickness.
+ * Geometric stiffness between two nodes of an element, as two 3 x 3 matrices. `mean` couples the
+ * mean displacements of both nodes (mean of both faces of the shell). `cross` couples the mean
+ * displacement of one node with the difference over the thickness at the other node. Two such
+ * differences are coupled by `mean` times a quarter of the squared thickness.
  */
 typedef struct block {
     pzs_real mean[9];
@@ -440,10 +442,11 @@ static int pair_of(int node, int other)
 }
 
 /*
- * Add a product of two 3 x 3 matrices, left_map transposed times right_map, to the geometric
- * stiffness between two nodes: times the stress `mean` to its matrix `mean`, times the stress
- * difference `cross` of the two faces to its matrix `cross`. The two matrices turn nodal
- * displacements into displacement derivatives.
+ * Add the contribution of one stress to the geometric stiffness between two nodes of an element.
+ * With P = left_map transposed times right_map, two 3 x 3 matrices that turn nodal displacements
+ * into displacement derivatives, the function adds mean * P to the matrix `mean` of the pair and
+ * cross * P to its matrix `cross`. The factor `mean` comes from the mean
+ * stress of the two faces, the factor `cross` from their stress difference.
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, pzs_real mean, pzs_real cross)
