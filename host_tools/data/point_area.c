@@ -11,7 +11,8 @@ typedef struct point {
 } point;
 
 /*
- * Convex polygon, with memory for the corners of the convex hull and one more corner for each cut.
+ * Convex polygon from which the Voronoi cell of a point is cut. Its memory has room for the corners
+ * of the convex hull and one more corner for each cut.
  */
 typedef struct polygon {
     size_t corners;

@@ -89,8 +89,8 @@ size_t polygon_clip(const double (*point)[2], size_t count, const double (*quad)
 /* ---- area in common --------------------------------------------------- */
 
 /*
- * Side of a polygon, directed from left to right, and the sign (1 or -1) with which the area
- * between the side and a horizontal line below the polygon counts in the area of the polygon.
+ * Side of a polygon, directed from left to right. The area between the side and a horizontal line
+ * below the polygon counts with the factor `sign` (1 or -1) in the area of the polygon.
  */
 typedef struct side {
     double x[2], y[2], sign;
@@ -150,10 +150,10 @@ static double area_below(const side *one, const side *other, double base)
 }
 
 /*
- * Return the area common to two polygons: the sum, over all pairs of a side of one and a side of
- * the other, of the area between the x axis and the lower of both sides where their ranges of x
- * overlap. The area of a pair counts as positive where both sides run in the same direction of x,
- * otherwise as negative.
+ * Return the area common to two polygons, as a signed sum over all pairs of a side of one and a
+ * side of the other. A pair contributes the area between the height `base` and the lower of both
+ * sides, where their ranges of x overlap. The area counts as positive where both sides run in the
+ * same direction of x, otherwise as negative.
  *   one, other out  work arrays for the sides of each polygon
  */
 static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,

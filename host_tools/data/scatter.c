@@ -150,8 +150,8 @@ static double square_distance(const double *first, const double *second)
  */
 typedef struct search_range {
     tree_range range;
-    double beyond; /* square of a lower bound of the distance from the place of interpolation to any
-                      point of this range of the k-d tree */
+    double beyond; /* lower bound of the squared distance between the place of interpolation and the
+                      points of this range of the k-d tree */
 } search_range;
 
 static void search(const scatter *scatter, const double place[SCATTER_AXES], neighbours *found)
@@ -185,8 +185,9 @@ static void search(const scatter *scatter, const double place[SCATTER_AXES], nei
  * are nearest to the place of interpolation.
  */
 typedef struct moments {
-    double centre[SCATTER_AXES], value; /* weighted means of the coordinates and of the values of
-                                           the points nearest to the place of interpolation */
+    double centre[SCATTER_AXES], value; /* weighted means, over the points nearest to the place of
+                                           interpolation, of their coordinates and of their values
+                                         */
     double spread[SCATTER_AXES][SCATTER_AXES];
     double cross[SCATTER_AXES]; /* weighted second moments that couple the value with each
                                    coordinate, about the weighted means, of the points nearest to

@@ -24,7 +24,7 @@ typedef struct fmu_variable {
     fmu_role role;
     char name[FMU_NAME], about[FMU_NAME]; /* name of an FMU variable, and one sentence that
                                              describes the variable */
-    char unit[WORDS_UNIT]; /* unit of the variable; an empty text for a dimensionless one */
+    char unit[WORDS_UNIT]; /* unit of the FMU variable; an empty text for a dimensionless one */
     double start; /* value of an input variable or parameter before the first step of the FMU */
 } fmu_variable;
 

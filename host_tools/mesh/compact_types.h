@@ -9,7 +9,8 @@
 #include "mesh.h"
 
 /*
- * Element types of a mesh without the numbers that a device computes from the nodes, and the nodes.
+ * Compact element types of a mesh, which lack the numbers that a device computes from the nodes;
+ * and the nodes, from which it computes them.
  */
 typedef struct compact_types {
     pzs_compact_type *type; /* [types] element types without the numbers that a device computes from

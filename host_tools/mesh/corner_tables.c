@@ -55,10 +55,11 @@ static pzs_node node_of(const surface_point *point)
 }
 
 /*
- * Compute the corner tables (displacements of the corners to strains) of Cartesian kinematics:
- * differences of displacement vectors between neighbouring corners, in the triad (local axes) of
- * the corner itself, divided by the length of the chord or of the element. The library computes
- * them, because a device does so where its tables are compact.
+ * Compute the corner tables of Cartesian kinematics, which map displacements of the corners to
+ * strains. The strains are differences of displacement vectors between neighbouring corners, in the
+ * triad (local axes) of the corner itself, divided by the length of the chord or of the element. A
+ * function of the library does the work, because a device with compact tables computes the same
+ * numbers.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Shares of the four corners in the area of a quadrilateral element. Over an element that is no
- * parallelogram, the area per unit of the natural coordinates xi1 and xi2 is proportional to 1 +
- * alpha_1 xi2 + alpha_2 xi1, with the skew coefficients alpha_1 and alpha_2 of the element (member
- * skew of laminate_place).
+ * Shares of the four corners in the area of a quadrilateral element. The area per unit of the
+ * natural coordinates xi1 and xi2 is proportional to 1 + alpha_1 xi2 + alpha_2 xi1. The skew
+ * coefficients alpha_1 and alpha_2 of the element (member skew of laminate_place) are 0 for a
+ * parallelogram.
  */
 #ifndef CORNER_WEIGHT_H
 #define CORNER_WEIGHT_H
@@ -23,9 +23,9 @@ double corner_jacobian(const laminate_place *place, int corner);
 double corner_share(const laminate_place *place, int corner);
 
 /*
- * Return the difference between two values of the integral of the product of two corners' shape
- * functions over the element, divided by the element's area: the value on this element less that on
- * a parallelogram, which is 4/36, 2/36 or 1/36 for the same, neighbouring or opposite corners.
+ * Return how much an integral exceeds its value on a parallelogram: the integral, over the element,
+ * of the product of two corners' shape functions, divided by the element's area. On a parallelogram
+ * it is 4/36 for one corner, 2/36 for neighbouring and 1/36 for opposite corners.
  */
 double corner_pair_excess(const laminate_place *place, int first, int second);
 

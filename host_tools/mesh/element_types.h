@@ -11,8 +11,9 @@ typedef struct type_list {
     const laminate *laminate;
     pzs_element_type *type; /* [elements of the mesh] element types; the first `count` entries are
                                used */
-    laminate_place *place;  /* [elements of the mesh] plies and geometry of each element type */
-    int count;              /* number of element types in the list */
+    laminate_place *place;  /* [elements of the mesh] plies and geometry of each element type; the
+                               first `count` entries are used */
+    int count;              /* number of element types in `type` and `place` */
 } type_list;
 
 /*

@@ -73,13 +73,14 @@ static void turn_back(double transform[6][6], const double stress[6], double tur
 
 /*
  * Compute the piezoelectric constants of a ply for a field along one of its axes: strain (d) or
- * stress (e) per unit of the field, in the axes of the ply (column [6] out, Voigt order 11 22 33 23
- * 13 12). The constants of the material are given in axes of which the third is the poling. Under a
- * poling along the normal e3 these are the axes of the ply. Under a poling along the axis 1 or 2 of
- * the ply their first is e3, and their second is the remaining axis.
- *   constant [5] in  the constants 31, 32, 33, 24 and 15
- *   poling       in  axis of the poling, 0, 1 or 2
- *   axis         in  axis of the field, 0, 1 or 2
+ * stress (e) per unit of the field, in the axes of the ply. The constants of the material are given
+ * in axes 1, 2, 3 of which the third is the poling. For a poling along the normal e3 of the ply,
+ * these are the axes of the ply. For a poling along its axis 1 or 2, the first is e3 and the second
+ * is the remaining axis of the ply.
+ *   constant [5] in   the constants 31, 32, 33, 24 and 15
+ *   poling       in   axis of the poling, 0, 1 or 2
+ *   axis         in   axis of the field, 0, 1 or 2
+ *   column [6]   out  constants of the ply, Voigt order 11 22 33 23 13 12
  */
 static void piezo_column(const double constant[5], int poling, int axis, double column[6])
 {
@@ -121,13 +122,14 @@ static void field_stress(const scene_material *material, double stiffness[6][6],
 }
 
 /*
- * Compute stress and pyroelectric charge of a ply per volt or kelvin, and its capacitance. One volt
- * is the electric field -1/d (V/m): along the normal e3, with d the thickness of the ply (m), or
- * with interdigitated electrodes along the poling, with d the distance of the electrodes. A field E
- * causes the free strain D E, with D the piezoelectric constants (m/V), and so the prescribed
- * stress -C D E with the stiffness C (Pa). The electric displacement along the field is (C D) times
- * strain + permittivity times field + pyroelectric constant times temperature. The upper electrode,
- * or the one ahead along the poling, has the charge of minus this displacement.
+ * Compute the stress and the pyroelectric charge of a ply per volt or kelvin, and its capacitance.
+ * One volt is the electric field -1/d (V/m): along the normal e3, with d the thickness of the ply
+ * (m), or with interdigitated electrodes along the poling, with d the distance of the electrodes. A
+ * field E causes the free strain D E, with D the piezoelectric constants (m/V), and so the
+ * prescribed stress -C D E with the stiffness C (Pa). The electric displacement along the field is
+ * (C D) times strain + permittivity times field + pyroelectric constant times temperature. The
+ * charge of the upper electrode is minus this displacement; of interdigitated electrodes, that of
+ * the one towards which the poling points.
  */
 static void build_electric(const scene_material *material, const scene_layer *layer,
                            double stiffness[6][6], double stress[6], laminate_ply *ply)
@@ -339,10 +341,9 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 }
 
 /*
- * Uncouple the difference of the thickness strain 33 between the faces, which is the part linear in
- * the height, from all other strains (element option lin33 of the scene file, with which every ply
- * thickens freely): the stress resultant of this strain becomes 0, and its compliance is kept.
- * Returns 0, or -1 if the stiffness is singular.
+ * Uncouple the difference of the thickness strain 33 between the faces from all other strains. With
+ * the element option lin33 every ply thickens freely: the stress resultant of this strain then is
+ * 0. The compliance of the strain is kept. Returns 0, or -1 if the stiffness is singular.
  */
 static int relax_e33(double stiffness[N][N])
 {
@@ -415,16 +416,15 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * Replace the stiffness of an element by that of plies that thicken freely under one normal stress
- * s. The difference of the thickness strain 33 between both faces keeps its stiffness. The stress
- * is
- *  s = (length e + sum over i of narrowing_i E_i)/compliance,
- * with e the mean thickness strain of all plies together, E_i the other strains of the element, and
- * three integrals over the thickness: `length` of 1, `narrowing` of the coupling of each strain
- * with the strain 33 over the stiffness of the strain 33, and `compliance` of 1 over that
- * stiffness. A thickness strain that is linear through all plies cannot follow plies of different
+ * Replace the stiffness of an element by that of plies that thicken freely under one common normal
+ * stress s. A thickness strain that is linear through all plies could not follow plies of different
  * Poisson's ratios: a bimetal of two such plies would bend too little or too much, by some per
- * cent.
+ * cent. The stress is
+ *  s = (length e + sum over i of narrowing_i E_i)/compliance,
+ * with e the mean thickness strain of all plies together and E_i the other strains of the element.
+ * `length`, `narrowing_i` and `compliance` are the integrals over the thickness of 1, of c_i3/c_33
+ * and of 1/c_33, where the stiffness c_i3 couples strain i with the strain 33. The difference of
+ * the thickness strain 33 between both faces keeps its stiffness.
  */
 static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 {
@@ -600,10 +600,10 @@ static int kept(int mode, int strain)
 }
 
 /*
- * Compute the stiffness matrix of a strain mode (constant, linear or bilinear over the element),
- * which is 0 outside the strains of the mode: a block of the stiffness of all plies together, or,
- * with the option hr (Hellinger-Reissner), the inverse of a block of their compliance. Returns 0,
- * or -1 if that block is singular.
+ * Compute the stiffness matrix of a strain mode (constant, linear or bilinear over the element).
+ * The matrix is 0 for strains that the mode does not contain. For the others it is a block of the
+ * stiffness of all plies together or, with the option hr (Hellinger-Reissner), the inverse of a
+ * block of their compliance. Returns 0, or -1 if that block is singular.
  */
 static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, int hr,
                        double out[N][N])
@@ -683,7 +683,7 @@ static int shear_block(double modal[N][N], int mode, int index[N])
 /*
  * Make the two transverse shears softer in the stiffness matrix of one strain mode (constant,
  * linear or bilinear over the element).
- *   flexibility [2] in  compliance that is added to that of each of the two transverse shears
+ *   flexibility [2] in  compliance that is added to each of the two transverse shears
  * Returns 0, or -1 if the stiffness matrix is singular.
  */
 static int soften_shear(double modal[N][N], int mode, const double flexibility[2])
@@ -751,10 +751,9 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 /* ---- prescribed fields -------------------------------------------------- */
 
 /*
- * Compute the stiffness per area for strains that are constant over the element. For the transverse
- * shears it differs from that of plies under a shear strain that is uniform through the thickness,
- * if the scene's element options `rho` (flexibility added on coarse meshes) or `shear` (stiffness
- * from equilibrium) change it. Returns 0, or -1 if no ply is present.
+ * Compute the stiffness for strains that are constant over the element (N/m). For the transverse
+ * shears, two element options of the scene change it: `shear` takes the stiffness that follows from
+ * equilibrium, and `rho` adds flexibility on coarse meshes. Returns 0, or -1 if no ply is present.
  */
 static int constant_stiffness(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double stiffness[N][N])
@@ -773,12 +772,12 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
  */
 typedef struct free_field {
     double resultants[N], strain[N]; /* resultants: stress resultants that a voltage or temperature
-                                        prescribes, per area of the element; strain: free strains
-                                        that it causes, with their sign changed. Both have the order
-                                        11, 22, 33, 12 (each mean and difference of both faces), 13,
-                                        23 */
-    double uniform[N][N];  /* stiffness of all plies for transverse shear strains that are uniform
-                              through the thickness */
+                                        prescribes, per area of the element (N/m); strain: free
+                                        strains that it causes, with their sign changed. Both have
+                                        the order 11, 22, 33, 12 (each mean and difference of both
+                                        faces), 13, 23 */
+    double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
+                              transverse shear strains that are uniform through the thickness */
     double constant[N][N]; /* stiffness of the strain mode that is constant over the element (00) */
 } free_field;
 
@@ -824,9 +823,9 @@ static void keep_free_strains(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Compute the prescribed stress of a ply. With the element option lin33 (every ply thickens freely)
- * the normal stress 33 is set to 0 in every ply separately, because a thickness strain that is
- * linear through the laminate cannot follow a single ply.
+ * Compute the prescribed stress of a ply. With the element option lin33, every ply thickens freely.
+ * The normal stress 33 of every ply is then 0, because a thickness strain that is linear through
+ * the laminate cannot follow the thickening of a single ply.
  */
 static void ply_stress(const laminate_ply *ply, const scene_element *element,
                        const double prescribed[6], double stress[6])
@@ -994,9 +993,9 @@ double laminate_capacitance(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * The charge of an electrode is the second derivative, with its sign changed, of the electric
- * enthalpy of all plies with respect to the voltage of the electrode and to the field (voltage or
- * temperature) that causes the charge.
+ * The charge of an electrode is minus the second derivative of the electric enthalpy of all plies:
+ * with respect to the voltage of the electrode, and to the field (voltage or temperature) that
+ * causes the charge.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)

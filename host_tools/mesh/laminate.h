@@ -91,9 +91,9 @@ int laminate_build(const scene *scene, laminate *laminate, char *error);
 double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z);
 
 /*
- * Compute the matrix that maps the strains of an element at height z, which are measured in the
- * directions of the element, to strains in the axes of the shell (map [6][6] out, Voigt order 11 22
- * 33 23 13 12, engineering shears).
+ * Compute the matrix that maps the strains of an element at height z to strains in the axes of the
+ * shell. The strains of the element are measured along the directions of the element.
+ *   map [6][6] out  the matrix, Voigt order 11 22 33 23 13 12, engineering shears
  */
 void laminate_strain_map(const scene_element *element, const laminate_place *place, double z,
                          double map[6][6]);
@@ -130,8 +130,8 @@ typedef struct laminate_field {
     int ply;
     double temperature[2]; /* used if the field is a temperature of all plies (member ply < 0):
                               temperature of the inner and of the outer face of the laminate (K) */
-    int axis; /* used if the field is that of one ply (member ply >= 0): temperature, voltage or
-                 electric field along the surface, a value of laminate_axis */
+    int axis;        /* type of the field in one ply (member ply >= 0), a value of laminate_axis:
+                        temperature, voltage, or electric field along the surface */
     double along[2]; /* electric field along the surface at the inner and at the outer face of the
                         ply (V/m), used if the prescribed field is an electric field along the
                         surface */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Bending and transverse shear stiffnesses by which the influence of transverse shear on the
- * bending of a laminate is judged.
+ * Stiffnesses of a laminate in bending and in transverse shear, from which the program judges how
+ * much transverse shear matters for bending.
  */
 #ifndef LAMINATE_BENDING_H
 #define LAMINATE_BENDING_H
@@ -23,8 +23,8 @@ typedef struct laminate_bending {
 } laminate_bending;
 
 /*
- * Compute the stiffnesses of a laminate in which all plies are present. Returns 0, or -1 if it has
- * no bending or shear stiffness.
+ * Compute the bending and transverse shear stiffnesses of a laminate in which all plies are
+ * present. Returns 0, or -1 if the laminate has no bending or shear stiffness.
  */
 int laminate_bending_fill(const laminate *laminate, laminate_bending *bending);
 

@@ -308,8 +308,8 @@ static uint32_t present_plies(const mesh *mesh, const double middle[2])
 }
 
 /*
- * Return the data of an element that its stiffness depends on: curvatures and lengths, from the
- * surface at the centre of the element, and the plies that are present there.
+ * Return the plies that are present in an element between mesh lines, and the geometry on which its
+ * stiffness depends: curvatures and lengths, from the surface at the centre of the element.
  */
 static laminate_place element_place(const mesh *mesh, int element)
 {
@@ -829,9 +829,9 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
 }
 
 /*
- * Refuse a mesh of quadrilaterals in any arrangement with more nodes or elements than the tables of
- * the library can number, with an element formulation that needs lines of curvature, or with a side
- * that belongs to more than two elements or that two elements run along in the same direction.
+ * Refuse a mesh of quadrilaterals in any arrangement in three cases: it has more nodes or elements
+ * than the tables of the library can number; the element formulation needs lines of curvature; a
+ * side belongs to more than two elements, or two elements run along it in the same direction.
  */
 static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
 {

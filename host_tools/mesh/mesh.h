@@ -233,9 +233,9 @@ mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
 void mesh_node_areas(const mesh *mesh, double *area);
 
 /*
- * Add to each node its share of the length of the element sides that lie in a place of the scene
- * file, such as an edge, a region or a set (mesh_length_shares), or of the area of the elements
- * whose nodes all belong to this place (mesh_area_shares).
+ * Add to each node its share of a length or area. mesh_length_shares shares out the lengths of the
+ * element sides that lie in a place of the scene file, such as an edge, a region or a set.
+ * mesh_area_shares shares out the areas of the elements whose nodes all belong to the place.
  *   share  [nodes] in/out  length (m) or area (m2) of each node
  * mesh_length_shares returns the number of sides, or -1 if the place has no sides.
  */

@@ -28,9 +28,11 @@ mesh_spot mesh_spot_of_node(int node);
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 
 /*
- * Find the mesh point at which stack or spring number k of springs of a scene is attached, and its
- * surface coordinates theta1, theta2, or x, y on a mesh from a file (place [2] out). Returns 0, or
- * -1 if there is none or memory runs out.
+ * Find the mesh point at which one of the springs or stacks of a scene is attached.
+ *   k         in   number of the spring or stack among those of `spring`
+ *   spot      out  the mesh point
+ *   place [2] out  its surface coordinates theta1 and theta2; on a mesh from a file, x and y
+ * Returns 0, or -1 if there is no such point or memory runs out.
  */
 int mesh_spot_of_spring(const mesh *mesh, const scene_spring *spring, int k, mesh_spot *spot,
                         double place[2]);

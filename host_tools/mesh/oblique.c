@@ -68,18 +68,17 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Remove, from the direction of a support at a node, its components along the axes in which other
- * supports hold the node, and from its prescribed value the displacements that these axes
- * prescribe. The vector that remains has length 1, and the value that remains belongs to a
- * displacement along the original vector.
- *   rest  in/out  direction
- * Returns the sine of the angle between the direction and the held axes.
+ * Make the direction of a support at a node orthogonal to the axes along which other supports hold
+ * the node, and take the displacements that these axes prescribe out of its prescribed value.
+ *   rest  in/out  direction, afterwards a unit vector; its value is afterwards the displacement
+ *                 along this vector times the returned sine
+ * Returns the sine of the angle between the given direction and the held axes.
  */
 static double remove_held(const held_axes *held, held_direction *rest)
 {
-    for (int repeat = 0; repeat < 2; repeat++) /* the components along the directions that are held
-                                                  are removed twice, so that no rounding errors of
-                                                  the first removal are left */
+    for (int repeat = 0; repeat < 2; repeat++) /* the second round removes what rounding errors of
+                                                  the first have left of the components along the
+                                                  held axes */
         for (int k = 0; k < held->count; k++) {
             const double along = vector_dot(rest->vector, held->axis[k]);
             rest->value -= along * held->value[k];
@@ -184,8 +183,9 @@ static int find_value(const mesh *mesh, const scene_support *support, int node, 
 }
 
 /*
- * Add to the directions along which supports hold a node that of one support, which holds the
- * displacement along it, or the two directions across it. Returns 0, or -1 with error filled.
+ * Combine the directions along which supports hold a node with those of one more support, which
+ * holds the displacement along its direction or along the two directions across it. Returns 0, or
+ * -1 with error filled.
  */
 static int add_support(const mesh *mesh, const scene_support *support, int node, held_axes *held,
                        char *error)

@@ -22,9 +22,9 @@ typedef struct shapes {
     double mean[4]; /* mean, over the element, of the bilinear shape function of each corner */
     double gradient[4][2]; /* gradient of each shape function at the centre of the element, along
                               the axes 1 and 2 of the shell (1/m) */
-    double twist[4];   /* coefficient of the product xi1 xi2 of the natural coordinates in the shape
-                          function of each corner, less what a field of uniform gradient has on an
-                          element that is no parallelogram */
+    double twist[4]; /* part of each corner's shape function that no uniform gradient explains (1):
+                        its coefficient of xi1 xi2, less that of the field with the gradient above,
+                        which is 0 on a parallelogram */
     double dual[2][2]; /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
 } shapes;
 
@@ -77,9 +77,12 @@ static void list_fields(int ply, laminate_field field[FIELDS])
 }
 
 /*
- * Compute the coefficients of the five electric fields of a ply (voltage, fields along the two axes
- * at both faces) per volt of the potential with index `node`. An electric field is minus the
- * gradient of the potential.
+ * Compute by how much each of the five electric fields of a ply changes per volt of one electric
+ * potential at a corner of the ply. A field along the surface is minus the gradient of the
+ * potential.
+ *   node            in   index of the potential: 2 corner + face (0: inner, 1: outer)
+ *   coefficient [5] out  voltage across the ply (1), then the field along axis 1 at the inner and
+ *                        at the outer face (1/m), then that along axis 2
  */
 static void coefficients(const shapes *shapes, int node, double coefficient[FIELDS])
 {
@@ -91,9 +94,11 @@ static void coefficients(const shapes *shapes, int node, double coefficient[FIEL
 }
 
 /*
- * Return the charge at one electric potential of a ply per volt of another (C/V) that is due to the
- * parts of the electric field which vary over the element with a mean of 0.
- *   uncoupled [5][5] in capacitances of the five electric fields of a ply (voltage across it,
+ * Return a part of the capacitance between two electric potentials of a ply, the charge at one per
+ * volt of the other (C/V). This part is due to electric fields that vary over the element with a
+ * mean of 0.
+ *   first, second    in  indices of the potentials: 2 corner + face
+ *   uncoupled [5][5] in  capacitances of the five electric fields of the ply (voltage across it,
  *                        fields along two axes at both faces), for their parts that do not act on
  *                        strains constant over the element
  */

@@ -24,10 +24,11 @@ void potential_element_resultants(const laminate *laminate, const scene_element 
                                   double resultants[POTENTIAL_NODES][LAMINATE_STRAINS]);
 
 /*
- * Compute the charge at each of the eight electric potentials of a ply in an element, at four
- * corners on two faces (row), per volt of each of the eight potentials of the same or another ply
- * (column) while the strains are zero (capacitance [8][8] out, C/V). Two plies are coupled because
- * they share the thickness strain and the shear strain of the element.
+ * Compute the capacitances between the electric potentials of one ply of an element and those of
+ * the same or another ply. Each ply has eight potentials, at four corners on two faces. Two plies
+ * are coupled because they share the thickness strain and the shear strain of the element.
+ *   capacitance [8][8] out  charge at each potential of the ply `ply` (row) per volt of each
+ *                           potential of the ply `other` (column), at zero strains (C/V)
  */
 void potential_element_capacitance(const laminate *laminate, const scene_element *element,
                                    const laminate_place *place, int ply, int other,

@@ -29,8 +29,9 @@ typedef struct quad_geometry {
                           */
     double principal[2]; /* principal curvatures of the element (1/m) */
     double area;         /* area of the element (m2) */
-    double jacobian; /* smallest area per unit of the natural coordinates at a corner, relative to
-                        the centre; 1 for a parallelogram */
+    double jacobian; /* area of the element per unit of the natural coordinates at a corner, over
+                        that at the centre: the smallest of the four ratios; 1 for a parallelogram
+                      */
     double upright;  /* smallest cosine of the angle between a corner's director and the normal of
                         the element */
 } quad_geometry;

@@ -52,9 +52,10 @@ typedef struct quad_rule {
 #define QUAD_LOCK 1.5
 
 /*
- * Fill a quad_rule for an element from its geometry, the thickness of the laminate (m) and the
- * largest irregularity of its four nodes (distance of a node from the mean of its neighbours,
- * relative to their distances).
+ * Return how the formulation of an element is adapted to its thinness and irregularity.
+ *   thickness    in  thickness of the laminate (m)
+ *   irregularity in  largest irregularity of the four nodes: distance of a node from the mean of
+ *                    its neighbours, relative to their distances
  */
 quad_rule quad_rule_of(const quad_geometry *geometry, double thickness, double irregularity);
 

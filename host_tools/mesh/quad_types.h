@@ -12,8 +12,8 @@
 #include "element_types.h"
 
 /*
- * Numbers of those elements of a mesh of quadrilaterals in any arrangement whose bending may be too
- * stiff or whose shape is distorted, and the worst values of such elements.
+ * Warnings about elements of a mesh of quadrilaterals in any arrangement: how many have too stiff a
+ * bending or a distorted shape, and the worst values among them.
  */
 typedef struct quad_report {
     int locking; /* number of elements that are too thin for the irregular mesh around them and were

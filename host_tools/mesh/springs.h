@@ -2,11 +2,11 @@
 /*
  * Springs of a scene and stack actuators as sparse rows over the free dof. The elongation of a
  * spring is the displacement of the point where it is attached, along its direction, less the
- * displacement of its other end; the displacement of a point is the mean of both faces unless a
+ * displacement of its other end. The displacement of a point is the mean of both faces unless a
  * face is named. Distributed springs are lumped at the nodes.
  *
- * Items, which are the entries of the list of springs, are the springs of the scene in their order,
- * followed by one item for each actuator, which is empty if the actuator has no stacks.
+ * The list of springs consists of items: first one for each entry of the section `springs`, then
+ * one for each actuator, which is empty if the actuator has no stacks.
  */
 #ifndef SPRINGS_H
 #define SPRINGS_H

@@ -28,8 +28,10 @@ static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
 
 /*
- * Compute how the director changes at a corner along a direction of the element if the director of
- * one node is tilted by a unit along the axis e1 (j = 0) or e2 (j = 1).
+ * Compute how the director changes at a corner, along a direction of the element, if the director
+ * of one node tilts by one unit.
+ *   j       in   axis of the node along which its director tilts: 0: e1, 1: e2
+ *   out [3] out  derivative of the director at the corner
  */
 static void tilt_derivative(const pzs_element_type *type, int corner, int direction, int node,
                             int j, double out[3])
@@ -80,8 +82,9 @@ static void fill_system(const pzs_element_type *type, tilt_system *equations)
 
 /*
  * Divide every column of the linear system for the warping correction by its largest absolute
- * entry, which is stored in scale [8], because the columns differ in size: strains of bending
- * contain the thickness, those of transverse shear do not.
+ * entry, because the columns differ in size: strains of bending contain the thickness, those of
+ * transverse shear do not.
+ *   scale [8] out  largest absolute entry of each column
  */
 static void scale_columns(tilt_system *equations, double scale[ROWS])
 {

@@ -39,7 +39,8 @@ typedef struct collection {
     numbered *node; /* numbers and indices of all nodes of the mesh file, in ascending order of the
                        numbers */
     uint32_t *node_of, *element_of; /* index in the mesh of each node and each cell of the mesh
-                                       file, or `unused` */
+                                       file; the value `unused` for those that the mesh does not
+                                       contain */
 } collection;
 
 static int refuse_memory(const collection *collection)

@@ -160,12 +160,13 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
 /* ---- fits of a quadric -------------------------------------------------- */
 
 /*
- * Normal equations of the least-squares fit of a quadric surface around a node. With tangential
- * coordinates u and v, the height of a node's neighbours above the plane normal to its director is
- * fitted by s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2 with five coefficients (slopes s, r and
- * curvatures k1, k12, k2), each neighbour weighted with 1/distance^2. The slopes turn the mean of
- * the corner normals, whose error is of first order in the size of the elements, into a director
- * whose error is of second order.
+ * Normal equations of the least-squares fit of a quadric surface around a node.
+ *
+ * With tangential coordinates u and v, the neighbours of the node have heights above the plane
+ * normal to its director. These heights are fitted by s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2,
+ * each neighbour weighted with 1/distance^2. The five coefficients are the slopes s, r and the
+ * curvatures k1, k12, k2. The director is first the mean of the corner normals, whose error is of
+ * first order in the size of the elements; turned by the slopes, its error is of second order.
  */
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The graph of the nodes of a mesh, and the number of stored entries (envelope) of the factor of
- * its stiffness matrix for an order of the nodes (quad_graph.h).
+ * The graph of the nodes of a mesh (quad_graph.h). For an order of the nodes, the envelope of the
+ * stiffness matrix's factor, which is the number of its stored entries, is counted on the graph.
  */
 #include "quad_graph.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The graph of a mesh, in which two nodes are neighbours if they belong to one element, and orders
- * of the nodes in which the factor of the stiffness matrix has few stored entries (a small
+ * The graph of a mesh, in which two nodes are neighbours if they belong to one element. An order of
+ * the nodes is good if the factor of the stiffness matrix then has few stored entries (a small
  * envelope).
  */
 #ifndef QUAD_GRAPH_H

@@ -211,11 +211,11 @@ static void try_levels(search *search, const quad_mesh *mesh)
 }
 
 /*
- * Compare node orders of Sloan's algorithm with the best node order found so far, by the number of
- * stored entries of the stiffness matrix. The orders run from the node `first` to the opposite end
- * of the mesh, from which search->level counts the distance of each node, with several weights of
- * the growth of the front (nodes without a number beside numbered ones). Returns 0, or -1 when
- * memory runs out.
+ * Try node orders of Sloan's algorithm from the node `first` to the opposite end of the mesh, and
+ * keep the best order found so far (fewest stored entries of the stiffness matrix). Each order
+ * gives another weight to the growth of the front, the set of nodes without a number beside
+ * numbered ones. The member search->level holds the distance of each node from the opposite end.
+ * Returns 0, or -1 when memory runs out.
  */
 static int try_sloan(search *search, uint32_t first)
 {
@@ -277,11 +277,11 @@ int quad_renumber(quad_mesh *mesh)
     if (search.best && search.other && search.level && search.place &&
         quad_graph_make(&graph, mesh) == 0) {
         try_levels(&search, mesh);
-        search.envelope -= search.envelope / 50; /* An order of Sloan's algorithm must have an
-                                                    envelope (number of stored matrix entries) at
-                                                    least 2 % smaller to be chosen, because the rows
-                                                    of the other orders have more uniform lengths
-                                                    and are factored faster. */
+        search.envelope -= search.envelope / 50; /* An order of Sloan's algorithm is chosen only if
+                                                    its envelope (number of stored matrix entries)
+                                                    is 2 % smaller than the best so far: the rows of
+                                                    the other orders have more uniform lengths and
+                                                    are factored faster. */
         status = try_fronts(&search, mesh);
     }
     quad_graph_free(&graph);

@@ -13,7 +13,10 @@
 #include "../model/stress_field.h"
 #include "../simulate/simulate_record.h"
 
-/* One report of results to write. */
+/*
+ * One report of results: the open file, its format (an HTML page, or an SVG picture) and the
+ * command line that the report shows.
+ */
 typedef struct report_job {
     FILE *file;
     bool is_svg;
@@ -32,9 +35,9 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
                  const double *output, const stress_field *stress);
 
 /*
- * Write the report of `pzs shape`: the reached shape, the misfit (reached minus target values) and
- * the voltages of each result, a table of their shape errors, and the shape errors for each shape
- * where the target is a list of shapes.
+ * Write the report of `pzs shape`: for each pair of voltage limits, the reached shape, the misfit
+ * (reached minus target values), the voltages and the shape error. Where the target is a list of
+ * shapes, the report also has the error of each of them.
  *   result [results] in  optimal voltages of all amplifiers, for each pair of voltage limits
  */
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,

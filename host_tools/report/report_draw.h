@@ -110,8 +110,9 @@ void draw_curve(FILE *file, const char *style, const draw_axis *x, const double 
                 const draw_axis *y, const double *value, int count);
 
 /*
- * Draw the grid lines of a diagram, with their numbers, at 1, 2 and 5 times powers of ten, for the
- * values of x (is_x) or of y, over the whole length of the other axis.
+ * Draw the grid lines of a diagram, with their numbers, for values of x (is_x) or of y. On a linear
+ * axis they lie at multiples of a round step (1, 2 or 5 times a power of ten), on a logarithmic
+ * axis at such numbers themselves.
  */
 void draw_grid(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x);
 

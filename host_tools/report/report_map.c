@@ -83,8 +83,8 @@ void shell_find_plans(shell *map)
 
 /* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
 typedef struct electrode {
-    shell part; /* copy of the drawn mesh with only the elements of this electrode, if the electrode
-                   consists of whole elements */
+    shell part; /* copy of the drawn mesh; for an electrode that consists of whole elements, the
+                   copy has only these elements */
     const scene_patches *patches;
     int index; /* index of the electrode in its grid of patches or in its list of outlines */
     double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) of the

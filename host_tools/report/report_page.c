@@ -53,7 +53,10 @@ static void write_command(const report_job *job)
     }
 }
 
-/* Return the result of a numerical check: NAN for a negative value, a check that was not made. */
+/*
+ * Return a number for the list of numerical checks on a page. A negative value stands for a check
+ * that was not made; NAN is then returned, which is printed as a dash.
+ */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;

@@ -110,7 +110,10 @@ static void put_limits(FILE *file, const double limit[2], const char *unit)
         put(file, "%n to %q", limit[0], limit[1], unit);
 }
 
-/* Write one number with a directive of the function put, such as %n. */
+/*
+ * Write one number in the way that a directive of the function put demands: %n as a plain number,
+ * %q with its unit, %b with a bar.
+ */
 static void put_value(FILE *file, char directive, double value, va_list *more)
 {
     const bool has_most = directive == 'a' || directive == 'b';
@@ -155,7 +158,10 @@ static const char *open_cell(FILE *file, const char *tag, const char *at)
     return at + (aligned > 0);
 }
 
-/* HTML tag of all cells in the heading of a table; in other rows td follows the first cell. */
+/*
+ * HTML tag of every cell in the heading of a table. In a row whose first cell has another tag, the
+ * other cells have the tag td.
+ */
 static const char *const head_cell = "th scope=\"col\"";
 
 void put_list(FILE *file, const char *format, const char *cell, va_list *more)

@@ -29,7 +29,7 @@ static double largest_voltage(const shape_page *shape, const voltages *result)
 }
 
 /*
- * Make the shape that one set of voltages reaches the shape that the page draws. Returns the colour
+ * Let the page draw, from now on, the shape that one set of voltages reaches. Returns the colour
  * scale of its misfit (reached minus target displacement).
  */
 static draw_scale take_result(shape_page *shape, const voltages *result)

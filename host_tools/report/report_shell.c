@@ -287,7 +287,10 @@ static void draw_frame(const shell *shell, int cell)
             shell_node(shell, single.cell[0][r], "pin", 2.5);
 }
 
-/* Draw the values at the points of a mesh, or at some of very many, as coloured discs. */
+/*
+ * Draw the values at the points of a mesh as coloured discs. Of a very large number of points, only
+ * every second, third and so on is drawn.
+ */
 static void draw_points(const shell *shell, const double *value, const draw_scale *scale)
 {
     enum { MOST_DOTS = 2500 };

@@ -25,10 +25,11 @@ typedef struct view {
 
 /*
  * Begin a view that includes no points yet: a view in space of the outer side of a shell, or a map.
- * The map of a mesh along lines of curvature shows the plane of the surface coordinates, with
- * theta1 downwards and theta2 to the right, as the rows and columns of a printed table of voltages
- * are. A polar plate and a mesh of points are seen with x to the right and y upwards. A mesh from a
- * file is seen along its mean normal; a closed surface, which has no mean normal, from above.
+ *
+ * The map of a mesh along lines of curvature shows theta1 downwards and theta2 to the right, like
+ * the rows and columns of a printed table of voltages. A polar plate and a mesh of points are seen
+ * with x to the right and y upwards. A mesh from a file is seen along its mean normal; a closed
+ * surface, which has no mean normal, from above.
  */
 void view_begin(view *view, const mesh *mesh, bool is_map);
 bool view_has_parameters(const mesh *mesh);
@@ -132,12 +133,15 @@ typedef struct shell_body {
 } shell_body;
 
 /*
- * Find the part of the surface of a rigid body, which the shell may touch, that lies near the shell
- * in the last equilibrium, so that it can be drawn.
+ * Find the part of a rigid body's surface that lies near the shell in the last equilibrium, so that
+ * a picture can show the body that the shell may touch.
  */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 
-/* Draw the rigid body of a contact if it lies in front of the shell (is_in_front), or behind it. */
+/*
+ * Draw the rigid body of a contact, but only if it lies on the given side of the shell for the
+ * viewer: in front of it (is_in_front), or behind it.
+ */
 void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front);
 
 /* Draw a map of values [nodes] in colours, with frame, mesh lines and ranges of coordinates. */

@@ -80,8 +80,9 @@ static cell_point find_cell(const bicubic *function, const double place[2])
 }
 
 /*
- * Return the index, among all coefficients of the spline function, of the coefficient of one of the
- * 16 products of B-splines that differ from zero in a cell (`term` is 0 to 15).
+ * Return the index of one coefficient of the spline function, that of one of the 16 products of
+ * B-splines which differ from zero in a cell.
+ *   term in  number of the product, 0 to 15
  */
 static uint32_t row_of(const bicubic *function, const int cell[2], int term)
 {
@@ -90,11 +91,11 @@ static uint32_t row_of(const bicubic *function, const int cell[2], int term)
 }
 
 /*
- * Compute the 16 products of cubic B-splines that differ from zero in a cell of the spline function
- * at a point of the cell, or one of their derivatives with respect to the coordinates x and y of
- * the point.
+ * Compute the 16 products of cubic B-splines that differ from zero in a cell of the spline
+ * function, or one of their derivatives with respect to x and y.
+ *   at         [2]  in   coordinates of the point in the cell, each from 0 to 1
  *   derivative [2]  in   order of the derivative with respect to x and to y
- *   product    [16] out  the products
+ *   product    [16] out  the products at the point
  */
 static void products(const bicubic *function, const double at[2], const int derivative[2],
                      double product[TERMS])

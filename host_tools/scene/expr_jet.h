@@ -12,8 +12,8 @@
 typedef struct expr_jet {
     double value;
     double first[2];  /* derivatives with respect to the surface parameters theta1 and theta2 */
-    double second[3]; /* second derivatives of the function: twice with respect to the surface
-                         parameter theta1, twice with respect to theta2, and mixed */
+    double second[3]; /* second derivatives with respect to the surface parameters: twice to theta1,
+                         twice to theta2, and mixed */
 } expr_jet;
 
 /*

@@ -172,8 +172,9 @@ double outline_ring_size(const ring_pattern *pattern)
 }
 
 /*
- * Compute the directions (rad), seen from the centre of the rings, of the two ends of the arc of
- * the given radius between the straight sides of a keystone-shaped electrode.
+ * The arc of the given radius around the centre of the rings meets both straight sides of a
+ * keystone-shaped electrode. Compute the directions of the two meeting points, seen from the centre
+ * (angle [2] out, rad).
  */
 static void arc_ends(const keystone *stone, double radius, double angle[2])
 {

@@ -12,8 +12,8 @@
 #include "outline.h"
 
 /*
- * Largest numbers of rings of an electrode pattern (OUTLINE_RINGS), of cells of a grid along one
- * coordinate (OUTLINE_CELLS), and of electrodes (OUTLINE_MOST).
+ * Limits of electrode patterns. OUTLINE_RINGS: largest number of rings. OUTLINE_CELLS: largest
+ * number of cells of a grid along one coordinate. OUTLINE_MOST: largest number of electrodes.
  */
 enum { OUTLINE_RINGS = 64, OUTLINE_CELLS = 1000, OUTLINE_MOST = 4096 };
 

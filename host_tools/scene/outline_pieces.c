@@ -16,8 +16,7 @@
  */
 typedef struct piece_drawing {
     outline_plane plane;
-    outline_cell cell; /* cell (quadrilateral in the plane of the electrode outlines) of the element
-                        */
+    outline_cell cell;  /* quadrilateral of the element in the plane of the electrode outlines */
     outline_cell moved; /* cell (quadrilateral in the plane of the electrode outlines) of the
                            element after a move by full turns of a surface coordinate that is an
                            angle (theta1 or theta2) */

@@ -44,8 +44,8 @@ static void append(share_list *list, int element, int electrode, double share)
 }
 
 /*
- * Arguments and work memory of the computation of the part of each element that each electrode of
- * one item of the section `patches` covers.
+ * Arguments and work memory for one item of the section `patches`, while the part of each element
+ * that each of its electrodes covers is computed.
  */
 typedef struct outline_work {
     const scene *scene;
@@ -65,8 +65,8 @@ static bool has_layer(const outline_work *work, int element)
 }
 
 /*
- * Results for one electrode, accumulated over all elements, that show whether it extends beyond the
- * surface or meets the surface twice.
+ * What is known of one electrode after a pass over all elements: whether it extends beyond the
+ * surface, and whether it meets the surface twice.
  */
 typedef struct electrode_sums {
     double plane_area; /* area of the electrode's part that lies on the surface, measured in the
@@ -118,8 +118,8 @@ static int add_share(outline_work *work, int electrode, int element, clip_room *
 enum { HINT = 200 };
 
 /*
- * Write the end of an error message that compares the range of the coordinates of all electrodes
- * with that of the surface, which shows a pitch or a centre in a wrong unit.
+ * Write the end of an error message: the range of the coordinates of all electrodes, and that of
+ * the surface. Their comparison reveals a pitch or a centre in a wrong unit.
  *   hint [HINT] out  empty where an electrode has a formula in place of polygons
  */
 static void write_place_hint(const outline_work *work, char hint[HINT])

@@ -75,12 +75,12 @@ typedef struct scene_equilibrium {
     int load_steps;   /* number of load steps that the equilibrium solver tries first */
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
-    int extrapolated_iterations; /* number of iterations of a load step with extrapolated stress
-                                    resultants, before those of the present displacement are used;
-                                    0: Newton's method throughout */
-    int ramp_solves;   /* number of linear solves at the start of a load step over which the loads
-                          rise in equal parts to those of its end; 1: the first linear solve has the
-                          loads of the end; 0: the program chooses */
+    int extrapolated_iterations; /* number of iterations at the start of a load step that use
+                                    extrapolated stress resultants; the others use those of the
+                                    present displacement; 0: Newton's method throughout */
+    int ramp_solves;   /* number of linear solves at the start of a load step over which its loads
+                          rise in equal parts to their full size; 1: the first linear solve has the
+                          full loads; 0: the program chooses */
     int linear_solves; /* largest number of systems of linear equations that are solved for one
                           nonlinear equilibrium */
     scene_at at;
@@ -95,16 +95,17 @@ typedef struct scene_element {
                        element's corners; false: from derivatives of displacement components in the
                        local triad of the surface */
     double tau; /* factor of the warping correction in the membrane shear strain of an element */
-    double rho; /* factor of the bending flexibility that is added to the transverse shear
-                   compliance of an element */
-    bool hr, lin33;  /* hr: true sets to 0 those stress resultants of an element that vary over the
-                        element and have no strain of their own (Hellinger-Reissner), false sets
-                        their strains to 0; lin33: true lets each ply thicken freely, by condensing
-                        the part of the thickness strain that is linear in the height */
-    bool metric;     /* true: strains take the exact variation of the surface metric through the
-                        thickness; false: metric of the reference surface */
-    bool exact_area; /* true: exact area of an element; false: area from the metric at the centre of
-                        the element */
+    double rho; /* factor of the flexibility that is added to the transverse shears of an element on
+                   coarse meshes: bending flexibility 12/(E h^3) times length^2/12 */
+    bool hr, lin33;   /* hr: true sets to 0 those stress resultants of an element that vary over the
+                         element and have no strain of their own (Hellinger-Reissner), false sets
+                         their strains to 0; lin33: true lets each ply thicken freely, by condensing
+                         the part of the thickness strain that is linear in the height */
+    bool metric;      /* true: strains take the exact variation of the surface metric through the
+                         thickness; false: metric of the reference surface */
+    bool exact_area;  /* area of an element between mesh lines, in its stiffness and loads: true:
+                         exact  area on the surface; false: area from the metric at the centre of
+                         the element */
     int dof_per_node; /* number of dof of a node: 7, or 6 without the last one, the displacement of
                          the middle surface along the normal relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
@@ -131,8 +132,9 @@ typedef struct scene_quads {
     char *file;            /* name of the mesh file as it is written in the scene file */
     double direction[3];   /* vector from which ply angles are measured, projected on each element;
                               zero vector: the direction from corner 1 to corner 2 of an element */
-    bool accept_irregular; /* true: elements that are too thin for an irregular mesh are reported;
-                              false: they are refused */
+    bool accept_irregular; /* treatment of elements that are too thin for an irregular mesh, so that
+                              their bending is far too stiff: true: they are reported; false: the
+                              mesh is refused */
     scene_at at;
 } scene_quads;
 
@@ -355,9 +357,10 @@ typedef struct scene_actuator {
                        of a heater (K), where voltages are not optimised; NULL where all have the
                        value `applied` */
     bool open;      /* electrodes of a sensor: true: open circuit; false: short circuit */
-    int first, grid[2]; /* first: number of the first amplifier of an actuator (or electrode of a
-                           sensor) among all of the scene; grid: number of patches along the surface
-                           coordinates theta1 and theta2 */
+    int first, grid[2]; /* first: number of the first amplifier of an actuator, counted over all
+                           actuators of the scene, or of the first electrode of a sensor, counted
+                           over all sensors; grid: number of patches along the surface coordinates
+                           theta1 and theta2 */
     scene_at at;
 } scene_actuator;
 
@@ -390,15 +393,15 @@ typedef struct scene_support {
                      mean; higher bits are FIX_SIMPLE to FIX_ACROSS */
     expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
                      of the scene file); NULL: 0 */
-    unsigned move; /* bit i set: the prescribed dof i takes the value of the support; the other
-                      prescribed dof are 0, so that a prescribed normal displacement moves both
-                      faces by the same distance. A bit of an oblique support (FIX_ALONG) stands for
+    unsigned move; /* bit i set: the prescribed dof i takes the value of the support; bit i not set:
+                      a prescribed dof i is 0, so that a prescribed normal displacement moves both
+                      faces by the same distance. The bit FIX_ALONG of an oblique support stands for
                       the mean displacement along its direction */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
-    int turn; /* for a prescribed rotation: sign with which its sine is the difference of both
-                 faces' tangential displacements (along axis e1 or e2 of the node) over the
-                 thickness; 0: the support prescribes a displacement */
+    int turn; /* sign (1 or -1) of a prescribed rotation: with it, the sine of the angle equals the
+                 difference of both faces' displacements along the axis e1 or e2 of the node,
+                 divided by the thickness; 0: the support prescribes a displacement */
     scene_at at;
 } scene_support;
 
@@ -483,7 +486,10 @@ typedef enum scene_electric_output {
     ELECTRIC_POTENTIAL
 } scene_electric_output;
 
-/* Strain or stress of a layer that is an output: recovered from the displacement at nodes. */
+/*
+ * What an output recovers from the displacement: nothing, a strain of a layer, or a stress of a
+ * layer.
+ */
 typedef enum scene_recovered { RECOVERED_NONE, RECOVERED_STRAIN, RECOVERED_STRESS } scene_recovered;
 
 /* Number of the component of an output of a stress that stands for the von Mises stress. */
@@ -520,13 +526,13 @@ typedef struct scene_output {
                    together: 0 inner face, 1 middle, 2 outer face */
     double angle; /* angle by which axis 1 of a strain output is turned from that of the shell
                      (degrees) */
-    scene_contact_output contact;   /* quantity of contact with a rigid body; if it is not
-                                       CONTACT_NONE, the output is no displacement; forces and
-                                       numbers of nodes are those of its place, or without a place
-                                       those of the whole shell */
-    scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
-                                       neither a displacement nor a quantity of contact; only
-                                       ELECTRIC_POTENTIAL has a place on the mesh */
+    scene_contact_output contact;   /* quantity of contact with a rigid body that the output gives;
+                                       CONTACT_NONE: the output gives another quantity. Without a
+                                       place, a force or a number of nodes in contact is that of the
+                                       whole shell. */
+    scene_electric_output electric; /* electric quantity that the output gives; ELECTRIC_NONE: the
+                                       output gives another quantity. Of the electric quantities
+                                       only ELECTRIC_POTENTIAL has a place on the mesh. */
     bool of_sensor;   /* type of the electrodes of an electric output (voltage, charge): true:
                          electrodes of sensors; false: electrodes that amplifiers drive; other
                          outputs do not use this member */
@@ -572,7 +578,10 @@ typedef struct scene_compare {
     scene_at at;
 } scene_compare;
 
-/* Own limits of the amplifiers with the numbers first to first + count - 1. */
+/*
+ * Limits of a group of amplifiers, those with the numbers first to first + count - 1, beside the
+ * limits of all amplifiers.
+ */
 typedef struct scene_limit {
     int first, count;
     bool has_voltage;    /* whether the amplifiers from `first` on, `count` in number, have voltage
@@ -638,8 +647,8 @@ typedef struct scene_estimate {
                      is multiplied in reality (1) */
     double voltages; /* standard deviation of the voltage error of an electrode (V); -1: a twentieth
                         of its voltage range */
-    double tolerance; /* largest permitted root mean square of the error of the estimated shape, as
-                         a fraction of that of the shape that the disturbances cause; readings that
+    double tolerance; /* largest permitted error of the estimated shape, as a fraction of the shape
+                         that the disturbances cause (both root mean square); sensor readings that
                          leave a larger error are refused */
     scene_at at;
 } scene_estimate;
@@ -897,10 +906,10 @@ typedef struct scene_short_list {
 
 /*
  * Identified hysteresis and creep of the piezoelectric ceramic, which the control loop compensates.
- * The output of the model (Prandtl-Ishlinskii) is the sum of a piecewise linear function of the
- * voltage without memory, of play operators (whose output follows the voltage only after it has
- * changed direction by more than the slack of the operator), each multiplied by a weight, and of
- * creep terms.
+ * The model (Prandtl-Ishlinskii) is a sum of three parts: a piecewise linear function of the
+ * voltage without memory; play operators, each multiplied by a weight; and creep terms. The output
+ * of a play operator follows the voltage only after the voltage has changed direction by more than
+ * the slack of the operator.
  */
 typedef struct scene_hysteresis {
     bool given;

@@ -203,7 +203,8 @@ void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *coun
 typedef int item_read(reader *reader, int node, void *item);
 
 /*
- * Read the children of a YAML list or mapping, in order, into items from new_items.
+ * Read the children of a YAML list or mapping, in order, into an array that new_items has allocated
+ * for them.
  *   items  in   items of `size` bytes; NULL where new_items has failed
  *   begun  out  number of items that are read or being read; may be NULL
  * Returns 0, or -1 where `items` is NULL or an item cannot be read.

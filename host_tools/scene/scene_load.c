@@ -233,9 +233,9 @@ static const form support_form = {
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
 
 /*
- * Check that an oblique support has a direction, that its key `fix` lists no other word that needs
- * a direction, such as `simple`, and that a direction given by formulas belongs to an oblique
- * support. Returns 0, or -1 after an error message about the scene.
+ * Check the keys of a support for a direction. An oblique support needs a direction, and its key
+ * `fix` may list no other word that needs one, such as `simple`. A direction given by formulas is
+ * for oblique supports only. Returns 0, or -1 after an error message about the scene.
  */
 static int check_oblique(reader *reader, int node, const scene_support *support)
 {
@@ -345,8 +345,9 @@ static int supports_of(const reader *reader, int node)
 }
 
 /*
- * Read the supports of one item of the list of supports, one for each set that fits its name.
- *   support [supports_of the item] out  supports
+ * Read one item of the list `supports`. An item whose set is a name with * stands for several
+ * supports, one for each set that fits.
+ *   support [supports_of the item] out  these supports
  * Returns 0, or -1 after an error message about the scene.
  */
 static int read_item(reader *reader, int node, scene_support *support)

@@ -80,8 +80,8 @@ static void write_edited(const migration *migration, char *to, size_t *bytes)
     size_t at = 0, length = 0;
     for (int i = 0; i < migration->count; i++) {
         const edit *const edit = &migration->edits[i];
-        if (edit->from < at) /* an edit that begins before the end of the last one belongs to a YAML
-                                node that has been reached before through another alias (*name) */
+        if (edit->from < at) /* a YAML node is reached once for each alias (*name) that stands for
+                                it; the repeated edits of its text are left out */
             continue;
         memcpy(to + length, migration->text + at, edit->from - at);
         length += edit->from - at;

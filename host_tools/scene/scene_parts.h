@@ -17,8 +17,7 @@ field_read read_surface, read_mesh;
 /*
  * Readers for meshes from a file (scene_quads.c, scene_disc.c). The argument `to` is
  *   read_mesh_file, read_mesh_disc      the scene
- *   read_layer_sets, read_patch_sets    the scene_layer or scene_patches whose element sets are
- *   read
+ *   read_layer_sets, read_patch_sets    the scene_layer or scene_patches that has the element sets
  *   read_set                            the scene_where of a place that is a named set
  *   read_set_pattern                    the scene_where of a place that is a named set, or several
  *                                       sets whose names fit a pattern with *

@@ -521,8 +521,8 @@ int read_place(reader *reader, int node, scene_where *where)
 /* ---- nodes of a point, edge or set -------------------------------------- */
 
 /*
- * Mark the nodes of a set of the mesh file, which is a set of nodes, of edges or of elements.
- *   type in number of nodes of each item of the set: 1 for nodes, 2 for edges, 4 for elements
+ * Mark the nodes of a named set of the mesh file, whose members are nodes, edges or elements.
+ *   type            in   number of nodes of each member: 1, 2 or 4
  *   in_set [nodes]  out  1 for a node of the set; other entries stay as they are
  */
 static void mark_set(const quad_mesh *mesh, const quad_set *set, int type, unsigned char *in_set)

@@ -265,8 +265,8 @@ static int keep_origin(scene *scene, const char *path, const char *const *set, i
 }
 
 /*
- * For each section that a scene file may leave out, set the position for error messages to the file
- * as a whole, which holds until the section is read.
+ * Let error messages about sections that the scene file leaves out refer to the file as a whole. A
+ * section that is present gets its own position when it is read.
  */
 static void set_positions(scene *scene)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Keys limits.difference, limits.sum and limits.absolute_sum: limits of differences, of sums and of
- * weighted sums of absolute values of voltages.
+ * Limits that combine the voltages of several amplifiers: their differences (key
+ * limits.difference), their sums (limits.sum), and weighted sums of their absolute values
+ * (limits.absolute_sum).
  */
 #include <math.h>
 #include <stdlib.h>

@@ -731,8 +731,9 @@ static int refuse_beside(reader *reader, int plant, const char *key, const char 
 }
 
 /*
- * Refuse keys that have no effect on the motion of the plant. Keys of a motion in vibration modes
- * are accepted beside `inertia: false`, so that a plant can be compared with one without mass.
+ * Refuse keys that the motion of the plant does not use, such as `modes` (vibration modes) in a
+ * nonlinear motion. A plant without inertia may have the keys of a modal motion, so that one word
+ * switches inertia on and off for comparison.
  */
 static int check_motion_keys(reader *reader, int plant)
 {

@@ -158,9 +158,9 @@ static const form spring_form = {.type = FORM_MAP, .fields = spring_fields, .cas
 const form springs_form = {.type = FORM_LIST, .item = &spring_form};
 
 /*
- * Check that springs or stacks have a point or node at which they are attached, and that their
- * other end and their direction do not contradict each other. Returns 0, or -1 after writing an
- * error message about the scene file.
+ * Check how springs or stacks are attached: to a place of the mesh or to points, not both. Their
+ * direction and their other end must agree. Returns 0, or -1 after writing an error message about
+ * the scene file.
  */
 static int check_ends(reader *reader, int node, const scene_spring *spring)
 {

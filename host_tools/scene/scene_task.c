@@ -258,9 +258,9 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * Table of the keys of a sensor. The key `drives` (patches that an actuator drives or a sensor
- * reads) is read by one function for both, which takes the object for a sensor where its argument
- * `rule` is not NULL; here the argument is the array `circuits`.
+ * Table of the keys of a sensor. The key `drives` names the patches that the sensor reads. The
+ * function that reads this key serves actuators too; an argument `rule` that is not NULL, here
+ * `circuits`, tells it that the object is a sensor.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,

@@ -214,10 +214,10 @@ static int outlines_owner(const tree *tree, int node)
 }
 
 /*
- * Return the physical dimension of a number in the outline of an electrode. Coordinates of an
- * outline drawn in a plane of space are lengths. In an outline drawn over the surface coordinates
- * theta1 and theta2 the two numbers of a point have the dimensions of these coordinates, and a
- * radius or gap is a length if both coordinates are lengths.
+ * Return the physical dimension of a number in the outline of an electrode. An outline in a plane
+ * of space has lengths alone. In an outline over the surface coordinates theta1 and theta2, the two
+ * numbers of a point have the dimensions of these coordinates. A radius or gap is then a length,
+ * provided that both coordinates are lengths.
  */
 static dimension of_outline(const reader *reader, int node)
 {

@@ -76,9 +76,9 @@ static void solve_band(double *band, double (*solution)[2], int rows)
 }
 
 /*
- * Add `value` to a coefficient in the linear equation of a spline that belongs to knot i: the
- * coefficient of the ordinate or the second derivative (`kind`) at knot j. The same value is added
- * to the transposed entry of the symmetric matrix.
+ * A spline has one linear condition for each knot. Add `value` to the coefficient that the ordinate
+ * or the second derivative (`kind`) at knot j has in the condition for knot i, and to the
+ * transposed entry of the symmetric matrix.
  */
 static void condition(double *band, int i, int j, int kind, double value)
 {

@@ -132,8 +132,8 @@ surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_a
     formula_area;
 
 /*
- * One row of the table of surface types, without the texts that only the reader of scene files
- * needs.
+ * Functions and constants of one type of surface, without the texts that only the reader of scene
+ * files needs.
  */
 typedef struct surface_type {
     surface_at_function *at;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The plant of a scene as the model in an FMU (functional mock-up unit): amplifiers, cables,
- * piezoelectric ceramic, linear structure with or without vibration, and sensors. The model calls
- * the functions of `pzs simulate` in the order in which that command calls them (simulate_loop.c),
- * so that both give identical bits. After each step of the FMU its readings are those for the next
- * tick of the controller. A load that the simulator sets before a step acts from the end of that
- * step.
+ * piezoelectric ceramic, linear structure with or without vibration, and sensors.
+ *
+ * The model calls the functions of `pzs simulate` in the same order (simulate_loop.c), so that both
+ * give identical bits. After each step of the FMU its readings are those for the next tick of the
+ * controller. A load that the simulator sets before a step acts from the end of that step.
  */
 #include <math.h>
 #include <stdio.h>
@@ -50,18 +50,18 @@ typedef struct plant {
     double output[PLANT_AMPLIFIERS]; /* output voltages of the amplifiers (V) */
     double input[INPUTS];    /* inputs of the structure: voltages that act on the ceramic (V), load
                                 factors, temperature change (K) */
-    double rows[PLANT_ROWS]; /* displacements of the target nodes, followed by the displacements at
-                                the sensors */
+    double rows[PLANT_ROWS]; /* displacements of the target nodes, then those at the sensors (length
+                                unit of the scene) */
     double deviation[PLANT_ROWS]; /* part of each displacement in `rows` that is vibration: the
                                      displacement less its value in static equilibrium (length unit
                                      of the scene) */
-    double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* ring buffer with the noise-free readings
-                                                          of the present tick and of as many ticks
-                                                          before as the readings are late
-                                                          (PLANT_DELAY) */
-    double reading[PLANT_SENSORS], sensed[PLANT_SENSORS]; /* reading: latest readings with noise;
-                                                             sensed: readings that the controller
-                                                             receives */
+    double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* ring buffer with the readings without
+                                                          noise of the present tick and of the
+                                                          PLANT_DELAY ticks before, by which
+                                                          readings may be late */
+    double reading[PLANT_SENSORS],
+        sensed[PLANT_SENSORS]; /* reading: readings of the latest tick, with noise; sensed: readings
+                                  that the controller receives, late by the delay of the sensors */
     modal modal;
     inertia inertia;
     double modal_memory[INERTIA_REALS(PLANT_MODES, INPUTS)];
