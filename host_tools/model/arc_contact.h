@@ -50,8 +50,8 @@ void arc_contact_predict(const arc_contact *contact, const double *du);
 bool arc_contact_has_converged(const arc_contact *contact);
 
 /*
- * Return whether the body does not enter the shell between the nodes at the converged displacement
- * of the solver. Otherwise `refused` is the status that says so.
+ * Return whether the rigid body stays outside the shell between the nodes, too, at the converged
+ * displacement of the solver. If not, the reason is stored in contact->refused.
  */
 bool arc_contact_accepts(arc_contact *contact);
 

@@ -76,9 +76,9 @@ void bare_faces_numbers(const bare_faces *bare, int layer, int element,
                         int number[POTENTIAL_NODES]);
 
 /*
- * Return the charge at each of the eight electric potentials of a layer in an element, at four
- * corners on two faces (row), per volt of each of those of the same or another layer (column) while
- * the strains are zero: an array [8][8] (C/V).
+ * Return the capacitance matrix [8][8] of the bare faces (without electrodes) of two layers in one
+ * element (C/V). A layer has eight potentials in an element, at four corners of two faces. Row:
+ * charge at a potential of `layer`; column: per volt of a potential of `other`, at zero strain.
  */
 const double (*bare_faces_capacitance(const bare_faces *bare, int layer, int other,
                                       int element))[POTENTIAL_NODES];

@@ -56,14 +56,14 @@ typedef struct certificate_target {
     int older, newer;   /* number of ticks, at most 1, by which all sensor readings may be older (or
                            newer) than the scene file states on the structure deformed to its
                            target, so that the shape still settles after fast jumps of the target */
-    double worst; /* largest distance from the shape at which the loop comes to rest, at the end of
-                     a storm (simulation with fast target jumps), relative to the norm of the target
-                   */
+    double worst; /* largest distance of the shape, at the end of a storm (simulation with fast
+                     target jumps), from the shape at which the loop should come to rest, relative
+                     to the norm of the target */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
-                                     to the deformed structure, of the simulated structure on which
-                                     small vibrations grow most, or, where a storm (simulation with
-                                     fast target jumps) has failed, of the structure in the storm
-                                     that ended farthest from the best shape */
+                                     to the deformed structure, of the worst simulated structure:
+                                     the one whose storm (simulation with fast target jumps) ended
+                                     farthest from the best shape, if a storm failed; otherwise that
+                                     on which small vibrations grow most */
 } certificate_target;
 
 /*
@@ -108,18 +108,17 @@ typedef struct certificate_loop {
     int delay;              /* age of the readings that the scene file states (ticks) */
     double bandwidth;       /* corner frequency of the first-order lag of the amplifiers that the
                                scene file states (Hz); 0: no lag */
-    int older; /* largest number of ticks by which all readings may be older than the scene file
-                  states; vibrations decay, and the shape settles after fast target jumps, with
-                  every number up to it */
+    int older; /* largest number of ticks by which the sensor readings may be older than the scene
+                  file states; at this and every smaller number, vibrations decay and the shape
+                  settles after fast jumps of the target */
     int newer; /* largest number of ticks, up to the stated delay, by which the sensor readings may
                   be newer than the scene file states; at this and every smaller number, vibrations
                   decay and the shape settles after fast jumps of the target */
     certificate_target target; /* result of the stability tests of the loop on the structure that is
                                   deformed to its target */
-    double cure; /* regularisation of the voltages, relative to the mean diagonal entry of the
-                    Hessian, with which a loop that is not stable passes the growth of small
-                    vibrations and ten storms (simulations with fast jumps of the target); 0: none
-                    was found */
+    double cure; /* regularisation of the voltages with which an unstable loop becomes stable: small
+                    vibrations decay, and ten storms (simulations with fast jumps of the target)
+                    settle. Relative to the mean diagonal entry of the Hessian; 0: none was found */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            controller's model, with which the control loop is stable */
@@ -171,10 +170,10 @@ typedef struct certificate {
     certificate_loop loop;    /* result of the stability tests of the loop whose control tick damps
                                  vibration */
     double stable_rate; /* highest tick rate (1/s) up to which a control tick without a vibration
-                           model is stable at every rate, also on structures whose response to
-                           voltages is 0.8 to 1.33 and whose natural frequencies are 0.9 to 1.1 of
-                           the model's; 0 where no stable rate was found, infinite where every rate
-                           is stable */
+                           model is stable at every lower rate, too; also on structures with 0.8
+                           to 1.33 of the model's response to voltages and 0.9 to 1.1 of its natural
+                           frequencies. 0: no stable rate was found; infinite: every rate is stable
+                         */
 } certificate;
 
 void certificate_free(certificate *certificate);

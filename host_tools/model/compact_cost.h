@@ -9,8 +9,8 @@
 #include "../mesh/mesh.h"
 
 /*
- * Computing times for one element on this computer in double precision (s), with full element
- * types, and with compact ones (without what a device computes from the nodes).
+ * Computing times for one element on this computer in double precision (s). A full element type
+ * stores all its tables; a compact one leaves out those that a device can compute from the nodes.
  */
 typedef struct compact_cost {
     double full; /* time to compute the nodal forces of one element where all tables of its element

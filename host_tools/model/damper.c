@@ -20,9 +20,9 @@
 enum { MODE_LIMIT = 200 };
 
 /*
- * Visibility of a vibration mode, the root mean square displacement of the outputs in the mode
- * divided by the largest displacement of the mode shape, below which the control tick neither
- * estimates nor damps the mode.
+ * Smallest visibility with which the control tick estimates and damps a vibration mode. The
+ * visibility is the root mean square displacement of the outputs in the mode, divided by the
+ * largest displacement of the mode shape.
  */
 static const double visible = 1e-3;
 

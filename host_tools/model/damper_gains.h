@@ -72,11 +72,11 @@ typedef struct damper_model {
                               volt of each input */
     const double *overlap; /* [modes][modes] products of the readings of every pair of vibration
                               modes, summed over the sensors with their inverse variances */
-    const double *lift;    /* [inputs][modes] products, weighted with the target weights and summed
-                              over the outputs, of each input's column of the influence matrix with
-                              each mode shape */
-    const double *square;  /* [modes] squared norm of each mode shape at the outputs, weighted with
-                              the target weights */
+    const double *lift;   /* [inputs][modes] scalar products of each input's column of the influence
+                             matrix with each mode shape over the outputs, weighted with the target
+                             weights */
+    const double *square; /* [modes] squared norm of each mode shape at the outputs, weighted with
+                             the target weights */
 } damper_model;
 
 /*

@@ -9,9 +9,10 @@
 #include "voltages.h"
 
 /*
- * From the equilibrium at the voltages with the smallest shape error, fill the displacements that
- * the outputs (target and named outputs) would have at 0 V by the influence matrix there, and the
- * largest displacement relative to the thickness of the shell.
+ * Fill deformed->offset, the displacements of the outputs (target and named outputs) extrapolated
+ * to 0 V: those in the equilibrium at the best voltages, minus influence matrix times voltages.
+ * Also fill the largest displacement of the target nodes there, relative to the thickness of the
+ * shell.
  */
 static void fill_offset(deformed *deformed, const voltages *best)
 {

@@ -59,9 +59,9 @@ typedef struct design_rows {
  */
 typedef struct design_dropped {
     size_t entries; /* number of entries of the influence matrix that count as zero */
-    double error;   /* largest displacement of an output by the entries of the influence matrix that
-                       count as zero, with all voltages at their limits; infinite without limits
-                       (length unit) */
+    double error;   /* largest change of an output's displacement that is caused by treating small
+                       entries of the influence matrix as zero, with all voltages at their limits
+                       (length unit); infinite without limits */
     int output; /* number, from 0, of the output (row of the influence matrix) whose displacement
                    changes most where small entries of the influence matrix count as zero */
 } design_dropped;

@@ -26,9 +26,9 @@ typedef struct estimation {
                       weight, per standard deviation of each disturbance (load or voltage error) */
     double *scaled_reading; /* [sensors][disturbances] reading per standard deviation of each
                                disturbance (load or voltage error), divided by the sensor's noise */
-    double *square; /* [sensors][sensors] covariance of the readings under the disturbances (loads
-                       and voltage errors), divided by the noise of both sensors; later its
-                       eigenvalues on the diagonal */
+    double *square; /* [sensors][sensors] covariance of the sensor readings, each divided by the
+                       noise of its sensor, under the disturbances (loads and voltage errors); later
+                       its eigenvalues on the diagonal */
     double *eigenvector; /* [sensors][sensors] eigenvectors, as columns, of the covariance of the
                             sensor readings, each reading divided by the noise of its sensor */
     double *target_part, *side, *direction,

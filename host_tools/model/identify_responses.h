@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Identification of the static responses of vibration modes to the voltages. A step of the voltages
- * moves the static value of a modal coordinate, and the coordinate itself keeps its place: the
- * deviation from the static value jumps by minus the static response times the voltage step, and
- * vibrates from there. The size of the free vibration that a step adds therefore is the static
- * response, and its phase tells how late the voltages act.
+ * moves the static value of a modal coordinate at once, while the coordinate itself cannot jump.
+ * The mode therefore starts to vibrate about the new static value. The amplitude of this added
+ * vibration is the static response times the voltage step; its phase tells how late the voltages
+ * act.
  */
 #ifndef IDENTIFY_RESPONSES_H
 #define IDENTIFY_RESPONSES_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Measured vibration modes compared with a measured influence matrix B [outputs][amplifiers]: the
- * static part of mode k is its shape times its static response to each amplifier, and the static
- * parts of all modes explain B but for a rest. Where the order of the outputs in the shapes is not
- * that in the matrix, the rest is large, and falls when rows of the matrix are swapped.
+ * Comparison of measured vibration modes with a measured influence matrix B [outputs][amplifiers].
+ * The static part of a mode is its shape times its static response to each amplifier. B is the sum
+ * of the static parts of all modes and a remainder. A large remainder shows that the mode shapes
+ * list the outputs in another order than B; swapping rows of B then makes it smaller.
  */
 #ifndef MATRIX_MODES_H
 #define MATRIX_MODES_H

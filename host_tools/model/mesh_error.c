@@ -29,9 +29,9 @@ static double remaining_error(double last, double ratio)
 }
 
 /*
- * Error of the extrapolated value of a sequence of results that rises and then falls with ever
- * finer meshes, or falls and then rises: that of a sequence limit + a h - b h^2, where h is the
- * element size and a and b have the same sign. Extrapolation of second order leaves 2/3 a h.
+ * Error of the extrapolated value where the results first rise and then fall with finer meshes, or
+ * first fall and then rise. Such results behave as limit + a h - b h^2, with the element size h and
+ * a and b of the same sign; extrapolation of second order leaves the error 2/3 a h.
  *   last   in  difference between the results on the two finest meshes
  *   before in  difference between the results on the second and the third finest mesh
  */

@@ -47,12 +47,12 @@ typedef struct mesh_error {
  *   value [meshes] in  results, that of the finest mesh first
  *   meshes         in  2 or 3
  * The extrapolated value assumes second order, which is the order of the element's displacement.
- * With three meshes the uncertainty is the last difference, or a quarter of the difference before
- * it where that is larger; for results that converge more slowly than with second order, the
- * expected remaining error is added. For results that rise and then fall, or fall and then rise, it
- * is the error of a sequence with terms of first and second order of opposite sign. With two meshes
- * the uncertainty is one and a half times the difference. It is never less than 1e-9 of the result,
- * which covers rounding errors.
+ * With two meshes the uncertainty is one and a half times the difference. With three meshes it is
+ * the last difference, or a quarter of the difference before where that is larger. Two cases
+ * differ. Where the results converge more slowly than with second order, the expected remaining
+ * error is added. Where they rise and then fall, or fall and then rise, the uncertainty is the
+ * error of a sequence with terms of first and second order of opposite sign. The uncertainty is at
+ * least 1e-9 of the result, for rounding errors.
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 

@@ -144,8 +144,8 @@ static int bending_of(const subject *of, int k, measured *found, laminate_bendin
 }
 
 /*
- * Measure the error of the deflection by transverse shear if the shear strain is assumed to be
- * uniform through the thickness instead of being computed from equilibrium, relative to the
+ * Measure which part of the deflection is missing if the shear strain is assumed to be uniform
+ * through the thickness, instead of being computed from equilibrium. The part is relative to the
  * deflection by bending.
  */
 int measure_shear(const subject *of, int k, measured *found)

@@ -148,8 +148,8 @@ measure measure_age, measure_noise, measure_amplitude, measure_amplitude_certifi
 measure measure_prestress;
 
 /*
- * Function that measures the hysteresis of the actuators where the control loop has a self-test
- * (plausible_result.c).
+ * Function that measures the hysteresis of the actuators (width of the loop over the voltage range)
+ * if the scene has a self-test of amplifiers, cables and sensors (plausible_result.c).
  */
 measure measure_tested_hysteresis;
 

@@ -65,8 +65,9 @@ int measure_ceramic_field_limit(const subject *of, int k, measured *found)
 }
 
 /*
- * Return, of all applied voltages of an actuator, the one that is the largest multiple of a given
- * voltage (V), which is not 0; a voltage of the opposite sign is a negative multiple.
+ * Return the applied voltage of an actuator that comes closest to a critical voltage, or exceeds it
+ * most: the one with the largest ratio to it. Voltages of the opposite sign have negative ratios.
+ *   voltage in  critical voltage (V), not 0
  */
 static double worst_voltage(const scene_actuator *actuator, double voltage)
 {
@@ -108,10 +109,10 @@ int measure_depolarisation(const subject *of, int k, measured *found)
 enum { STRENGTHS = 5 };
 
 /*
- * Strength of a material divided by the elastic modulus of the same direction. The flag restricts
- * the rule to soft materials (rubbers, foams) or to all others; where the units are unknown, all
- * materials count as soft. The number k counts the strengths of all materials one after the other,
- * STRENGTHS for each.
+ * Measure the strength of a material divided by the elastic modulus in the same direction.
+ *   k          in  number of the strength; each material has STRENGTHS of them
+ *   wants_soft in  true: the rule applies to soft materials (rubbers, foams); false: to all others;
+ *                  where the units are unknown, all materials count as soft
  */
 static int measure_strength_of(const subject *of, int k, bool wants_soft, measured *found)
 {
@@ -149,7 +150,10 @@ int measure_strength(const subject *of, int k, measured *found)
     return measure_strength_of(of, k, false, found);
 }
 
-/* Strength over modulus of a soft material: foams 0.03, rubbers up to 10. */
+/*
+ * Measure the strength of a soft material over its modulus. Usual values: foams 0.03, rubbers up to
+ * 10.
+ */
 int measure_soft_strength(const subject *of, int k, measured *found)
 {
     return measure_strength_of(of, k, true, found);
@@ -180,8 +184,8 @@ int measure_strength_ratio(const subject *of, int k, measured *found)
 /* ---- reserve factors -------------------------------------------------- */
 
 /*
- * In-plane stress, 11, 22 or 12, that by itself has the smallest reserve factor; a component in the
- * Voigt order 11 22 33 23 13 12.
+ * Find the in-plane stress component (11, 22 or 12) that is closest to its strength: alone, it has
+ * the smallest reserve factor. Returns its index in the order 11 22 33 23 13 12.
  */
 static int governing_component(const scene_strength *strength, const stress_point *point)
 {

@@ -9,10 +9,10 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * LONG_RAMP: number of linear solves over which the loads rise when the equilibrium is computed a
- * second time; the scene `hyperboloid-soft` then converges in one load step on every mesh.
- * SOLVES_PER_STEP: largest number of linear solves of this second try for each load step that the
- * scene asks for, three times what that scene needs.
+ * Constants of the second try to compute an equilibrium, in which the loads rise more slowly.
+ * LONG_RAMP is the number of linear solves over which they rise; the scene `hyperboloid-soft` then
+ * converges in one load step on every mesh. SOLVES_PER_STEP times the scene's number of load steps
+ * limits the number of linear solves; this is three times what that scene needs.
  */
 enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 

@@ -297,7 +297,7 @@ static void add_contact(all_dof *all)
 /* Point at which the forces of a node act, and director on which its moments act. */
 typedef struct force_place {
     double point[3];    /* mean position of both faces of the shell at the node (m) */
-    double director[3]; /* vector from the inner to the outer face, over the thickness (1) */
+    double director[3]; /* vector from the inner to the outer face, divided by the thickness (1) */
 } force_place;
 
 /* Compute the sum of the components of a vector in the triad (local axes) of a node, times its
@@ -431,8 +431,8 @@ static double reaction_on(const all_dof *all, size_t dof)
 }
 
 /*
- * Add the reactions on the dof of one node to those of the node, of its supports and of all
- * supports.
+ * Add the reactions on the dof of one node to three sums: that of the node, those of the supports
+ * that hold it, and that of all supports.
  *   support [supports of the scene] in/out  reactions, at the index of the first support of each
  *       name
  */

@@ -2,10 +2,10 @@
 /*
  * Reactions: forces and moments of the supports on the shell, at small and at large displacements.
  *
- * The internal forces of the elements at a displacement are summed at all dof, also at those that
- * supports hold; what they exceed loads, springs and contact there is the reaction. The internal
- * forces of an element do no work on a rigid motion, so that reactions, loads, forces of springs
- * and contact forces are in equilibrium, as exactly as the displacement is.
+ * The reaction on a constrained dof is the internal force of the elements minus the forces of
+ * loads, springs and contact. The internal forces of an element do no work on a rigid motion.
+ * Reactions, loads, spring forces and contact forces are therefore in equilibrium; the error is
+ * only that of the displacement.
  *
  * Points and directors are those of the deformed shell under nonlinear kinematics, and those of the
  * undeformed shell under linear kinematics. Only the host computes reactions; the tables of a

@@ -6,9 +6,10 @@
 #include "design.h"
 
 /*
- * Force that spring `row` of the mesh exerts on the structure, along the direction that elongates
- * the spring (N; N m for a torsional spring): the force of a stack at its voltage, less stiffness
- * times elongation.
+ * Force with which one spring of the mesh pushes the structure in the direction that elongates the
+ * spring (N; N m for a torsional spring). A spring exerts minus stiffness times elongation; a stack
+ * exerts in addition the force that its voltage causes.
+ *   row in  number of the spring
  *   u     [free_dof] in  displacement vector of the structure
  *   value [inputs]   in  input values that belong to u
  */

@@ -14,11 +14,12 @@
  * Compute the strains of an element that are constant over the element from the displacements of
  * its nodes.
  *   displacement [4 dof_per_node] in  displacements of the four nodes of the element
- *   strain [10] out mean and difference of both faces for the strains 11, 22, 33 and 12; then the
- *   strains 13 and 23
- * The strains are quadratic in the displacement. If is_nonlinear is false, their linear part is
- * returned: half the difference of the strains at a small multiple of the displacement and at the
- * negative of that multiple, scaled back.
+ *   is_nonlinear in   true: Green's strains, quadratic in the displacement; false: their linear
+ *       part
+ *   strain [10]  out  mean and difference of both faces for the strains 11, 22, 33 and 12; then the
+ *                     strains 13 and 23
+ * The linear part is computed from the strains at a small multiple of the displacement and at its
+ * negative: half of their difference, divided by the multiple.
  */
 void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
                        double strain[10]);

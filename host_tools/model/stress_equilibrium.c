@@ -28,11 +28,11 @@ typedef struct stencil {
     int neighbour[STRESS_NEIGHBOURS];
     double turn[STRESS_NEIGHBOURS]; /* angle from the first direction of principal curvature to the
                                        shell axis 1 of each neighbouring element (rad) */
-    double weight[STRESS_NEIGHBOURS][2]; /* [neighbouring element][direction] weights of a gradient
-                                            (1/m): the derivative of a quantity along a direction of
-                                            principal curvature is the sum, over the neighbouring
-                                            elements, of the weight times the value at the neighbour
-                                            less the value at the element */
+    double weight[STRESS_NEIGHBOURS][2]; /* [neighbouring element][direction] weights (1/m) that
+                                            approximate the derivative of a quantity along a
+                                            direction of principal curvature: the derivative is the
+                                            sum of weight x (value at the neighbour - value at the
+                                            element) */
 } stencil;
 
 /*

@@ -10,11 +10,10 @@ enum {
 }; /* number of control ticks that are simulated to find the longest one */
 
 /*
- * Return the largest number of multiply-adds that the optimiser makes in one of many undamped
- * control steps (TICK_WORK_TICKS of them), in which the target jumps between the shapes of random
- * voltages; 0 where memory runs out.
- *   design in numerical model of a scene with amplifiers and a target, with computed influence
- *   matrix
+ * Return the largest number of multiply-adds that the optimiser makes in one control step (0 where
+ * memory runs out). TICK_WORK_TICKS steps without damping are simulated, in which the target jumps
+ * between the shapes of random voltages.
+ *   design in  numerical model of a scene with amplifiers and a target, with its influence matrix
  *   limit  in  limit of the optimiser's work in a tick (multiply-adds)
  */
 uint64_t tick_work_longest(const design *design, uint64_t limit);

@@ -66,10 +66,10 @@ static double diagonal(const unconstrained *solver, size_t k)
 }
 
 /*
- * Choose the next pivot of the Cholesky factorisation: the input with the largest ratio of its
- * diagonal entry in the not yet eliminated part of the normal matrix to its original diagonal
- * entry, so that it depends least on the inputs eliminated so far. Returns the number of inputs,
- * which is the index of no input, where this ratio is only a rounding error for all inputs.
+ * Choose the input that the Cholesky factorisation eliminates next: the one that depends least on
+ * the inputs eliminated so far. It has the largest ratio of its remaining to its original diagonal
+ * entry of the normal matrix. Where this ratio is only a rounding error for all inputs, the number
+ * of inputs is returned, which is the index of no input.
  */
 static size_t next_pivot(const unconstrained *solver)
 {

@@ -90,8 +90,9 @@ typedef struct search {
 /* ---- matrices --------------------------------------------------------- */
 
 /*
- * Assemble, for the Lanczos search, the stiffness matrix about which the structure vibrates: that
- * of the reference state, or the tangent at the equilibrium. Returns whether this has succeeded.
+ * Assemble the stiffness matrix for the Lanczos search: that of the reference state, or the tangent
+ * stiffness at the equilibrium about which the structure vibrates. Returns whether this has
+ * succeeded.
  */
 static bool assemble(search *search)
 {

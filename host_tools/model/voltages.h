@@ -51,10 +51,9 @@ typedef struct voltages {
                                       optimiser */
     int active_rows; /* number of limits of weighted sums of voltages that bind; 0 unless the result
                         is an optimum within limits */
-    int dependent;   /* number of amplifiers whose column of the influence matrix is a linear
-                        combination of the columns of others (amplifiers held at one voltage do not
-                        count, regularisation is ignored); computed for clipped least squares only,
-                        otherwise 0 */
+    int dependent;   /* number of amplifiers whose effect is a linear combination of the effects of
+                        others, without regularisation; held amplifiers do not count. Computed only
+                        for clipped least squares, otherwise 0 */
     int relinearised;  /* number of times that the influence matrix was computed again in the
                           nonlinear optimisation, each time at the deformed shape reached until then
                         */

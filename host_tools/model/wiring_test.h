@@ -23,9 +23,8 @@ typedef struct wiring_test {
  * the scene file says. If the scene file gives no duration, the pulse lasts six periods of the
  * first vibration mode, where the natural frequencies are known. In any case it lasts long enough
  * for its height under the step limits (largest voltage change in one tick) of the amplifiers.
- *   analysis  in  analysis with computed influence matrix and, if the pulse is to follow the
- *       natural
- *                 frequencies, computed vibration modes; must outlive the self-test
+ *   analysis  in  analysis with computed influence matrix and, if pulses last six periods, with
+ *                 computed vibration modes; must outlive the self-test
  *   estimator in  estimator of the controller, which must outlive the self-test; NULL: every target
  *                 node is measured
  * Returns whether memory was available; call wiring_test_close in either case.

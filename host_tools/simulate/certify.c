@@ -317,10 +317,11 @@ static int certify_target(const trial *trial, certificate_target *target, char *
 }
 
 /*
- * Determine whether small vibrations decay and the shape settles after fast jumps of the target,
- * with readings that are `older` ticks older than the scene file states, on the model and on
- * structures whose static responses and frequencies are higher or lower.
- *   storms in  number of storms (simulations with fast jumps of the target) to run
+ * Test the control loop with sensor readings that are `older` ticks older than the scene file
+ * states. The structures are the model, and others with higher or lower static responses and
+ * frequencies.
+ *   storms  in   number of storms (simulations with fast jumps of the target) to run
+ *   settles out  whether small vibrations decay and the shape settles after the jumps
  * Returns 0, or -1 with error filled.
  */
 static int try_age(const storm_rig *rig, int storms, int older, bool *settles, char *error)
@@ -605,10 +606,10 @@ static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 }
 
 /*
- * Determine whether the control loop, with tables made for a tick rate, is stable on a structure as
- * the model has it and on structures with 1.33 of its response to voltages and 0.9 or 1.1 of its
- * natural frequencies, and whether two simulations with fast target jumps on these structures
- * settle. Returns 0, or -1 with error filled.
+ * Determine whether the control loop is stable at a tick rate, with tables made for this rate.
+ * Small vibrations must decay on the model, and on structures with 1.33 of its response to voltages
+ * and 0.9 or 1.1 of its natural frequencies. On the latter, the shape must also settle after fast
+ * jumps of the target. Returns 0, or -1 with error filled.
  */
 static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 {
@@ -639,9 +640,12 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 }
 
 /*
- * Find the last tick rate at which the control loop is stable when the rate is changed from a
- * stable one: by steps with the given factor 2 or 1/2, then by one bisection between the last
- * stable and the first unstable rate. Returns 0, or -1 with error filled.
+ * Find how far the tick rate can be raised (factor 2) or lowered (factor 1/2) until the control
+ * loop is no longer stable. The rate is changed by the factor, from a stable rate, as long as the
+ * loop stays stable; one bisection follows.
+ *   from in   stable tick rate (1/s)
+ *   rate out  last rate at which the loop is stable (1/s)
+ * Returns 0, or -1 with error filled.
  */
 static int find_rate(trial *trial, double from, double factor, double *rate, char *error)
 {

@@ -214,9 +214,9 @@ static double tangent_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Return half of the time step plus half of the viscosity b (s), which damps a vibration mode of
- * angular frequency w by the ratio b w/2. In a time step, the change of the displacement minus step
- * length times initial velocity is this time multiplied by the change of the velocity.
+ * Return (h + b)/2 with the length h of the time step and the viscosity b (s), which damps a
+ * vibration mode of angular frequency w by the ratio b w/2. In a step from the displacement u0 and
+ * velocity v0 to u1 and v1, u1 - u0 = h v0 + (h + b)/2 (v1 - v0).
  */
 static double response_time(const shell_motion *motion, double step)
 {
@@ -503,13 +503,11 @@ static double relative_increment(const shell_motion *motion)
 }
 
 /*
- * Remove the energy error that the remaining force imbalance makes in the time step. Twice the work
- * of the imbalance over the change of the displacement in half the step is the error of the energy
- * at the end of the step. An increment of Newton's method removes the imbalance for which it was
- * computed, hence a part of the last increment removes the same part of the work before that
- * increment. The part that makes the remaining work zero is added. An increment has no linear
- * momentum, so that the correction keeps the momentum. Returns whether the part is small enough;
- * the displacement is unchanged otherwise.
+ * Remove the energy error that Newton's method leaves in a time step, because its last force
+ * imbalance is not zero. The error is twice the work of the imbalance over the change of the
+ * displacement in half the step. A part of the last Newton increment is added such that this work
+ * vanishes. An increment has no linear momentum, so that the momentum stays. Returns whether the
+ * part is small enough; otherwise the displacement is unchanged.
  */
 static bool balance_energy(shell_motion *motion, double step)
 {

@@ -75,8 +75,9 @@ typedef struct simulate_course {
     int settled; /* number of ticks after the start of the phase (interval between events) from
                     which on the distance of the shape from its final value stays within 5 % of the
                     largest distance; -1: never */
-    int step_limit_ticks; /* number of ticks that the step limit alone requires from the voltages at
-                             the start of the phase (interval between events) to those at its end */
+    int step_limit_ticks; /* smallest number of ticks in which the step limit lets the voltages
+                             change from those at the start of the phase (interval between events)
+                             to those at its end */
     double *voltage;      /* [amplifiers] output voltages at the end of the phase (interval between
                              events) of the simulation (V) */
     double *shape; /* [targets] displacements of the target rows (controlled displacements) at the
@@ -98,10 +99,10 @@ typedef struct simulate_phase {
                        events) */
     double *load; /* [loads + 1] load factors of the plant at the end of the phase (interval between
                      events); the last entry is the temperature change (K) */
-    double *lowest;  /* [amplifiers] voltages that would act on the ceramic at the end of the phase
-                        (interval between events) if all amplifiers moved to their lower limits,
-                        after hysteresis and creep; for a faulty electrode its present voltage (V)
-                        */
+    double *lowest;  /* [amplifiers] lowest voltages that can act on the ceramic at the end of the
+                        phase (interval between events), after hysteresis and creep, if all
+                        amplifiers move to their lower limits; for a faulty electrode its present
+                        voltage (V) */
     double *highest; /* [amplifiers] voltages that would act on the ceramic at the end of the phase
                         (interval between events) if all amplifiers moved to their upper limits (V)
                       */

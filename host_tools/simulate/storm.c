@@ -213,8 +213,8 @@ typedef struct storm {
     int tick, history_ticks; /* number of the present tick; number of ticks whose readings are
                                 stored */
     bool has_shape;          /* true while `shape` holds the present shape of the structure */
-    bool has_vibration; /* true while `part` holds the displacements of the targets by the present
-                           vibration */
+    bool has_vibration; /* true while the array `part` holds the displacements of the target nodes
+                           by vibration in this tick */
     int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
     double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
     double *memory; /* one allocation that holds `limits` and all arrays of this struct that follow
@@ -816,9 +816,9 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 /* ---- growth of small vibrations --------------------------------------- */
 
 /*
- * Return one measure of the size of a vibration: the root of the sum of squares of two weighted
- * norms, that of the structure's vibration displacements and that of the displacements by the last
- * change of the voltages.
+ * Return the size of a vibration under control as one number: the root of the sum of two squared
+ * norms, weighted with the target weights. One is the norm of the vibration displacements of the
+ * structure, the other that of the displacements by the last change of the voltages.
  */
 static double amplitude(storm *storm)
 {
