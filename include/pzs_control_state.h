@@ -471,17 +471,18 @@ typedef struct pzs_pulse_detector_state {
     pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V): the voltages that
                          electrodes without hysteresis would need for the same displacement, by the
                          hysteresis model as it was measured */
-    pzs_real *cleared_loss; /* [inputs] lost voltage of each electrode when the fault detector last
-                               suspected it (V): absolute difference between the voltage given to
-                               the electrode and the voltage that the readings showed */
+    pzs_real *cleared_loss; /* [inputs] size of the voltage error of each electrode when the fault
+                               detector last suspected it (V): absolute difference between the
+                               voltage given to the electrode and the voltage that the readings
+                               showed */
     pzs_real *base_voltage; /* [inputs] base voltages: mean voltages of an interval in which the
                                target shape stood still, with which later ones are compared (V) */
     pzs_real *move; /* [inputs] change of the mean voltages from the base interval, in which the
                        target shape stood still, to the last window (interval in which readings are
                        averaged) (V); while a test pulse is evaluated, work array */
-    pzs_real *loss; /* [inputs] lost voltage of each electrode since an interval in which the target
-                       shape stood still (V): change of the voltage given to the electrode, minus
-                       the change that the averaged readings show */
+    pzs_real *loss; /* [inputs] voltage error of each electrode since an interval in which the
+                       target shape stood still (V): change that the averaged readings show, minus
+                       the change that the amplifier was given */
     /*
      * [inputs] changes of the voltages as the fault detector's least-squares estimate would find
      * them from the readings (V); `move` holds the changes themselves. While a healthy electrode is
@@ -544,9 +545,9 @@ typedef struct pzs_pulse_detector_state {
      * which the target shape stood still to the interval in which the electrode was first suspected
      */
     pzs_real suspect_move;
-    pzs_real suspect_loss; /* lost voltage of the electrode suspected of a fault, when it was first
-                              suspected (V): voltage given to the electrode minus the voltage that
-                              the readings showed */
+    pzs_real suspect_loss; /* voltage error of the electrode suspected of a fault, when it was first
+                              suspected (V): voltage that the readings showed minus the voltage that
+                              the amplifier was given */
     uint32_t position;     /* number of ticks since the fault detector began its present window
                               (interval in which readings are averaged) or test pulse */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a

@@ -37,9 +37,9 @@ static uint32_t first_absolute(const rows_run *run)
 }
 
 /*
- * Compute, for each input, the absolute value of what the active limits of sums of absolute values
- * of voltages contribute to the gradient, or -1 for an input in no such sum.
- *   force [inputs] out  contributions (m2/V)
+ * Compute the absolute value of a part of the gradient for each input: what the active limits of
+ * sums of absolute values of voltages contribute to it.
+ *   force [inputs] out  contributions (m2/V); -1 for an input in no such sum
  */
 static void add_forces(const rows_run *run, pzs_real *force)
 {
@@ -145,9 +145,9 @@ static bool cross_zero(const rows_run *run)
 
 /*
  * Set the bounds of the voltages of all inputs in limited sums of absolute values: those of the
- * present tick, and 0 V on the side that the sign chosen for the voltage excludes. Sums of voltages
- * with the chosen signs are not negative; they get a lower bound below zero, so that the duality
- * gap stays finite.
+ * present tick, and 0 V on the side that the sign chosen for the voltage excludes. The sums of
+ * voltages with the chosen signs are then not negative. A lower bound below zero therefore never
+ * limits them; it is set so that the duality gap stays finite.
  */
 static void split_bounds(const rows_run *run)
 {
@@ -167,9 +167,10 @@ static void split_bounds(const rows_run *run)
 /* ---- response matrix ------------------------------------------------------- */
 
 /*
- * Compute anew row and column k, which belong to a limited sum of absolute values of voltages, of
- * the optimiser's tableau (matrix that gives changes of voltages and sums from changes of
- * multipliers), as a sum of those of its rows that belong to inputs, with the chosen signs.
+ * Compute anew the row and the column of a limited sum of absolute values of voltages (number k) in
+ * the optimiser's tableau, the matrix that gives changes of voltages and sums from changes of
+ * multipliers. The row is a sum of the rows that belong to inputs, each multiplied by its
+ * coefficient with the chosen sign.
  */
 static void renew_row(const rows_run *run, uint32_t k)
 {

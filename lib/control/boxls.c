@@ -97,9 +97,9 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Assumed largest ratio between two errors of the gradient that the optimiser predicts after a
- * step: the error in entries that it does not compute from the Hessian, and the error in the two
- * entries (those of two inputs) that it computes for comparison.
+ * Safety factor for errors of the predicted gradient. After a step the optimiser computes two of
+ * its entries from the Hessian, for comparison. It assumes that the error of the other entries is
+ * at most this factor times the error of these two.
  */
 #define UNMEASURED_FACTOR 8
 /* A decrease of the objective counts only if it exceeds this multiple of its rounding error. */
@@ -393,8 +393,8 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
 
 /*
  * Change the free voltages by the vector `move` [inputs] (V) times `sense` (1 or -1) times the
- * fraction first.part, clamped to their bounds. The input first.input, which reaches its bound
- * first, is set to the bound exactly, if there is one.
+ * fraction first.part, clamped to their bounds. If an input first.input reaches its bound at this
+ * fraction, its voltage is set to the bound exactly.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -547,10 +547,10 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] =
-            0; /* if the change of the voltage of input k has reached the minimum of the objective,
-                  or neither a finite bound nor a curvature has ended it, the gradient with respect
-                  to input k is set to exactly zero, so that the voltage is not changed again */
+        optimiser->direction[k] = 0; /* the gradient with respect to input k is set to exactly zero,
+                                        so that its voltage is not changed again, in two cases: the
+                                        change has reached the minimum of the objective, or neither
+                                        a finite bound nor a curvature has ended it */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
@@ -573,9 +573,9 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 }
 
 /*
- * Find the active inputs (whose voltages are kept) that violate the optimality (KKT) conditions by
- * more than `rounding` and whose voltage would change as far as the opposite bound if no other
- * active input became free.
+ * Find the active inputs (whose voltages are kept) to be released together. They violate the
+ * optimality (KKT) conditions by more than `rounding`, and each, if it alone became free, would go
+ * as far as its opposite bound.
  *   way [width] out  distance with sign of each of these inputs to that bound, 0 for all other
  *                    inputs (V)
  * Returns the number of these inputs.
@@ -600,10 +600,10 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Change the voltages of several inputs that were kept at a bound together, each towards its other
- * bound, which it would reach if it alone became free, while the free voltages follow so that their
- * gradient stays zero. The change ends at the minimum of the objective, or where a free input
- * reaches a bound and becomes active. Returns whether any voltage has changed.
+ * Release several inputs from their bounds together. An input is released if it would reach its
+ * other bound when it alone became free; each moves towards this bound, while the free voltages
+ * follow so that their gradient stays zero. The change ends at the minimum of the objective, or
+ * where a free input reaches a bound and becomes active. Returns whether any voltage has changed.
  */
 static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -718,10 +718,10 @@ static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict mod
 }
 
 /*
- * Make the full step along the search direction, which no bound blocks, as one iteration, and
- * compare the predicted gradient of two inputs with that computed from the Hessian. Returns false
- * if the prediction is wrong; the voltages are then unchanged, and the tableau (pivoted Hessian),
- * from which the prediction came, no longer counts as verified.
+ * Make the full step along the search direction as one iteration; no bound blocks it. The gradient
+ * that the tableau (pivoted Hessian) predicts is compared, for two inputs, with the gradient
+ * computed from the Hessian. Returns false if the prediction is wrong: the voltages are then
+ * unchanged, and the tableau no longer counts as verified.
  */
 static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -845,8 +845,9 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     const bool was_predicted = optimiser->is_predicted;
     pzs_boxls_true_gradient(optimiser);
     /*
-     * A sequence of iterations of the dual active-set method that the work limit has stopped before
-     * its optimum may end with a larger objective than it began with.
+     * The work limit may stop the iterations of the dual active-set method before their optimum.
+     * The objective may then be larger than at the beginning, so the voltages are moved back on the
+     * straight line to those at the start.
      */
     if (!complete && pzs_boxls_shorten(optimiser))
         pzs_boxls_true_gradient(optimiser);

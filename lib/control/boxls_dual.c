@@ -31,9 +31,9 @@
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
- * The dual active-set method takes a voltage outside its bounds for a rounding error if the
- * distance from the bound, times this number, is at most the estimated rounding error of the pivots
- * (V2/m2) times the largest change of a multiplier (m2/V).
+ * Factor in a test for rounding errors of the dual active-set method. A voltage outside its bounds
+ * counts as a rounding error if the distance from the bound, times this number, is at most the
+ * estimated rounding error of the pivots (V2/m2) times the largest change of a multiplier (m2/V).
  */
 #define PIVOT_TO_VALUE 16
 /*
@@ -60,9 +60,9 @@
  */
 #define TRIAL_PART 4u
 /*
- * The dual active-set method chooses its active set anew at once, without iterations before, unless
- * at least one in this number of inputs is free with its voltage inside its bounds, or active (kept
- * at a bound) with a multiplier of the right sign.
+ * The dual active-set method chooses its active set anew at once, without iterations before, if too
+ * few inputs are right: fewer than one in this number is free with its voltage inside its bounds,
+ * or active (kept at a bound) with a multiplier of the right sign.
  */
 #define FEW_RIGHT 5u
 
@@ -164,10 +164,10 @@ static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real
 }
 
 /*
- * Move row k + 1 of the Cholesky factor of the inverse Hessian restricted to the active inputs
- * (voltages at a bound) to row k, after the input of row `removed` has become free. The plane
- * rotations that have been found for the rows before are applied to the row, and a new rotation
- * makes its entry beyond the diagonal zero.
+ * Move row k + 1 of the Cholesky factor to row k, after the input of row `removed` has become free.
+ * The factor is that of the inverse Hessian restricted to the active inputs (voltages at a bound).
+ * The plane rotations found for the rows before are applied to the row, and a new rotation makes
+ * its entry beyond the diagonal zero.
  */
 static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
 {
@@ -299,9 +299,9 @@ void pzs_dual_move_to_bounds(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the Lagrange multiplier of active input i, which is at a bound, has the wrong sign by
- * more than `rounding` (m2/V), so that a voltage away from the bound would lower the objective, and
- * the two bounds of the input differ.
+ * Whether active input i (voltage at a bound) should become free. Its Lagrange multiplier then has
+ * the wrong sign by more than `rounding` (m2/V), so that a voltage away from the bound lowers the
+ * objective, and its two bounds differ.
  */
 static bool is_wrong(const pzs_optimiser *optimiser, uint32_t i, pzs_real rounding)
 {
@@ -333,8 +333,8 @@ uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- iterations of the dual method ----------------------------------- */
 
 /*
- * Whether the work limit of the optimiser allows `cost` multiply-adds more and the end of the
- * present round (sequence of iterations), in which the gradient may have to be computed twice.
+ * Whether the work limit of the optimiser allows `cost` more multiply-adds and the end of the
+ * present round (sequence of iterations). At the end the gradient may have to be computed twice.
  */
 static bool affords(pzs_optimiser *optimiser, uint64_t cost)
 {
@@ -464,12 +464,13 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Find the first active input (voltage at a bound) whose multiplier becomes zero while the
- * multiplier of the free input that is to become active changes in the direction `sense`.
- *   part in/out  in: largest change of the multiplier of the free input; out: that at which the
- *                multiplier becomes zero (m2/V)
- * Returns the index of the row of the active input in the Cholesky factor of the inverse Hessian,
- * or the number of active inputs if no multiplier becomes zero.
+ * Find the active input (voltage at a bound) that must become free first, because its multiplier
+ * becomes zero. Meanwhile the multiplier of the input that is to become active changes in the
+ * direction `sense`.
+ *   part in/out  in: largest change of the multiplier of the input that is to become active; out:
+ *                change at which the multiplier found becomes zero (m2/V)
+ * Returns the index of the row of the found input in the Cholesky factor of the inverse Hessian, or
+ * the number of active inputs if no multiplier becomes zero.
  */
 static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
 {
@@ -489,10 +490,10 @@ static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_r
 
 /*
  * Make one iteration of the dual active-set method: change the multiplier of free input i, whose
- * voltage is outside its bounds, until the voltage reaches its bound and the input becomes active,
- * or until the multiplier of an active input becomes zero and this input becomes free. Returns
- * false if neither happens. choose_outside has noted the bound, so that rounding errors between two
- * iterations do not change it.
+ * voltage is outside its bounds. The change ends when the voltage reaches its bound and the input
+ * becomes active, or when the multiplier of an active input becomes zero and this input becomes
+ * free. Returns false if neither happens. The array `side` tells which bound the input reaches; it
+ * is set once by choose_outside, so that rounding errors between two iterations do not change it.
  */
 static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -508,9 +509,9 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
     const pzs_real *change = work_array(optimiser, CHANGE),
                    *response = work_array(optimiser, RESPONSE);
     /*
-     * Rounding errors explain why a voltage (or limited sum of voltages) is outside its bounds
-     * although it is a linear combination of those that are kept at their bounds; the dual active-
-     * set method therefore ignores it until the next exact computation of the gradient.
+     * A voltage (or limited sum of voltages) may be outside its bounds although it is a linear
+     * combination of those that are kept at their bounds. If rounding errors explain this, the dual
+     * active-set method ignores the voltage until the next exact computation of the gradient.
      */
     if (!may_join &&
         PIVOT_TO_VALUE * outside <= optimiser->pivot_rounding * optimiser->multiplier_change) {
@@ -605,9 +606,9 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 }
 
 /*
- * Choose anew which inputs are active (voltages at a bound), if the work limit allows it: those
- * whose voltage, as the function estimates the optimum, is at a bound beyond which the objective
- * would fall.
+ * Choose anew which inputs are active (voltages at a bound), if the work limit allows it. The
+ * function estimates the optimal voltages; active become the inputs whose estimated voltage is at a
+ * bound beyond which the objective would fall.
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {
@@ -669,8 +670,9 @@ static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t 
 }
 
 /*
- * Prepare a round (sequence of iterations) of the dual active-set method. Returns the total number
- * of iterations at which the round must end.
+ * Prepare a round (sequence of iterations) of the dual active-set method. Returns the largest
+ * number of iterations, those of earlier rounds included, that the optimiser may have made when the
+ * round ends.
  */
 static uint32_t begin_round(pzs_optimiser *optimiser)
 {

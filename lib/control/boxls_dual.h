@@ -74,9 +74,9 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
 
 /*
  * Solve for the voltages with all active inputs exactly at their bounds. The function changes the
- * multipliers of the active inputs, which the array `direction` holds (m2/V), and in the array
- * next_voltage (V) sets the voltages of the active inputs to their bounds and lets those of the
- * free inputs follow.
+ * multipliers of the active inputs, in the array `direction` (m2/V). In the array next_voltage (V)
+ * it sets the voltages of the active inputs to their bounds and lets those of the free inputs
+ * follow.
  */
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 
@@ -90,9 +90,9 @@ bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
  * Iterate the dual active-set method as pzs_iterate_dual does, where no sums of voltages are
- * limited. If a large part of the active set is wrong, as after a jump of the target, and a few
- * iterations do not change that, the active set is first estimated as a whole from the Hessian,
- * which takes less work than as many iterations.
+ * limited. If a large part of the active set is still wrong after a few iterations, as after a jump
+ * of the target, the active set is estimated as a whole from the Hessian. This takes less work than
+ * to correct it by iterations.
  */
 bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding);
 

@@ -64,9 +64,9 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 /*
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them, so that
  * its pivoted Hessian (tableau) is read and written less often while it is computed. The exchanges
- * are stored in memory of the dual active-set method, which is not in use meanwhile: their rank-one
- * updates in the first third of the memory of its Cholesky factor, two copies of the updates in
- * groups of columns in the rest of this memory, and their pivots in the memory of its two vectors.
+ * are stored in memory of the dual active-set method, which is not in use meanwhile. The first
+ * third of the memory of the Cholesky factor holds their rank-one updates, the rest of it two
+ * copies of the updates in groups of columns. The memory of the two vectors holds the pivots.
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
@@ -104,9 +104,9 @@ static inline void read_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real
 }
 
 /*
- * Subtract from row k of the tableau (the optimiser's pivoted Hessian) the rank-one updates of
- * collected pivot exchanges, at most a fixed number (TOGETHER) of them, of which the first has the
- * index `first`.
+ * Bring row k of the tableau (the optimiser's pivoted Hessian) up to date: subtract rank-one
+ * updates of collected pivot exchanges, at most a fixed number (TOGETHER). The first of these
+ * updates has the index `first`.
  *   row [width] in/out  row k of the tableau
  */
 static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t first, uint32_t k,
@@ -185,10 +185,10 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 }
 
 /*
- * Set to zero the entries in the columns of exchanged inputs, in at most `most` rows of the tableau
- * (the optimiser's pivoted Hessian) from row i on, because the rank-one updates of the collected
- * exchanges are to give these entries new values. Only columns up to the square block on the
- * diagonal that contains the row are set.
+ * Set entries of the tableau (the optimiser's pivoted Hessian) to zero, to which the rank-one
+ * updates of collected exchanges then give new values: those in the columns of exchanged inputs, in
+ * at most `most` rows from row i on. Only columns up to the square block on the diagonal that
+ * contains the row are set.
  */
 static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
@@ -288,9 +288,10 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 
 /*
  * On a host with the vector unit AVX2, apply all collected rank-one updates to the optimiser's
- * pivoted Hessian (tableau) while it is being computed, up to and including its diagonal. Copies of
- * the updates in groups of columns lie behind the updates, in memory of the dual active-set method.
- * Returns whether this was done, which is not possible on other processors.
+ * pivoted Hessian (tableau) while the tableau is being computed, up to and including its diagonal.
+ * Copies of the updates in groups of columns lie behind the updates, in memory of the dual
+ * active-set method. Returns whether the updates were applied, which is not possible on other
+ * processors.
  */
 static bool apply_wide(pzs_optimiser *optimiser)
 {

@@ -87,8 +87,8 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /*
  * Return the trace of the inverse of the Hessian restricted to the inputs whose voltages are free
- * (V2/m2). For each input at a bound whose effect depends linearly on those of the free inputs, an
- * upper bound of its diagonal entry in the inverse is added.
+ * (V2/m2). An input at a bound whose effect depends linearly on those of the free inputs adds an
+ * upper bound of its diagonal entry in the inverse, as if it were free.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

@@ -50,10 +50,10 @@
  */
 #define AT_REST PZS_R(1e-4)
 /*
- * Factor of the rounding error of the triangular factor of the information matrix (sum of v v' over
- * the recorded voltages v): one of its diagonal entries (pivots) counts as zero if it is below this
- * number times the machine epsilon times the square root of the number of records, relative to the
- * norm of its column.
+ * Factor in the threshold below which a diagonal entry (pivot) of the triangular factor of the
+ * information matrix counts as zero. Relative to the norm of the entry's column, the threshold is
+ * this factor times the machine epsilon times the square root of the number of records. The
+ * information matrix is the sum of v v' over the recorded voltages v.
  */
 #define ROUNDING PZS_R(8)
 
@@ -277,9 +277,9 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration)
 /* ---- records of voltages and readings -------------------------------- */
 
 /*
- * Return the size of a diagonal entry (pivot) of the triangular factor of the information matrix
- * (sum of v v' over the recorded voltages v), relative to the norm of its column, below which the
- * entry counts as a rounding error.
+ * Return the threshold below which a diagonal entry (pivot) of the triangular factor of the
+ * information matrix counts as a rounding error, relative to the norm of its column. The
+ * information matrix is the sum of v v' over the recorded voltages v.
  */
 static pzs_real negligible(const pzs_calibration *calibration)
 {
@@ -360,8 +360,9 @@ static void clear_open_rows(pzs_calibration *calibration)
 }
 
 /*
- * Return the part (0 to 1 / settings.memory) of the information about a direction of the vector of
- * voltages that a calibration forgets when a record with voltages in this direction is added.
+ * Return the part of the information about one direction of the voltage vector that a calibration
+ * forgets when a record with voltages in this direction is added. The part is at least 0 and at
+ * most 1 / settings.memory.
  *   voltage   [inputs] in  voltages of the record (V)
  *   direction [inputs] in  triangular factor of the information matrix times these voltages (V2)
  */
@@ -396,8 +397,9 @@ static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 }
 
 /*
- * Forget a part of the information that the triangular factor of the information matrix (sum of v
- * v' over the recorded voltages v) contains about the direction of the voltages of a new record.
+ * Forget a part of what earlier records have shown about one direction of the voltage vector, that
+ * of a new record. The information is in the triangular factor of the information matrix, the sum
+ * of v v' over the recorded voltages v.
  *   voltage [inputs] in  voltages of the record (V)
  */
 static void forget(pzs_calibration *calibration, const pzs_real *voltage)
@@ -527,10 +529,11 @@ static void solve_row(const pzs_calibration *calibration, size_t output, const p
 }
 
 /*
- * Return the square root of diagonal entry `input` of the inverse information matrix (1/V): times
- * the standard deviation of the noise it gives the standard deviation of the computed influence of
- * this input. It is the norm of the solution x of T' x = unit vector, with the triangular factor T
- * of the information matrix, and infinite if x needs an input that the records do not determine.
+ * Return the square root of diagonal entry `input` of the inverse information matrix (1/V).
+ * Multiplied by the standard deviation of the noise, it gives the standard error of the computed
+ * influence of this input. The root is the norm of the solution x of T' x = unit vector, with the
+ * triangular factor T of the information matrix; it is infinite if x needs an input that the
+ * records do not determine.
  *   inverse  [inputs] in   reciprocals of the diagonal entries of T (1/V)
  *   solution [inputs] out  work array for x
  */

@@ -130,11 +130,11 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
 
 /*
  * Compute the part B'W^2 (wanted - shown) of the gradient that depends on the target, with
- * influence matrix B and output weights W, where `shown` is the shape of the base voltages (around
+ * influence matrix B and output weights W. The shape `shown` is that of the base voltages (around
  * which the gradient is computed) plus the disturbance (measured minus predicted shape). Returns |W
- * (wanted - shown)|^2. From it follows target_energy, the squared norm of the weighted target
- * error, by which the size of the objective is judged; it is bounded below by its rounding error.
- * Both are finite only if the gradient is.
+ * (wanted - shown)|^2. From this number follows target_energy, the squared norm of the weighted
+ * target error and scale of the objective, which is bounded below by its rounding error. Both
+ * numbers are finite only if the gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -334,9 +334,9 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
- * Keep the voltages that may change from compensating those that pzs_hold has just moved to a fixed
- * value. A tick that damps vibration would do so, because it limits the change of the shape; the
- * gradient that the fixed voltages cause is therefore added to target_gradient.
+ * Let the free voltages ignore the motion of voltages that pzs_hold has just fixed. A tick that
+ * damps vibration limits the change of the shape, and would therefore compensate such a motion. To
+ * prevent this, the gradient that the fixed voltages cause is added to target_gradient.
  */
 static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -367,10 +367,11 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     if (damping != NULL && control->state.is_paused)
         ignore_held_moves(optimiser, control);
-    control->state.is_paused = false; /* While the fault detector measures a test pulse, it sets
-                                         is_paused again after each tick; the loop does not follow
-                                         target and loads then. As soon as the detector no longer
-                                         runs, the loop follows them again. */
+    control->state.is_paused = false; /* While the fault detector measures the response to a test
+                                         pulse, the loop does not follow target and loads
+                                         (is_paused). The detector sets the flag again after each
+                                         tick, so that the loop follows them again as soon as the
+                                         detector no longer runs. */
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;

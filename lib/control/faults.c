@@ -314,8 +314,8 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
 
 /*
  * Whether too few outputs (displacements) of the structure have a measurement in this tick. The
- * fault detector then skips the measured shape, and compares the next shape with the last one that
- * it used.
+ * fault detector then ignores the measured shape, and compares the next one with the last shape
+ * that it used.
  */
 static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -396,10 +396,10 @@ static bool is_held(const pzs_control *control, uint32_t j)
 }
 
 /*
- * Whether electrode j seems to have lost about all of its voltage since the last shape. The
- * least-squares estimate must indicate a loss of 40 % to 160 % of the voltage, and the squared loss
- * must be at least a quarter of deviation2, the sum over all electrodes of the squared differences
- * between indicated and commanded voltage changes (V2).
+ * Whether electrode j seems to have lost about all of its voltage since the last shape. The lost
+ * voltage that the least-squares estimate indicates must be 40 % to 160 % of the voltage. Its
+ * square must be at least a quarter of deviation2, the sum over all electrodes of the squared
+ * differences between indicated and commanded voltage changes (V2).
  */
 static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                             pzs_real deviation2)
@@ -429,9 +429,9 @@ static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_re
 }
 
 /*
- * Start a test of electrode j, in which its voltage alternates by one amplitude about its present
- * voltage. If the present voltage is nearer to a limit than the amplitude, the test uses the
- * nearest voltage that is not.
+ * Start a test of electrode j, in which its voltage alternates by one amplitude above and below a
+ * mean voltage. The mean is the present voltage or, if that is nearer to a limit than the
+ * amplitude, the nearest voltage that is far enough from the limit.
  */
 static void start_test(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t j,
                        const pzs_real *voltage)
@@ -480,8 +480,8 @@ static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, p
 
 /*
  * Set the voltage of each electrode under test for the next tick: both its voltage limits become
- * the test voltage. The test voltage is inside the voltage limits before the
- * test, even if the program has changed the amplitude since.
+ * the test voltage. The test voltage is clamped to the voltage limits that held before the test,
+ * because the program may have changed the amplitude since.
  */
 static void set_test_voltages(pzs_fault_detector *detector)
 {

@@ -56,9 +56,9 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
 }
 
 /*
- * Return the influence matrix with which the governor (stage of the control tick that limits how
- * fast the target moves) must initialise the controller on which it tries targets, so that this
- * controller computes as that of the loop does. NULL: the loop uses the matrix of its tables.
+ * Return the influence matrix with which the governor (slows moving targets down) must initialise
+ * its own controller, so that both its controller and that of the loop use the same matrix. NULL:
+ * the loop uses the matrix of its tables.
  */
 static const pzs_real *influence_of(const pzs_control *control)
 {
@@ -156,9 +156,9 @@ static pzs_real largest_part(const pzs_governor_state *state)
 
 /*
  * Move the governor's slowed-down voltages (`reference`) towards the optimal voltages by one tick.
- * Then compute the voltages whose shape is to be subtracted from the target (V): optimal voltages,
+ * Then compute the voltages (V) whose shape is to be subtracted from the target: optimal voltages,
  * minus `reference`, minus the change of `reference` in this tick divided by pzs_governor.share.
- * Returns whether any of these voltages differs from zero.
+ * Returns whether any voltage of the difference is not zero.
  */
 static bool move_reference(pzs_governor_state *state)
 {

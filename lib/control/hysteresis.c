@@ -418,28 +418,28 @@ typedef struct effect_walk {
                               its backlash (V) */
     /*
      * [plays] position of each play (element with backlash) at the start of the search for a
-     * voltage, relative to the middle of the voltage range (V); higher voltages are positive, also
-     * where the search goes downwards
+     * voltage, relative to the middle of the voltage range (V). It is positive above the middle,
+     * also where the search goes downwards
      */
     const pzs_real *play;
     const pzs_real *ahead;  /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage without hysteresis) in the second half of the voltage range,
-                               the upper one in a search towards higher voltages (1) */
+                               (voltage without hysteresis) in that half of the voltage range which
+                               the search enters last: the upper half if it goes upwards (1) */
     const pzs_real *behind; /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage without hysteresis) in the first half of the voltage range,
-                               the lower one in a search towards higher voltages (1) */
+                               (voltage without hysteresis) in that half of the voltage range which
+                               the search enters first: the lower half if it goes upwards (1) */
     pzs_real sign; /* direction of the search for a voltage along the characteristic of an electrode
                       (effect as a function of the voltage): 1 towards higher voltages, -1 towards
                       lower ones */
-    pzs_real knot; /* distance from the middle of the voltage range at which the slope of the
-                      piecewise linear part of the effect (voltage without hysteresis) changes (V)
-                    */
+    pzs_real knot; /* distance of the outer changes of slope from the middle of the voltage range
+                      (V), a quarter of the range: the slope of the piecewise linear part of the
+                      effect (voltage without hysteresis) changes there and in the middle */
     pzs_real place; /* voltage that the search along the characteristic of an electrode (effect as a
                        function of the voltage) has reached, relative to the middle of the voltage
                        range (V) */
-    pzs_real gain;  /* slope of the characteristic of an electrode (effect, the voltage without
-                       hysteresis, as a function of the voltage), from the voltage that the search
-                       along it has reached onwards in the direction of the search (1) */
+    pzs_real gain; /* slope of the characteristic at the voltage that the search has reached, in the
+                      direction of the search (1); the characteristic is the effect of an electrode
+                      (voltage without hysteresis) as a function of its voltage */
     uint32_t plays;
     uint32_t moving;  /* number of plays (elements with backlash) that have used up their slack and
                          move with the voltage: the first ones in the order of their slack */
@@ -479,9 +479,9 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
 }
 
 /*
- * Return the voltage, relative to the middle of the voltage range (V), at which the next play
- * (element with backlash) has used up its slack and begins to move, in the search for a voltage
- * with a wanted effect.
+ * Return the voltage at which the next play (element with backlash) has used up its slack and
+ * begins to move, in a search for the voltage with a wanted effect. The result is relative to the
+ * middle of the voltage range (V).
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -490,9 +490,9 @@ static pzs_real next_move(const effect_walk *walk)
 }
 
 /*
- * Return the voltage, relative to the middle of the voltage range (V), at which the next of the
- * plays (elements with backlash) that move with the voltage crosses the middle of the range, in the
- * search for a voltage with a wanted effect.
+ * Return the voltage at which the next play (element with backlash) that already moves with the
+ * voltage crosses the middle of the voltage range, in a search for the voltage with a wanted
+ * effect. The result is relative to the middle (V).
  */
 static pzs_real next_crossing(const effect_walk *walk)
 {
@@ -500,9 +500,9 @@ static pzs_real next_crossing(const effect_walk *walk)
 }
 
 /*
- * Return the voltage, relative to the middle of the voltage range (V), at which the slope of the
- * piecewise linear part of the effect (voltage without hysteresis) changes next, in the search for
- * a voltage with a wanted effect.
+ * Return the next voltage at which the slope of the piecewise linear part of the effect (voltage
+ * without hysteresis) changes, in a search for the voltage with a wanted effect. The result is
+ * relative to the middle of the voltage range (V).
  */
 static pzs_real next_knot(const effect_walk *walk)
 {
@@ -550,9 +550,9 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 
 /*
  * Find the slope of the effect of an electrode (voltage without hysteresis) at its present voltage,
- * at which the search for a voltage with a wanted effect starts: changes of slope at or behind this
- * voltage are passed, and plays (elements with backlash) that have no slack left move with the
- * voltage.
+ * where the search for a voltage with a wanted effect starts. Plays (elements with backlash) that
+ * have no slack left are made to move with the voltage, and changes of slope at or behind this
+ * voltage are passed.
  */
 static void find_first_slope(effect_walk *walk)
 {

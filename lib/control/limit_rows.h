@@ -60,9 +60,10 @@ struct pzs_limit_row_calls {
      */
     pzs_real (*violation)(pzs_control *control, const pzs_real *gradient, uint16_t *active);
     /*
-     * If voltages violate a limit row (limit of a sum of voltages) more than the voltages `inside`
-     * do, move them along the straight line towards `inside` to a point where they violate no row
-     * more, or else replace them by `inside`.
+     * Move voltages back along the straight line towards the voltages `inside` if they violate a
+     * limit row (limit of a sum of voltages) more than `inside` does. They stop at a point where
+     * they violate no row more than `inside` does; if no such point is found, `inside` replaces
+     * them.
      *   inside  [inputs] in      voltages at the end of the line (V)
      *   voltage [inputs] in/out  voltages to correct (V)
      * Returns the first input of the first row that was violated, or -1 if nothing has changed.

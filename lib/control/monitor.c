@@ -105,9 +105,9 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
 
 /*
  * Store the measured, predicted and target shapes of a tick, with which those of the next tick are
- * compared. The divergence monitor starts anew in this way in its first tick and when an input is
- * fixed at a voltage or released: the predicted shape then jumps without a motion of the structure,
- * and with it the disturbance (measured minus predicted shape).
+ * compared. The divergence monitor starts anew in this way in its first tick, and when an input is
+ * fixed at a voltage or released: the predicted shape, and with it the disturbance (measured minus
+ * predicted shape), then jumps without a motion of the structure.
  */
 static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {

@@ -9,11 +9,10 @@
 #include "pzs_control.h"
 
 /*
- * Return the number of entries that a loop over the inputs (voltages) visits: the number of inputs,
- * or, where PZS_TILE (matrix rows processed together) is above 4 for vector processors, this number
- * rounded up to a multiple of PZS_TILE. The function clears the lowest bits of the result, which
- * are zero already, to tell the compiler that the loop has no remainder. The entries beyond the
- * inputs are zero.
+ * Return the number of entries that a loop over the inputs (voltages) visits: the number of inputs.
+ * For vector processors, where PZS_TILE is above 4, it is rounded up to a multiple of PZS_TILE; the
+ * entries beyond the inputs are zero. Clearing the lowest bits of the result, which are zero
+ * already, tells the compiler that the loop has no remainder.
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
@@ -22,8 +21,9 @@ static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 
 /*
  * Return whether the optimiser finds the active set (the voltages at their limits) by its dual
- * active-set method, which is for many inputs (from PZS_DUAL_INPUTS on). If the library is compiled
- * for fewer inputs than that (PZS_INPUT_LIMIT), the compiler knows the result.
+ * active-set method, which is for PZS_DUAL_INPUTS or more inputs. If the library is compiled for
+ * fewer inputs (PZS_INPUT_LIMIT), the result is false at compile time, and the compiler leaves the
+ * method out.
  */
 static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 {
@@ -31,10 +31,10 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return whether `cost` multiply-adds are within the work limit of the optimiser, together with the
- * work that ends the present round (sequence of iterations): the gradient computed from the Hessian
- * at its end, and, if the gradient at its start was only predicted, also the gradient there, which
- * is needed to undo the round.
+ * Return whether the work limit of the optimiser allows `cost` more multiply-adds and the end of
+ * the present round (sequence of iterations). At the end the gradient is computed from the Hessian.
+ * If the gradient at the start of the round was only predicted, that one must be computable, too,
+ * so that the round can be undone.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

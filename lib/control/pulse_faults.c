@@ -77,21 +77,22 @@
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
  * Trace of the resolution matrix of the readings (effective number of independent combinations of
- * readings) from which on LEAST_SHARE and LEAST_MOVING_SHARE hold. With a smaller trace t these
- * shares are multiplied by (2 + MANY_READINGS / t) / 3, because some electrode of many explains a
- * large part of any difference between few readings.
+ * readings) from which on the thresholds LEAST_SHARE and LEAST_MOVING_SHARE hold. With a smaller
+ * trace t these thresholds are multiplied by (2 + MANY_READINGS / t) / 3: with few readings and
+ * many electrodes, some electrode explains a large part of any change by chance.
  */
 #define MANY_READINGS PZS_R(24)
 /*
- * If one electrode alone lacks 1 V, the least-squares estimate of the missing voltages of all
- * electrodes must find at least this part of it at this electrode, so that the electrode can be
- * suspected. In single precision the part has an error of about 0.003.
+ * Smallest resolution at which a fault of an electrode can be found. The resolution is the part of
+ * a missing voltage that the least-squares estimate of all missing voltages finds at the right
+ * electrode, if only this electrode lacks voltage. In single precision the resolution has an error
+ * of about 0.003.
  */
 #define LEAST_RESOLUTION PZS_R(0.01)
 /*
- * Smallest and largest voltage that an electrode must seem not to have received to be suspected of
- * a fault, relative to the voltage (if it were dead) or the voltage change (if it were stuck or
- * reversed) that it would not receive.
+ * Range of the voltage that an electrode must seem to lack to be suspected of a fault, relative to
+ * the voltage that a fault would take from it: the whole voltage if it were dead, the change of
+ * voltage if it were stuck or reversed.
  */
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
@@ -137,22 +138,26 @@
  */
 #define JUMPED PZS_R(0.1)
 /*
- * Largest jump of the readings during a test pulse at which the pulse still proves a fault of an
- * electrode, relative to the modelled response of the reference electrode, a healthy one, whose
- * gain may be less accurate.
+ * Largest jump of the readings during a test pulse at which the pulse still proves a fault of the
+ * suspected electrode. The jump is divided by the modelled response of the reference electrode, a
+ * healthy one with which the suspected one is compared. This limit may be wider, because the gain
+ * of the reference electrode need not be accurate.
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
- * One test pulse proves a fault of the suspected electrode without a second one if its gain
- * (response divided by modelled response) is smaller than SURE times that of the reference
- * electrode (a healthy one), or below the negative of SURE_REVERSED times it; if the readings have
- * jumped by less than SURE_CALM times what is otherwise permitted; if the sum of squares of the
- * response that the model does not explain, relative to the modelled one, is below
- * SURE_UNEXPLAINED; and if the gain of the reference electrode is at most SURE_STRONG: larger ones
- * do not occur within the gains for which loops are certified (up to 1.33), and show that the load
- * has jumped twice, which no single jump explains. A load that jumps unnoticed changes a gain by
- * less than 0.12; the program tests/unit/sweep_faults.c holds no healthy electrode in millions of
- * ticks.
+ * Conditions under which one test pulse proves a fault of the suspected electrode without a second
+ * one. A gain is a measured response divided by the modelled one; the reference electrode is a
+ * healthy one.
+ *   SURE, SURE_REVERSED  the gain of the suspected electrode is smaller than SURE times that of the
+ *                        reference electrode, or below the negative of SURE_REVERSED times it;
+ *   SURE_CALM            the readings have jumped by less than this part of the permitted jump;
+ *   SURE_UNEXPLAINED     the sum of squares of the response that the model does not explain,
+ *                        relative to the modelled one, is smaller than this;
+ *   SURE_STRONG          the gain of the reference electrode is at most this. Larger gains do not
+ *                        occur within the gains for which loops are certified (up to 1.33); they
+ *                        show that the load has jumped twice, which no single jump explains.
+ * A load that jumps unnoticed changes a gain by less than 0.12; the program
+ * tests/unit/sweep_faults.c fixes no healthy electrode in millions of ticks.
  */
 #define SURE PZS_R(0.1)
 #define SURE_REVERSED PZS_R(0.6)
@@ -401,7 +406,7 @@ static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltag
 /*
  * Add the present readings to their weighted sums over the present test pulse, or over the present
  * window, a time over which the fault detector averages.
- *   tick in  tick of the window or pulse whose voltages the readings show
+ *   tick in  number of the tick, within the window or pulse, whose voltages the readings show
  */
 static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 {
@@ -481,8 +486,8 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 
 /*
  * Return the height of the test pulse of input j (V), negative near the upper voltage limit. The
- * height of a pulse that is repeated with a larger height is limited by half the voltage range and
- * by the step limit.
+ * height of a raised pulse (state->is_grown) is limited by half the voltage range and by the step
+ * limit.
  */
 static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs_real start)
 {
@@ -615,9 +620,9 @@ static void find_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the changes of the mean voltages of the fault detector's last window (time over which it
- * averages) since an earlier interval in which the target stood still, and the changes of the mean
- * readings that these voltages do not explain.
+ * Compare the means of the fault detector's last window (time over which it averages) with those of
+ * an earlier interval in which the target stood still: compute the changes of the voltages, and the
+ * changes of the readings that these do not explain.
  */
 static void compare_means(pzs_pulse_detector_state *state)
 {
@@ -633,11 +638,11 @@ static void compare_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Estimate, by regularised least squares, the voltages that electrodes seem not to have received in
- * the last window (time over which readings are averaged), from the changes of the readings that
- * the model does not explain since an earlier interval in which the target stood still. Returns the
- * sum of squares of the changes that remain unexplained, divided by the weight of the
- * regularisation (V2).
+ * Estimate the voltage errors of all electrodes by regularised least squares, from the changes of
+ * the mean readings that the model does not explain. A voltage error is the voltage that the
+ * readings show minus the given one; the changes are counted from an earlier interval in which the
+ * target stood still. Returns the sum of squares of the changes that remain unexplained, divided by
+ * the weight of the regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -655,9 +660,9 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the changes of the voltages of all electrodes as the regularised least-squares estimate
- * would find them from the readings: the product of the resolution matrix 1 - r (G + r)^-1 and the
- * voltage changes, with the weight r of the regularisation and the matrix G + r of the estimate.
+ * Compute the changes of the electrode voltages as the regularised least-squares estimate would
+ * find them from the readings. They are the resolution matrix 1 - r (G + r)^-1 times the true
+ * changes, with the weight r of the regularisation and the matrix G + r of the estimate.
  */
 static void resolve_moves(pzs_pulse_detector_state *state)
 {
@@ -696,8 +701,9 @@ static loss_sums sum_losses(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Whether the voltage `loss` that an electrode seems not to have received has about the size and
- * the sign of a fault in which the electrode does not receive the voltage `whole` (V).
+ * Whether a voltage error `loss` of an electrode (voltage that the readings show minus the given
+ * one) has about the size and the sign of a fault in which the electrode does not receive the
+ * voltage `whole` (V).
  */
 static bool is_loss_of(pzs_real loss, pzs_real whole)
 {
@@ -711,16 +717,16 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
  */
 typedef struct own_loss {
     pzs_real common; /* part of every voltage change that seems to be missing at all electrodes
-                        alike, because the gain of the structure differs from the model; at most
-                        COMMON_LOSS; negative: the changes seem larger than they are (1) */
-    pzs_real lost;   /* voltage that the electrode seems not to have received, without the part that
-                        all electrodes have in common because the gain of the structure differs from
-                        the model (V) */
+                        alike (1), because the gain of the structure differs from the model; at most
+                        COMMON_LOSS in size; negative if the changes seem larger than they are */
+    pzs_real lost;   /* voltage error of the electrode (V): the voltage that the readings show minus
+                        the given one, without the error that all electrodes have in common because
+                        the gain of the structure differs from the model */
 } own_loss;
 
 /*
- * Estimate by least squares the voltage that electrode j has not received, if no other electrode is
- * faulty.
+ * Estimate by least squares the voltage error of electrode j (voltage that the readings show minus
+ * the given one), on the assumption that no other electrode is faulty.
  */
 static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
                             const loss_sums *sums)
@@ -734,9 +740,10 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
 }
 
 /*
- * Return the part (0 to 1) of the change of the readings, since an earlier interval in which the
- * target stood still, that is explained if electrode j has not received a part of its voltage, or 0
- * where this part is not that of a dead, stuck or reversed electrode.
+ * Return how much of the change of the readings, since an earlier interval in which the target
+ * stood still, a fault of electrode j explains (0 to 1). The fault is that the electrode has not
+ * received a part of its voltage. The result is 0 if this part does not fit a dead, stuck or
+ * reversed electrode.
  *   sums in  sums over all electrodes whose voltages are not fixed: of squared missing voltages,
  *            of squared voltage changes, and of the products of both (V2)
  *   rest in  sum of squares of the unexplained changes of the readings, divided by the weight of
@@ -771,9 +778,9 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 }
 
 /*
- * Return the electrode for which the voltage that it seems not to have received explains the
- * largest part of the change of the readings since an earlier interval in which the target stood
- * still, or NO_INPUT if no electrode is suspected.
+ * Return the electrode whose apparent loss of voltage explains the largest part of the change of
+ * the readings since an earlier interval in which the target stood still, or NO_INPUT if no
+ * electrode is suspected.
  *   rest  in  sum of squares of the unexplained changes of the readings, divided by the weight of
  *             the regularisation (V2)
  *   least in  smallest part of the change that makes an electrode suspected (1)
@@ -820,11 +827,10 @@ static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j, 
 }
 
 /*
- * Return the electrode with which the suspected electrode is compared: its gain (measured divided
- * by modelled response to a test pulse) should be that of a healthy electrode. The responses of
- * both should differ in shape and be of similar size, because the errors of a much larger one would
- * hide the smaller one. Electrodes that seem to have followed their voltages are preferred. Returns
- * NO_INPUT if there is none.
+ * Return the electrode with which the suspected electrode is compared. It should be healthy, so
+ * electrodes that seem to have followed their voltages are preferred. The responses of both
+ * electrodes should differ in shape, so that they can be told apart, and be of similar size: the
+ * errors of a much larger response would hide the smaller one. Returns NO_INPUT if there is none.
  *   but in  electrode that is not chosen; NO_INPUT: none
  */
 static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
@@ -937,9 +943,10 @@ static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, b
 }
 
 /*
- * Choose the reference electrode (a healthy one) with which the suspected one is compared: another
- * one than before, if there was one. Without any, the suspicion ends. The test pulses begin at
- * once, or, where the target has moved, after an interval in which it stands still.
+ * Choose the reference electrode, a healthy one with which the suspected electrode is compared. An
+ * earlier reference electrode is replaced by another one. Without any reference electrode the
+ * suspicion ends. The test pulses begin at once or, if the target has moved, after an interval in
+ * which it stands still.
  */
 static void choose_reference(pzs_pulse_detector *detector)
 {
@@ -1004,9 +1011,9 @@ static void change_reference(pzs_pulse_detector_state *state)
 
 /*
  * Return the number of test pulses without a response that prove a fault, from the gain (measured
- * divided by modelled response) of the reference electrode, a healthy one. Where the loop has no
- * model of a strong hysteresis, a healthy electrode may respond to a single pulse much less than
- * another one, because of its earlier voltages.
+ * divided by modelled response) of the reference electrode, a healthy one. More pulses are needed
+ * if the loop does not model the hysteresis and this gain is small: depending on its earlier
+ * voltages, a healthy electrode may then hardly respond to a single pulse.
  */
 static uint32_t silent_pulses(const pzs_pulse_detector_state *state, pzs_real reference)
 {
@@ -1032,10 +1039,9 @@ static bool is_sure(const pzs_pulse_detector_state *state, const pulse_response 
 }
 
 /*
- * Decide what a measured test pulse proves about the suspected electrode. Only if the gain
- * (measured divided by modelled response) of the reference electrode is large does a small gain of
- * the suspected electrode mean anything. Returns the input that was found faulty, or NO_INPUT if
- * there is none.
+ * Decide what a measured test pulse proves about the suspected electrode. A small gain (measured
+ * divided by modelled response) of this electrode counts only if the gain of the reference
+ * electrode is large. Returns the input that was found faulty, or NO_INPUT if there is none.
  */
 static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_response *response)
 {
@@ -1066,9 +1072,9 @@ static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_respons
 }
 
 /*
- * Repeat a test pulse whose readings were disturbed. Where the loop compensates hysteresis, a pulse
- * has little effect if the ceramic hardly follows a change after a reversal of the voltage; the
- * repeated pulse is therefore higher.
+ * Repeat a test pulse whose readings were disturbed. Where the loop compensates hysteresis, the
+ * repeated pulse is higher: the ceramic may hardly follow a small change after a reversal of the
+ * voltage, so that a pulse of the usual height has little effect.
  */
 static void repeat_disturbed(pzs_pulse_detector_state *state)
 {
@@ -1120,9 +1126,10 @@ static void update_states(pzs_pulse_detector_state *state)
 }
 
 /*
- * Begin the test pulses of a suspected electrode after a motion of the target, and store the
- * voltage that it seemed to lack before the motion: when the electrode was first suspected, the
- * fault may have been in the middle of the interval in which readings were averaged.
+ * Begin the test pulses of a suspected electrode after a motion of the target, and first estimate
+ * again the voltage that it lacks. The estimate at the time of the suspicion may be too small,
+ * because the fault may have occurred in the middle of the interval over which the readings were
+ * averaged.
  */
 static void resume_proof(pzs_pulse_detector_state *state)
 {

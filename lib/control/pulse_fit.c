@@ -37,10 +37,11 @@ static pzs_real square(pzs_real number)
  * electrodes.
  */
 typedef struct pulse_fit {
-    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the scalar products, over the sensors,
-                                          of the modelled responses to the suspected electrode, to
-                                          the healthy one and to all others with each other;
-                                          afterwards the L D L^T factors of this matrix (1) */
+    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of a matrix of scalar products over the
+                                          sensors (1): of the modelled responses to the suspected
+                                          electrode, to the healthy one and to all others, each with
+                                          each; after the factorisation the L D L^T factors of the
+                                          matrix */
     pzs_real response[COLUMNS]; /* scalar products, over the sensors, of the measured response to a
                                    test pulse with the modelled responses to the suspected
                                    electrode, to the healthy one and to all others; after the
@@ -67,9 +68,9 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
 }
 
 /*
- * Compute the scalar products of the measured and of the modelled responses to a test pulse. The
- * gain (measured divided by modelled response) of the electrodes without a pulse is expected to be
- * 1; the expectation enters the fit as a further equation, because their response may be a
+ * Compute the scalar products of the measured and of the modelled responses to a test pulse. A
+ * further equation expects the gain (measured divided by modelled response) 1 of the electrodes
+ * without a pulse. Without it the fit could be undetermined, because their response may be a
  * combination of those of the two electrodes with a pulse.
  */
 static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
@@ -139,9 +140,9 @@ static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
 }
 
 /*
- * Compute by how much the readings have jumped during a test pulse like the modelled responses to
- * the two electrodes with a pulse (the suspected one and a healthy one). The jumps that the
- * voltages explain, with the measured gains of the electrodes, do not count.
+ * Compute by how much the readings have jumped during a test pulse, as a multiple of the modelled
+ * response to each of the two electrodes with a pulse (the suspected one and a healthy one). Jumps
+ * that the voltages explain, with the measured gains of the electrodes, are subtracted before.
  */
 static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
                        pulse_response *result)

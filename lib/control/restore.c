@@ -85,9 +85,10 @@ void pzs_control_restore_limits(pzs_control *control)
 /* ---- Hessian ----------------------------------------------------------- */
 
 /*
- * Return the column of the first entry in row k of the optimiser's Hessian that differs from the
- * Hessian in the controller's tables or, if the tables contain none, from its mirrored entry across
- * the diagonal; the number of inputs if no entry differs.
+ * Find damage in row k of the optimiser's Hessian: compare the row with the Hessian in the
+ * controller's tables or, if the tables contain none, with the mirrored entries across the
+ * diagonal. Returns the column of the first entry that differs, or the number of inputs if none
+ * differs.
  */
 static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -107,8 +108,8 @@ static uint32_t find_difference(const pzs_control *control, const pzs_real *tabl
 }
 
 /*
- * Compute rows k and j of the optimiser's Hessian again from the tables, including the mirrored
- * entries across the diagonal, and the copies of their diagonal entries.
+ * Compute rows k and j of the optimiser's Hessian again from the tables. The mirrored entries
+ * across the diagonal and the separate array of diagonal entries are repaired, too.
  */
 static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k, uint32_t j)
 {

@@ -64,9 +64,9 @@
  */
 #define ROUNDS 40u
 /*
- * Work of the optimiser for each limited sum of absolute values of voltages when it chooses the
- * signs of the voltages anew: at most this number of products of its tableau (matrix that gives
- * changes of voltages and sums from changes of multipliers) with a vector.
+ * Bound of the work for each limited sum of absolute values of voltages when the optimiser chooses
+ * the signs of the voltages anew: number of products of a vector with the optimiser's tableau, the
+ * matrix that gives changes of voltages and sums from changes of multipliers.
  */
 #define SIGN_PRODUCTS 8u
 /*
@@ -87,14 +87,14 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * The optimiser shifts the diagonal of a Hessian that is singular or nearly so. This number is the
- * smallest diagonal entry of the Hessian after the shift, relative to the largest one. A Hessian
- * whose pivots all exceed this fraction of its largest diagonal entry is not shifted.
+ * Shift of the diagonal of a Hessian that is singular or nearly so, as the smallest diagonal entry
+ * after the shift, divided by the largest one. A Hessian whose pivots all exceed this fraction of
+ * its largest diagonal entry is not shifted.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
- * Largest shift of the diagonal of the Hessian to which the optimiser may go after iterations that
- * failed: the smallest diagonal entry may become this fraction of the largest one.
+ * Largest shift of the diagonal of the Hessian after iterations that failed, as the smallest
+ * diagonal entry after the shift, divided by the largest one.
  */
 #define MOST_CURVATURE PZS_BY_BITS(PZS_R(3e-1), PZS_R(1e-5))
 /*
@@ -120,8 +120,8 @@
 #define CORRECTIONS 2u
 
 /*
- * Duality gap that is stored in place of an infinite one (m2), so that it differs from infinity,
- * the mark of a round (sequence of iterations) that lowered the objective.
+ * Largest finite duality gap that is stored (m2). A larger one is replaced by this number, because
+ * infinity marks a round (sequence of iterations) that lowered the objective.
  */
 #define LARGEST_GAP PZS_BY_BITS(PZS_R(1e37), PZS_R(1e307))
 
@@ -310,8 +310,8 @@ static bool complete_tableau(const rows_run *run)
 /*
  * Compute bounds and margin of all voltages and scaled limit rows (limits of sums of voltages). The
  * margin of a row is the distance by which its limits are narrowed. The margin of a voltage is the
- * largest margin of a row, because a row at its narrowed limit may change a voltage by so much, but
- * at most an eighth of the distance between the bounds of the voltage.
+ * largest margin of a row, because a row at its narrowed limit may change a voltage by so much. It
+ * is at most an eighth of the distance between the bounds of the voltage.
  */
 static void load_bounds(const rows_run *run)
 {
@@ -494,10 +494,10 @@ static void predict_step(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * If the sum of limit row k (limit of a sum of voltages) is outside its limits, narrowed by a
- * margin for rounding errors, by more than half of this margin, change its voltages as little as
- * possible (in the sum of squares) to bring it back, and clamp them to their bounds. Returns
- * whether the sum was outside.
+ * Bring the sum of limit row k (limit of a sum of voltages) back inside its limits, which are
+ * narrowed by a margin for rounding errors. This is done if the sum is outside by more than half of
+ * the margin: the voltages of the row change as little as possible (in the sum of squares) and are
+ * clamped to their bounds. Returns whether the sum was outside.
  */
 static bool project_row(const rows_run *run, uint32_t k)
 {
@@ -623,8 +623,9 @@ static void take_voltages(const rows_run *run, bool is_complete)
 }
 
 /*
- * After iterations that the work limit has stopped, go back on the straight line to the voltages
- * before the iterations, to the minimum of the objective on this line.
+ * Shorten a round (sequence of iterations) that the work limit has stopped: move the voltages to
+ * the minimum of the objective on the straight line from the voltages before the round to the
+ * present ones.
  */
 static void shorten_round(const rows_run *run)
 {
@@ -650,10 +651,11 @@ static void undo_round(const rows_run *run)
 /* ---- rounds ------------------------------------------------------------------ */
 
 /*
- * After iterations that no longer reduce the duality gap: free all voltages and limited sums from
- * their bounds, or, at every second call in a tick, begin to compute the optimiser's tableau
- * (matrix that gives changes of voltages and sums from changes of multipliers) anew with a larger
- * shift of the diagonal of the Hessian. Returns whether further iterations may help.
+ * Make a fresh start after iterations that no longer reduce the duality gap. All voltages and
+ * limited sums are freed from their bounds. At every second call in a tick, the optimiser's tableau
+ * (matrix that gives changes of voltages and sums from changes of multipliers) is computed anew
+ * instead, with a larger shift of the diagonal of the Hessian. Returns whether further iterations
+ * may help.
  */
 static bool start_anew(const rows_run *run)
 {
@@ -671,10 +673,10 @@ static bool start_anew(const rows_run *run)
 }
 
 /*
- * Whether the present voltages are optimal: either the objective exceeds a lower bound of its
- * minimum by at most the fraction GAP of target_energy, the scale of the objective, or by at most
- * the fraction LOOSE_GAP if the violation of the optimality (KKT) conditions is below its rounding-
- * error bound.
+ * Whether the present voltages are optimal. Let g be the distance of the objective from a lower
+ * bound of its minimum, divided by target_energy, the scale of the objective. The voltages are
+ * optimal if g is at most GAP. They are also optimal if g is at most LOOSE_GAP and the violation of
+ * the optimality (KKT) conditions is below its rounding-error bound.
  */
 static bool is_converged(const rows_run *run)
 {
@@ -724,9 +726,9 @@ static void run_round(const rows_run *run)
     optimiser->iterations++;
     predict_step(run);
     /*
-     * remaining_work has subtracted the work after the iterations, but the dual active-set method
-     * itself keeps the work of two products of a matrix and a vector in reserve, which is not
-     * needed here.
+     * remaining_work has already subtracted the work after the iterations. The dual active-set
+     * method itself reserves the work of two more products of a matrix and a vector, which this
+     * optimiser does not need; they are therefore added to the limit.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = pzs_iterate_dual(tableau, optimiser->rounding_bound / 2);
@@ -737,8 +739,9 @@ static void run_round(const rows_run *run)
 }
 
 /*
- * Return by how much the last iterations may have changed the objective by rounding errors and by
- * the margins for them, by which the optimiser narrows the limits of sums of voltages (m2).
+ * Return by how much the last iterations may have changed the objective (m2) without a real gain or
+ * loss: by rounding errors, and by the margins for rounding errors by which the limits of sums of
+ * voltages are narrowed.
  */
 static pzs_real change_by_rounding(const rows_run *run)
 {
@@ -754,10 +757,10 @@ static pzs_real change_by_rounding(const rows_run *run)
 
 /*
  * After a round (sequence of iterations), undo it if it raised the objective by more than rounding
- * errors explain, and remember its duality gap if it made no progress. A round in which a voltage
- * at 0 V got the other sign makes progress only if it lowers the objective by more than rounding
- * errors explain: otherwise the optimiser would change signs at one corner of the limits for ever,
- * because the margins of the limits make the corner differ by as much from sign to sign.
+ * errors explain, and remember its duality gap if it made no progress. If a voltage at 0 V got the
+ * other sign, the round made progress only if it lowered the objective by more than rounding errors
+ * explain. Otherwise the optimiser could change signs at one corner of the limits for ever: the
+ * margins of the limits move the corner a little with each choice of signs.
  *   has_crossed in  whether a voltage at 0 V got the other sign
  */
 static void judge_round(const rows_run *run, bool has_crossed)

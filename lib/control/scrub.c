@@ -13,8 +13,8 @@ uint32_t pzs_scrub_crc(const pzs_table_part *part, uint32_t parts)
 
 /*
  * Compare the checksum computed from all slices of the tables with the expected checksum, and start
- * again at the first slice. Returns whether this checksum or that of the previous time through the
- * tables was right.
+ * again at the first slice. Returns false if the checksum was wrong both this time and the time
+ * before.
  */
 static bool compare_checksum(pzs_scrub *scrub, uint32_t crc)
 {

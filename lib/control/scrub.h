@@ -9,7 +9,8 @@
 #include "pzs_control_state.h"
 
 /*
- * Size of a slice (bytes): tables of b bytes are checked once in as many ticks as they have slices.
+ * Size of a slice of constant tables (bytes). One slice is checked in each tick, so the tables are
+ * checked completely in as many ticks as they have slices.
  */
 #define SCRUB_BYTES 64u
 

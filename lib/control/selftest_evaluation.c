@@ -117,14 +117,15 @@ static pzs_real square(pzs_real number)
 typedef struct selftest_axis {
     bool is_row;
     uint32_t lines, entries;
-    size_t measured_line, measured_entry; /* distance in the array state.response of measured
-                                             responses, in numbers, between the first entries of two
-                                             columns or rows (measured_line), and between two
-                                             entries of a column or row (measured_entry) */
-    size_t model_line, model_entry; /* distance in the array state.direct of modelled responses, in
-                                       numbers, between the first entries of two columns or rows
-                                       (model_line), and between two entries of a column or row
-                                       (model_entry) */
+    size_t measured_line, measured_entry; /* distances in the array state.response of measured
+                                             responses (number of reals): measured_line between the
+                                             first entries of two successive columns or rows,
+                                             measured_entry between two successive entries of a
+                                             column or row */
+    size_t model_line, model_entry; /* distances in the array state.direct of modelled responses
+                                       (number of reals): model_line between the first entries of
+                                       two successive columns or rows, model_entry between two
+                                       successive entries of a column or row */
     pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault) for the columns
                                  and rows of the matrix of responses. If `is_row` is false: `line`
                                  for all amplifiers, `entry` for all sensors; otherwise `line` for
@@ -255,10 +256,10 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Raise state.null, the squared response of each sensor to noise and vibration, if it is smaller,
- * to the squared response that the noise of the sensor causes. The noise is the measured one, or a
- * small part of the largest plausible noise, because rounding errors of readings without noise are
- * no response.
+ * Raise state.null, the squared response of each sensor to noise and vibration, to at least the
+ * squared response that the noise of the sensor causes. The noise is the measured one, but at least
+ * a small part of the largest plausible noise: readings without noise show nothing but rounding
+ * errors.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -324,8 +325,8 @@ static pzs_real mean_above(const pzs_selftest *selftest, pzs_real least)
 /*
  * Set info.gain to the mean absolute gain (measured divided by modelled response) of the healthy
  * amplifiers. Silent amplifiers are left out, because they would make the healthy ones seem too
- * strong: an amplifier counts as silent if its gain is much smaller than the mean of the others,
- * which is computed three times, each time without the silent ones.
+ * strong. An amplifier counts as silent if its gain is much smaller than the mean of the others.
+ * This mean is computed three times more, each time without the silent amplifiers.
  */
 static void find_mean_gain(pzs_selftest *selftest)
 {
@@ -376,10 +377,9 @@ static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *
 }
 
 /*
- * Return the sum of all squared modelled entries of a column or row (1/V2), also of those that
- * belong to faulty amplifiers or sensors. Differences that are tiny beside this sum are not
- * reported, because a sensor that mainly a faulty amplifier moves shows little but errors of the
- * model.
+ * Return the sum of the squared modelled responses in a column or row (1/V2); faulty amplifiers and
+ * sensors count, too. A difference that is tiny beside this sum is not reported: it may belong to a
+ * sensor that mainly a faulty amplifier moves, and then shows little but errors of the model.
  */
 static pzs_real whole_energy(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -424,10 +424,10 @@ static void find_difference(pzs_selftest *selftest, const selftest_axis *axis, u
 
 /*
  * Return how much the measured response of an amplifier or sensor differs from a modelled response.
- * Gains of amplifiers differ, so that only the directions of these vectors are compared, by the
- * squared sine of their angle (0 to 1). The responses of a sensor are compared also in size where
- * the modelled ones contain the measured gains of the amplifiers: the result is then the squared
- * difference of the vectors (1/V2).
+ * Gains of amplifiers differ, so usually only the directions of the two vectors are compared, by
+ * the squared sine of their angle (0 to 1). If the modelled responses contain the measured gains of
+ * the amplifiers, sizes are compared, too: the result is then the squared difference of the vectors
+ * (1/V2).
  */
 static pzs_real response_error(const selftest_axis *axis, const pzs_selftest_sums *sums)
 {
@@ -545,9 +545,9 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
 }
 
 /*
- * Compare the modelled response of the amplifier (or sensor) with the index `subject` with that of
- * another one. If no other has been more similar, and if the self-test could not notice that the
- * cables of both are exchanged, store the index of the other one.
+ * Compare the modelled response of the amplifier (or sensor) `subject` with that of another one.
+ * The self-test could not notice exchanged cables of both if the responses are too similar. Of all
+ * such others the index of the most similar one is stored.
  */
 static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                          uint32_t step)
@@ -567,11 +567,10 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 }
 
 /*
- * Return how much the measured responses of two amplifiers, or of two sensors, differ from the
- * modelled responses of two amplifiers or sensors. The responses of two sensors to all amplifiers,
- * where the modelled ones contain the gains of the amplifiers, are compared as one long vector:
- * where two sensors see nearly the same shape, an exchange of cables shows in the sizes of their
- * responses alone.
+ * Return how much the measured responses of two amplifiers, or of two sensors, differ from two
+ * modelled responses. The responses of two sensors are compared as one long vector if the modelled
+ * ones contain the gains of the amplifiers: where two sensors see nearly the same shape, an
+ * exchange of cables shows in the sizes of their responses alone.
  */
 static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *one,
                            const pzs_selftest_sums *other)
@@ -585,9 +584,9 @@ static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *o
 }
 
 /*
- * In the search for exchanged cables of the amplifier (or sensor) with the index `subject`, compare
- * the measured response of the other one of the possible pair with a modelled response: with its
- * own (`step` 0), or with that of `subject` (`step` 1).
+ * In the search for exchanged cables, examine the possible partner of the amplifier (or sensor)
+ * `subject`: compare the partner's measured response with a modelled response, with its own (`step`
+ * 0), or with that of `subject` (`step` 1).
  */
 static void compare_partner(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                             uint32_t step)
@@ -601,9 +600,10 @@ static void compare_partner(pzs_selftest *selftest, const selftest_axis *axis, u
 }
 
 /*
- * Mark an amplifier (or sensor) and the one whose modelled response is nearest to its measured
- * response as swapped, if an exchange of their cables explains the measured responses of both much
- * better, and if the differences from the model exceed noise and vibration.
+ * Mark two amplifiers (or sensors) as swapped: the given one, and the one whose modelled response
+ * is nearest to its measured response. Both are marked if an exchange of their cables explains
+ * their measured responses much better, and if the differences from the model exceed noise and
+ * vibration.
  */
 static void find_swap(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -714,10 +714,11 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
 
 /*
  * Return the comparisons that the self-test makes to find out whether the cable of one amplifier
- * (or sensor), at which no fault has been found, is exchanged with that of another one. It is
- * compared with all others, or, in the stage STAGE_PAIR_EXCHANGED, only with the one whose modelled
- * response is nearest to its measured one. The kind with fewer members, amplifiers or sensors,
- * comes first, because a fault of one among few changes the responses of the others more.
+ * (or sensor), at which no fault has been found, is exchanged with that of another one. Its
+ * measured response is compared with the modelled responses of all others, or, in the stage
+ * STAGE_PAIR_EXCHANGED, only with the nearest one. If there are fewer sensors than amplifiers,
+ * sensors are examined first, otherwise amplifiers: a fault of one among few changes the responses
+ * of the others more.
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {
@@ -855,10 +856,10 @@ static uint32_t make_step(pzs_selftest *selftest)
 }
 
 /*
- * The first tick of the self-test's evaluation prepares the measured responses, and the last one
- * sets the verdict (passed or not), because a loop without a fault already controls the voltages in
- * it; no responses are compared in these ticks. A wrong number of the stage shows damaged memory;
- * then no amplifier may pass.
+ * No responses are compared in two ticks of the self-test's evaluation: the first one prepares the
+ * measured responses, and the last one sets the verdict (passed or not). The last one must be
+ * short, because a loop without a fault already controls the voltages in it. A stage number beyond
+ * the last stage shows damaged memory; then no amplifier may pass.
  */
 void pzs_selftest_evaluate(pzs_selftest *selftest)
 {

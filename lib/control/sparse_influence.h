@@ -17,14 +17,15 @@
 struct pzs_sparse_calls {
     /*
      * List the arrays of a sparse influence matrix that the checksum of the controller's tables
-     * covers, none where they are missing or too large to be read: starts of the rows, columns and
-     * values of the entries.
+     * covers: starts of the rows, columns and values of the entries. No array is listed if one is
+     * missing or too large to be read.
      */
     void (*list_parts)(const pzs_problem *problem, pzs_table_part part[SPARSE_PARTS]);
     /*
-     * Check, for a sparse influence matrix, that the controller's tables contain the Hessian, and
-     * that the columns of the entries of each row are ascending and below the number of inputs.
-     * Returns PZS_OK, or PZS_E_ARGUMENT with the row in *where, or -1 if an array is missing.
+     * Check a sparse influence matrix: the controller's tables must contain the Hessian, and the
+     * columns of the entries of each row must be ascending and below the number of inputs. Returns
+     * PZS_OK, or PZS_E_ARGUMENT with the index of the wrong row in *where, or with -1 if an array
+     * is missing.
      */
     pzs_status (*check)(const pzs_problem *problem, int32_t *where);
     /* Compute product [outputs] = sparse influence matrix times voltages [inputs]. */

@@ -364,10 +364,10 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 }
 
 /*
- * Whether the target has free functions (shapes, such as rigid motions, that may be added at no
- * cost), while every target node is measured and some vibration modes are observed. The readings
- * then contain motion along the free functions, which the predicted readings leave out; the mode
- * shapes are orthogonal to it.
+ * Whether three conditions hold: the target has free functions (shapes, such as rigid motions, that
+ * may be added at no cost), every target node is measured, and some vibration modes are observed.
+ * The readings then contain motion along the free functions, which the predicted readings leave out
+ * and to which the mode shapes are orthogonal.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {
