@@ -55,7 +55,7 @@ void number_table_free(number_table *table);
 int number_table_check(const number_table *table, const char *path, char *error);
 
 /*
- * Return whether a column of a table has a name, with or without a unit in brackets behind it: the
+ * Return whether a column of a table has a name, with or without a unit in brackets after it: the
  * column "u3 [um]" is named u3.
  */
 int number_table_is_named(const char *column, const char *name);
@@ -77,7 +77,7 @@ void number_table_place(const number_table *table, size_t row, size_t column, ch
 /*
  * Readers of the table formats: they read a table from the bytes of a file, which are followed by a
  * NUL.
- *   error  [NUMBER_ERROR] out  what was found and what to do, behind "LINE: " in text files
+ *   error  [NUMBER_ERROR] out  what was found and what to do, after "LINE: " in text files
  * Each returns 0, or -1 with error filled. The caller releases the table in both cases.
  */
 int table_text_read(number_table *table, const char *bytes, size_t count, char *error);

@@ -32,8 +32,8 @@ static int fault(char *error, const char *message)
 /* ---- header ----------------------------------------------------------- */
 
 /*
- * Return the text behind a key and its colon in the dictionary of a .npy header, or NULL if there
- * is no such key.
+ * Return the text after a key and its colon in the dictionary of a .npy header, or NULL if there is
+ * no such key.
  */
 static const char *value_of(const char *header, const char *key)
 {

@@ -71,8 +71,8 @@ static int add_cell(text_reader *reader, const char *from, const char *to)
 }
 
 /*
- * Return the end of a cell between blanks. A unit in brackets behind a name, as in "x [mm]",
- * belongs to the cell of the name.
+ * Return the end of a cell in a line of a text table whose cells are separated by blanks. A unit in
+ * brackets after a name, as in "x [mm]", belongs to the cell of the name.
  */
 static const char *end_between_blanks(const char *from, const char *to)
 {
@@ -336,7 +336,7 @@ static int add_row(text_reader *reader, bool has_row_names)
 }
 
 /*
- * Return the name in a cell of the text table without a unit in brackets behind it, as `x [mm]` or
+ * Return the name in a cell of the text table without a unit in brackets after it, as `x [mm]` or
  * `x (mm)`. A number in brackets belongs to the name.
  */
 static cell without_unit(cell named)

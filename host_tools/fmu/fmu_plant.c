@@ -128,8 +128,8 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
 typedef struct plant_rows {
     int count, sensors, first_sensor; /* number of outputs that the FMU contains, number of sensors,
                                          and index of the first output that belongs to a sensor */
-    int *row;      /* [count] number of each output that the FMU contains among all outputs of the
-                      structure */
+    int *row; /* [count] for each output that the FMU contains, its number among all outputs of the
+                 structure */
     double *noise; /* [sensors] standard deviation of the noise of each sensor (unit of the reading)
                     */
     double *influence; /* [count][inputs] influence matrix: static displacement of each output that

@@ -7,9 +7,9 @@
 #include "warp.h"
 
 /*
- * Largest relative difference of two element types that count as equal: `computed` where the node
- * positions were computed and their last digits rounded, `in_file` where a program wrote them to a
- * mesh file.
+ * Largest relative difference between two element types that count as equal. The limit is
+ * `computed` where this program computed the node positions and rounded their last digits, and
+ * `in_file` where the positions were read from a mesh file.
  */
 static const double computed = 1e-12, in_file = 1e-9;
 

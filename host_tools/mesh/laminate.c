@@ -778,7 +778,9 @@ typedef struct free_field {
                                         faces), 13, 23 */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
-    double constant[N][N]; /* stiffness of the strain mode that is constant over the element (00) */
+    double constant[N][N]; /* stiffness of the strain mode that is constant over the element, with
+                              the flexibility and the shear stiffness of the scene's element options
+                              (N/m) */
 } free_field;
 
 /*
@@ -918,11 +920,12 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return a correction of an electrode's charge per area. Element options may make an element softer
- * in transverse shear than its material, which would change the charge. The correction is the
- * product of the free strains of the two voltages or temperatures `first` and `second` with the
- * stiffness of uniform shear strain less the stiffness that the element uses. With it a free ply
- * has the charge of its material, whatever the options.
+ * Return a correction of an electrode's charge, for each unit of the element's area. Element
+ * options may make an element softer in transverse shear than its material, which would change the
+ * charge. The correction is e1^T (D - D') e2. The vectors e1 and e2 are the free strains under the
+ * voltages or temperatures `first` and `second`; D is the stiffness for uniform shear strains, D'
+ * the stiffness that the element uses. With the correction a free ply has the charge of its
+ * material, whatever the options.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -960,10 +963,10 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 /*
  * Besides the energy of the field itself, plies that thicken freely (element option lin33) store an
  * elastic energy, because each ply thickens differently from the mean of all plies. For two fields,
- * such as voltages or temperatures, this energy adds two terms to the second derivative. The first
- * is the integral over the ply of (normal stiffness) (free thickening under the first field) (that
- * under the second). The other is subtracted: (normal stiffness of all plies together) (mean free
- * thickening under the first field) (that under the second).
+ * such as voltages or temperatures, this energy adds two terms to the second derivative of the
+ * enthalpy. The first is the integral over the ply of (normal stiffness) (free thickening under the
+ * first field) (that under the second). The other is subtracted: (normal stiffness of all plies
+ * together) (mean free thickening under the first field) (that under the second).
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

@@ -165,10 +165,10 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
                               const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
 
 /*
- * Return the charge, times the area of the element, that a field (voltage or temperature) draws to
- * the upper electrode of a ply while the strains are zero. The charge of the electrode is this
- * value less the product of the element's mean strains and the prescribed resultants of one volt on
- * the electrode.
+ * Return the charge that a field (voltage or temperature) draws to the upper electrode of a ply in
+ * an element while the strains are zero (C). The charge at other strains is this value less the
+ * product of the mean strains of the element and the prescribed resultants of one volt on the
+ * electrode.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);

@@ -72,9 +72,9 @@ static void add_work(double stress[3][3], double compliance[2][2], double weight
 }
 
 /*
- * Add the work of the transverse shear stresses in one ply to `work`, and the integrated in-plane
- * stresses of the ply to those of the plies below it. Returns 0, or -1 if the ply has no shear
- * stiffness.
+ * Add what one ply contributes to two sums over the plies from the lowest to the highest: the work
+ * of its transverse shear stresses to `work`, and its integrated in-plane stresses to `below`.
+ * Returns 0, or -1 if the ply has no shear stiffness.
  */
 static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], double work[2][2])
 {

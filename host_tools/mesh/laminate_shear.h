@@ -20,7 +20,8 @@
 
 /* Faces and stiffness of one ply that is present in a laminate. */
 typedef struct shear_ply {
-    double z[2];          /* heights of the lower and the upper face of the ply (m) */
+    double z[2]; /* heights of the lower and the upper face of the ply above the reference surface
+                    (m) */
     const double (*c)[6]; /* [6][6] stiffness of the ply, Voigt order 11 22 33 23 13 12 (Pa) */
 } shear_ply;
 

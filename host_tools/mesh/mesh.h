@@ -45,8 +45,8 @@ typedef struct mesh {
                               the memory of these values belongs to the scene */
     bool is_from_file;     /* whether the mesh comes from a mesh file, in place of lines of constant
                               surface coordinates */
-    const bicubic *fitted; /* height z of a surface over the x-y plane that is fitted to measured
-                              points; NULL for other surfaces */
+    const bicubic *fitted; /* function z(x, y) of a surface that is fitted to measured points, the
+                              height of the surface over the x-y plane; NULL for other surfaces */
     bool is_polar;         /* whether the surface is a plane in polar coordinates */
     bool is_angle[2]; /* whether the surface coordinates theta1 and theta2 are angles (rad) instead
                          of lengths */

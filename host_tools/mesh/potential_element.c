@@ -22,10 +22,10 @@ typedef struct shapes {
     double mean[4]; /* mean, over the element, of the bilinear shape function of each corner */
     double gradient[4][2]; /* gradient of each shape function at the centre of the element, along
                               the axes 1 and 2 of the shell (1/m) */
-    double twist[4]; /* part of each corner's shape function that no uniform gradient explains (1):
-                        its coefficient of xi1 xi2, less that of the field with the gradient above,
-                        which is 0 on a parallelogram */
-    double dual[2][2]; /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
+    double twist[4];       /* coefficient of xi1 xi2 in the shape function of each corner, less the
+                              coefficient that a field with the same gradient at the centre has if
+                              its gradient is uniform; the latter is 0 on a parallelogram (1) */
+    double dual[2][2];     /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
 } shapes;
 
 /*

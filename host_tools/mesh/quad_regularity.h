@@ -30,8 +30,8 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
  * formulation is adapted to them.
  */
 typedef struct quad_rule {
-    double thinness;     /* largest product of curvature and squared length of the element over the
-                            thickness of the laminate (1) */
+    double thinness;     /* thinness of the element (1): largest of its curvatures times squared
+                            lengths, over the thickness of the laminate */
     double irregularity; /* irregularity (1), the larger one of two deviations from a regular mesh:
                             sum of both absolute skew coefficients (0 on a parallelogram), and
                             largest distance of a node from the mean of its neighbours, relative to

@@ -31,8 +31,8 @@ typedef struct quad_report {
     double irregularity; /* largest irregularity (skew of the element, or distance of a node from
                             the mean of its neighbours relative to their distances) of the elements
                             whose bending is or may be too stiff */
-    double jacobian; /* smallest area per unit of the natural coordinates at a corner relative to
-                        the centre, over all elements */
+    double jacobian;     /* area of an element per unit of the natural coordinates at a corner, over
+                            that at its centre: the smallest ratio in the mesh */
 } quad_report;
 
 /*

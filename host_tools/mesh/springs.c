@@ -23,10 +23,7 @@ typedef struct spring_row {
     double value[MOST_ENTRIES];
 } spring_row;
 
-/*
- * State of the construction of a mesh's springs; the arrays `node` and `weight` [nodes] are work
- * arrays.
- */
+/* The springs of a mesh while they are built, and two work arrays, `node` and `weight` [nodes]. */
 typedef struct spring_builder {
     mesh *mesh;
     mesh_springs *springs;

@@ -30,9 +30,9 @@ void springs_direction(const surface_point *point, const scene_direction *direct
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 
 /*
- * List the springs and stacks of a scene as sparse rows over the dof that the mesh numbers, whose
- * element types must be built. The envelope of the mesh does not change. Returns 0, or -1 with
- * error filled; mesh_springs_free releases the list in either case.
+ * List the springs and stacks of a scene as sparse rows over the free dof of a mesh. The dof of the
+ * mesh must be numbered and its element types built. The envelope of the mesh does not change.
+ * Returns 0, or -1 with error filled; mesh_springs_free releases the list in either case.
  *   springs in/out  in: empty; out: the list
  */
 int springs_list(mesh *mesh, mesh_springs *springs, char *error);

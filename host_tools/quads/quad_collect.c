@@ -123,8 +123,8 @@ static int check_place(const collection *collection, const quad_raw_node *node)
 }
 
 /*
- * Give the nodes that quadrilaterals use their indices, in the order of the mesh file, and copy
- * their positions. Returns 0, or -1 after writing an error message about the mesh file.
+ * Number the nodes that quadrilaterals use, in the order of the mesh file, and copy their
+ * positions. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int copy_nodes(collection *collection, const quad_options *options)
 {

@@ -175,8 +175,8 @@ typedef struct quadric {
     double matrix[EQUATIONS]; /* packed lower triangle of the matrix of the normal equations for the
                                  coefficients of a quadric surface */
     double coefficient[COEFFICIENTS]; /* right-hand side of the normal equations for the
-                                         coefficients of a quadric surface, which the solution
-                                         replaces */
+                                         coefficients of a quadric surface; replaced by their
+                                         solution, the coefficients */
 } quadric;
 
 static void start_quadric(const double director[3], quadric *sum)

@@ -209,7 +209,7 @@ static int take_bytes(quad_file *file, const char *what, void *value, size_t siz
 }
 
 /*
- * Move the reading position of a mesh file behind a number in text form that ends at `end`. Returns
+ * Move the reading position of a mesh file past a number in text form that ends at `end`. Returns
  * 0, or -1 after writing an error message about the mesh file if no blank, line end or end of the
  * file follows.
  */

@@ -52,7 +52,7 @@ bool quad_next_line(quad_file *file);
 
 /*
  * Return whether the text at the reading position is `word`, followed by a blank, a line end or the
- * end of the file; if so, the reading position moves behind the word.
+ * end of the file; if so, the reading position moves past the word.
  */
 bool quad_take_word(quad_file *file, const char *word);
 
@@ -69,7 +69,7 @@ int quad_read_size(quad_file *file, const char *what, int64_t *value);
 int quad_read_real(quad_file *file, const char *what, double *value);
 
 /*
- * Check that the rest of the mesh file, behind the reading position, can hold `count` items of at
+ * Check that the rest of the mesh file, from the reading position on, can hold `count` items of at
  * least `bytes` bytes each. Returns 0, or -1 after writing an error message about the mesh file.
  */
 int quad_check_count(const quad_file *file, const char *what, int64_t count, size_t bytes);

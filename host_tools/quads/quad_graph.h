@@ -27,9 +27,9 @@ int quad_graph_make(quad_graph *graph, const quad_mesh *mesh);
 void quad_graph_free(quad_graph *graph);
 
 /*
- * Return the number of stored entries (envelope) that the factor of a matrix with one row for each
- * node has for an order of the nodes: the sum, over all nodes, of the distance in the order to the
- * first neighbour of the node.
+ * Return the number of stored entries (envelope) of the stiffness matrix's factor for an order of
+ * the nodes, counted for a matrix with one row for each node. The number is the sum, over all
+ * nodes, of the distance in the order between a node and its first neighbour.
  *   order [nodes] in   nodes in this order
  *   place [nodes] out  position of each node in the order
  */

@@ -172,8 +172,8 @@ static void reverse(uint32_t *order, size_t count)
 }
 
 /*
- * Keep the new node order of a search in place of the best one so far if the envelope of the
- * stiffness matrix (number of stored entries) is smaller.
+ * Make the node order `other` the best order of a search if the stiffness matrix has a smaller
+ * envelope (number of stored entries) with it than with the best order so far.
  */
 static void compare(search *search)
 {

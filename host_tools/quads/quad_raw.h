@@ -34,8 +34,8 @@ typedef struct quad_raw_set {
     int corners; /* type of the members of a set of the mesh file: 0 nodes, 2 edges, 4
                     quadrilaterals */
     size_t count, room;
-    int64_t *item; /* [count] numbers of nodes in the file, or indices of cells (points, edges or
-                      quadrilaterals) */
+    int64_t *item; /* [count] members of a set of the mesh file: numbers of nodes, or indices of
+                      cells (points, edges or quadrilaterals) */
 } quad_raw_set;
 
 typedef struct quad_raw {

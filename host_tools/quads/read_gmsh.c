@@ -16,8 +16,8 @@
  */
 typedef struct entity {
     int dimension, tag, count;
-    int *physical; /* [count] numbers of the physical groups to which the geometric entity belongs
-                    */
+    int *physical; /* [count] numbers of the physical groups to which the geometric entity of the
+                      Gmsh file belongs */
 } entity;
 
 typedef struct physical_name {
@@ -324,7 +324,7 @@ static int read_nodes_2(gmsh *gmsh)
 
 /*
  * Read the positions of a block of nodes whose numbers have been read; `parameters` is the number
- * of surface parameters behind each position, which are skipped. Returns 0, or -1 after writing an
+ * of surface parameters after each position, which are skipped. Returns 0, or -1 after writing an
  * error message about the mesh file.
  */
 static int read_places(gmsh *gmsh, size_t first, int parameters)
@@ -610,7 +610,7 @@ typedef struct section {
 } section;
 
 /*
- * Read a section of a Gmsh file. In a binary file the section begins behind the line end of its
+ * Read a section of a Gmsh file. In a binary file the section begins after the line end of its
  * name.
  */
 static int read_section(gmsh *gmsh, const section *one)

@@ -40,8 +40,9 @@ typedef struct inp {
                        ELEMENTS) */
     bool generates; /* whether each line of the set that is being read gives first, last and step of
                        a run of numbers instead of single numbers (keyword option GENERATE) */
-    int set;        /* index of the set to which the lines that are being read belong, or -1 */
-    bool has_part;  /* whether the keyword *PART has been read */
+    int set; /* index of the set of the INP file whose members the present lines list; -1: they list
+                no set */
+    bool has_part; /* whether the keyword *PART of the INP file has been read */
     size_t sets, room;
     listed_set *list;
 } inp;
@@ -89,7 +90,7 @@ static piece trimmed(const char *from, const char *to)
 }
 
 /*
- * Read the next field of a line of an INP file; the reading position moves behind its comma, or to
+ * Read the next field of a line of an INP file; the reading position moves past its comma, or to
  * the line end. Returns whether there is a field.
  */
 static bool next_piece(quad_file *file, piece *one)

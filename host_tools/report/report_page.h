@@ -26,10 +26,11 @@ typedef struct page {
     draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
     double *vector;   /* [nodes][3] displacement vector of each node in the shape that is drawn
                          (length unit of the scene) */
-    double *wanted;   /* [nodes][3] displacement in which the component that the target prescribes
-                         has its target value; NAN at nodes outside the target */
-    double *value;    /* [nodes] values that are shown in colours; for a reached shape its misfit,
-                         reached minus target value, NAN outside the target */
+    double *wanted; /* [nodes][3] displacement vectors like those in `vector`, but with the value of
+                       the target in the component that the target prescribes; NAN at nodes outside
+                       the target */
+    double *value;  /* [nodes] values that are shown in colours; for a reached shape its misfit,
+                       reached minus target value, NAN outside the target */
     double *row; /* [targets] work array for the misfit (reached minus target value) of each target
                     row (controlled displacement) */
     double largest; /* largest displacement of any node before magnification (length unit of the
@@ -74,11 +75,11 @@ void page_caption(const page *page, const draw_scale *scale, const char *format,
 void page_map(const page *page, const double *value, const draw_scale *scale, const char *title);
 
 /*
- * Parts of report pages: page_structure writes the tables of the layers and materials and the text
- * of the scene file; page_stress the section of the recovered stresses, a map and tables, nothing
- * where field is NULL; page_voltages the table of the voltages, a row for each amplifier and a
- * column for each result; page_modes, for each pair of voltage limits, a section with the error of
- * every shape where the target is a list of shapes, otherwise nothing.
+ * Parts of report pages. page_structure writes the tables of the layers and materials and the text
+ * of the scene file. page_stress writes the section of the recovered stresses, a map and tables;
+ * nothing where field is NULL. page_voltages writes the table of the voltages, with a row for each
+ * amplifier and a column for each result. page_modes writes the errors of all shapes, a section for
+ * each pair of voltage limits; nothing where the target is not a list of shapes.
  */
 void page_structure(const page *page);
 void page_stress(const page *page, const stress_field *field);

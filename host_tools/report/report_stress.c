@@ -7,8 +7,10 @@
 #include "report_page.h"
 
 /*
- * Average the loads on the elements (load [elements]: von Mises stress, or 1 over the reserve
- * factor) at the nodes, weighted with the areas of the elements.
+ * Compute values at the nodes from values of the elements: the mean over the elements at each node,
+ * weighted with their areas.
+ *   load  [elements] in   von Mises stress, or 1 over the reserve factor
+ *   value [nodes]    out  means at the nodes
  */
 static void average_load(const stress_field *field, const double *load, double *value)
 {

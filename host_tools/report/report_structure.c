@@ -34,7 +34,7 @@ static void write_materials(const page *page)
     put_table_end(page->file);
 }
 
-/* Write the text of the scene file, if the file can be read again. */
+/* Write the text of the scene file on the report page, unless the file can no longer be read. */
 static void write_scene(const page *page)
 {
     FILE *text = fopen(page->design->path, "r");

@@ -49,7 +49,7 @@ typedef struct instruction {
 } instruction;
 
 struct expr {
-    const char *text; /* copy of the formula's source text, stored behind its code */
+    const char *text; /* copy of the formula's source text, stored after its code */
     int length;
     bool is_constant;
     scatter *scatter;             /* interpolated function through scattered points, or NULL */

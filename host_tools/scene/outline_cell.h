@@ -92,8 +92,8 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell,
                               const double natural[2]);
 
 /*
- * Find the natural coordinates of a point of the plane of the electrode outlines that lies in the
- * cell (element or part of one).
+ * Find the natural coordinates of a point in a cell (element or part of one). The point is given in
+ * the plane of the electrode outlines.
  */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2]);

@@ -148,17 +148,17 @@ static void write_place_hint(const outline_work *work, char hint[HINT])
 }
 
 /*
- * Refuse an electrode given by polygons if a part of its area lies beside the surface, or that
- * meets the surface twice.
+ * Refuse an electrode given by polygons if a part of its area lies beside the surface, or if the
+ * electrode meets the surface twice.
  */
 static int check_place(const outline_work *work, int electrode, const electrode_sums *sums)
 {
     const double theta_most = 1e-9,
                  space_most = 0.05; /* largest fraction of an electrode's area that may lie outside
-                                       the surface: theta_most for outlines drawn over the surface
-                                       coordinates theta1 and theta2, space_most for outlines drawn
-                                       in a plane of space; the rim of a mesh in space has straight
-                                       sides where the true rim is curved */
+                                       the surface: theta_most for outlines over the surface
+                                       coordinates theta1 and theta2, space_most for outlines in a
+                                       plane of space, where the rim of a mesh has straight sides in
+                                       place of the true curve */
     const scene_outline *outline = &work->patches->outlines->electrode[electrode];
     const double outside = 1 - sums->plane_area / outline_plane_area(outline);
     const bool is_folded = sums->is_mirrored && sums->is_direct;

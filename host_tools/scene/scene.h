@@ -170,7 +170,8 @@ typedef struct scene_material {
                             (C/(m2 K)) */
     double alpha[3]; /* thermal expansion coefficients of a material along its axes 1, 2 and 3 (1/K)
                       */
-    double density;  /* mass per volume; the weight per volume is density times gravity */
+    double density;  /* mass of the material per volume (units of the scene file); its weight per
+                        volume is this density times gravity */
     double field_limit; /* depolarisation field of a piezoelectric material (V/m); 0: no limit */
     scene_strength strength; /* strengths of the material, with which `pzs solve --stress` compares
                                 the stresses */
@@ -258,8 +259,8 @@ typedef enum scene_where_type {
 typedef struct scene_where {
     scene_where_type type;
     scene_edge edge;
-    double theta[2]; /* surface coordinates theta1 and theta2 of the node of a place that is a point
-                      */
+    double theta[2];   /* surface coordinates theta1 and theta2 of a place on the mesh that is a
+                          single node */
     double span[2][2]; /* start and end of a region along the surface coordinates theta1 and theta2;
                           infinite where the scene file gives no limit */
     int node[2]; /* indices of the mesh lines of the surface coordinates theta1 and theta2 on which
@@ -326,8 +327,8 @@ typedef struct scene_spring {
     double stiffness; /* stiffness of one spring, or of springs per length or area, as `per` tells:
                          force per elongation, for a torsional spring moment per angle (rad), in the
                          units of the scene file */
-    int per;          /* whether `stiffness` is that of one spring, or per length or area: a value
-                                of scene_per */
+    int per; /* whether `stiffness` belongs to one spring, to a length or to an area; a value of
+                scene_per */
     double force; /* blocked force (force without elongation) of a stack actuator per volt (or other
                      unit) of its input */
     double stroke; /* free stroke (elongation without load) of a stack actuator per volt (or other
@@ -346,8 +347,9 @@ typedef struct scene_actuator {
     char name[SCENE_NAME];
     int drives;
     scene_drive *drive;
-    bool is_temperature;  /* true: the input is a temperature, of the whole shell if `drives` is 0,
-                             or  of the layers under the patches */
+    bool is_temperature;  /* whether the input of the actuator is a temperature: that of the layers
+                             under its patches or, if `drives` is 0, of the whole shell; otherwise
+                             the input is a voltage */
     scene_spring *stacks; /* points, directions and stiffness of the stacks of a stack actuator;
                              NULL: the actuator has no stacks */
     double applied; /* input of every amplifier of an actuator, a voltage (V) or the temperature of
@@ -511,9 +513,10 @@ typedef enum scene_reaction_output {
 
 typedef struct scene_output {
     char name[SCENE_NAME];
-    scene_reaction_output reaction; /* component of the reaction; if it is not REACTION_NONE, the
-                                       output is no displacement, and has one value for all nodes
-                                       of its place, or for the supports of one name */
+    scene_reaction_output reaction; /* component of a reaction of supports that the output gives;
+                                       REACTION_NONE: the output gives another quantity. A reaction
+                                       has one value for all nodes of its place, or for all supports
+                                       of one name. */
     char support[SCENE_NAME];  /* name of the supports whose reaction an output gives; empty: the
                                   output is the reaction at a place */
     scene_recovered recovered; /* whether the output is a strain or a stress; if so, it has a place
@@ -610,16 +613,18 @@ typedef struct scene_limits {
     double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit, the
                                         largest change of a voltage in one tick (V), of all
                                         amplifiers; infinite if not given */
-    double regularisation; /* regularisation weight, the factor of the sum of squared distances of
-                              the voltages from their reference voltages in the objective of the
-                              optimisation: absolute (length^2/V^2), or relative to the mean
-                              diagonal entry of the Hessian if regularisation_is_relative is true */
+    double regularisation; /* regularisation weight: factor, in the objective of the optimisation,
+                              of the sum of the squared distances of the voltages from their
+                              reference voltages. The weight is absolute (length^2/V^2), or relative
+                              to the mean diagonal entry of the Hessian if
+                              regularisation_is_relative is true */
     bool regularisation_is_relative;
     int each_count;
     scene_limit *each; /* [each_count] limits of single amplifiers: voltage limits, which override
                           the common ones, and step limits, which narrow the common one */
     int rows;
-    int absolute_rows;    /* number of limits of sums of absolute values, the last ones in `row` */
+    int absolute_rows; /* number of limits of sums of absolute values; they are the last entries of
+                          `row` */
     scene_limit_row *row; /* [rows] limits of differences, of weighted sums and, at the end, of sums
                              of absolute values of voltages */
     scene_at at;
@@ -825,8 +830,8 @@ typedef struct scene_influence {
     int file_outputs;        /* number of outputs in the file of the influence matrix */
     bool rows_are_actuators; /* true: the rows of the file of the influence matrix are actuators;
                                 false: they are outputs */
-    int *row; /* [outputs] number, from 0, of the output in the file of the influence matrix that
-                 each output of the scene is; outputs that the scene ignores are left out */
+    int *row; /* [outputs] for each output of the scene, the number, from 0, of the same output in
+                 the file of the influence matrix; outputs that the scene ignores have no entry */
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */

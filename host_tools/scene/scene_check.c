@@ -105,8 +105,8 @@ static int check_poles(const scene *scene, char *error)
         if (surface_closes(&scene->surface, 1) &&
             i < SAMPLES) /* On a torus the distance from the axis of revolution is smallest where
                             theta1 is an odd multiple of half a turn. Where such an angle lies
-                            between sample i of theta1 and the next one, the check takes this
-                            angle instead of sample i. */
+                            between sample i of theta1 and the next one, the distance is checked at
+                            this angle instead of sample i. */
             theta1 = fmax(theta1, fmin(sample(line, i + 1),
                                        (2 * floor(theta1 / full_turn) + 1) * full_turn / 2));
         radius = surface_at(&scene->surface, theta1, 0).lame[1];

@@ -22,9 +22,9 @@ typedef struct scene_origin {
  */
 typedef struct scene_at {
     int line, column;
-    const scene_origin *origin; /* scene file, and changes of the option --set, that line and column
-                                   refer to; NULL in a YAML tree, which has its own path, and for
-                                   values that come from no file */
+    const scene_origin *origin; /* scene file and changes of the option --set to which the line and
+                                   column of a value refer; NULL in a YAML tree, which has its own
+                                   path, and for values that come from no file */
 } scene_at;
 
 /*

@@ -107,7 +107,8 @@ typedef struct field {
  * which exactly one is required.
  */
 typedef struct case_item {
-    const char *text; /* key, or keys separated by '|'; not terminated by NUL */
+    const char *text; /* text of an item in a list of permitted keys: one key, or several keys
+                         separated by '|'; not terminated by NUL */
     size_t length;
     bool is_optional;
     const char *words; /* words that the key may have as its value, separated by '/', or NULL for
@@ -116,8 +117,8 @@ typedef struct case_item {
 } case_item;
 
 /*
- * Find the next item in a list of keys (form_case.keys), and move *keys behind it. Returns 1, or 0
- * at the end of the list.
+ * Find the next item in a list of keys (form_case.keys), and move *keys past it. Returns 1, or 0 at
+ * the end of the list.
  */
 int case_next(const char **keys, case_item *item);
 
@@ -184,8 +185,8 @@ extern const form number_form, above_zero_form, not_negative_form, formula_form,
     label_form, labels_form, triple_form, flag_form;
 
 /*
- * Check that a YAML node is a scalar, a list or a mapping. Returns 0, or -1 after writing an error
- * message about the scene file.
+ * Check the kind of a YAML node: scalar, list or mapping, as `kind` demands. Returns 0, or -1 after
+ * writing an error message about the scene file.
  */
 int require_kind(reader *reader, int node, tree_kind kind);
 

@@ -31,8 +31,8 @@ typedef struct influence_text {
     int *column; /* [columns] numbers of the columns without coordinates in the table of a measured
                     influence matrix */
     int columns;
-    unsigned char *is_ignored; /* [outputs] 1 for an output of the influence matrix in the file that
-                                  the scene file leaves out, else 0 */
+    unsigned char *is_ignored; /* [outputs of the file] 1 for each output of the measured influence
+                                  matrix that the scene file leaves out, else 0 */
 } influence_text;
 
 static const char *const axis_name[AXES] = {"x", "y", "z"};
@@ -127,10 +127,10 @@ static double entry(const influence_text *text, int output, int actuator, char *
 }
 
 /*
- * Compare a number of names, points or flags in the scene file with the number of outputs (or
- * actuators) of the measured influence matrix. If a number of outputs equals that of the actuators,
- * or the reverse, the error message says that the matrix is transposed. Returns 0, or -1 after
- * writing an error message about the scene file.
+ * Check that a list of names, points or flags in the scene file has as many entries as the measured
+ * influence matrix has outputs (or actuators). If a list for outputs has as many entries as there
+ * are actuators, or the other way round, the error message says that the matrix is transposed.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)

@@ -12,8 +12,8 @@
 /* ---- supports ---- */
 
 /*
- * Bit for the word `rotation` in the key `fix` of a support, in the set of dof that the support
- * holds; the reader replaces it by the bits of the dof of the rotation about the given axis.
+ * Bit that stands for the word `rotation` in the key `fix` of a support. The bit is replaced by the
+ * dof of the rotation when the axis of the rotation has been read.
  */
 enum { FIX_ROTATION = 1 << 20 };
 

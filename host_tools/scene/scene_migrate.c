@@ -128,7 +128,7 @@ static void close_migration(migration *migration)
 /* ---- places in the text ----------------------------------------------- */
 
 /*
- * Return the offset, in the text of the scene file, of the byte at which a line starts, behind a
+ * Return the offset, in the text of the scene file, of the byte at which a line starts, after a
  * byte order mark; lines are counted from 1.
  */
 static size_t line_start(const migration *migration, int line)
@@ -140,7 +140,7 @@ static size_t line_start(const migration *migration, int line)
 }
 
 /*
- * Return the offset, in the text of the scene file, of the byte behind the line that contains a
+ * Return the offset, in the text of the scene file, of the byte after the line that contains a
  * given byte.
  */
 static size_t line_end(const migration *migration, size_t at)
@@ -165,9 +165,9 @@ static size_t byte_of(const migration *migration, scene_at place)
 }
 
 /*
- * Find the first byte of a name at a position in the text of the scene file, behind a quotation
- * mark if there is one. Returns 0, or -1 with the error filled if the name is written with escapes
- * or in several lines.
+ * Find the first byte of a name at a position in the text of the scene file, after a quotation mark
+ * if there is one. Returns 0, or -1 with the error filled if the name is written with escapes or in
+ * several lines.
  */
 static int locate(const migration *migration, scene_at place, const char *name, size_t *at)
 {
@@ -201,7 +201,7 @@ static int refuse_move(const migration *migration, int node)
 }
 
 /*
- * Return the offset of the byte behind the value of a YAML node, its quotation mark included, or 0
+ * Return the offset of the byte after the value of a YAML node, its quotation mark included, or 0
  * after an error.
  */
 static size_t value_end(const migration *migration, int node)

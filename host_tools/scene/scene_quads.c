@@ -147,7 +147,10 @@ static void list_names(const quad_set *set, size_t count, char *list)
     }
 }
 
-/* Return whether a mesh has a set of edges or of nodes, and not of elements, with a given name. */
+/*
+ * Return whether a mesh has an edge set or a node set with a given name; sets of elements do not
+ * count.
+ */
 static bool is_other_set(const quad_mesh *mesh, const char *name)
 {
     return quad_set_find(mesh->edge_set, mesh->edge_sets, name) ||

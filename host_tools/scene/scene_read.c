@@ -59,8 +59,8 @@ static const range relative = {0, 1, 1,
                                "must lie between 0 and 1, ends left out; it is a relative error"};
 
 /*
- * Rows, for the tables of the sections of a scene file, of those sections that every scene file may
- * contain, whether the influence matrix is computed or measured.
+ * Rows for the tables of the sections of a scene file. These sections may stand in every scene
+ * file, with a structural model as well as with a measured influence matrix.
  */
 #define NAME_ROWS                                                                                  \
     {"name", read_name, offsetof(scene, name), NULL, 1, OF_NOTHING, NULL, "Name of the scene."},   \

@@ -13,7 +13,8 @@
 typedef struct reader {
     tree *t;
     scene *s;
-    dimension of; /* physical dimension that the key whose value is being read requires */
+    dimension of; /* physical dimension of the numbers in the value that is being read, which its
+                     key requires */
 } reader;
 
 /* Return the text of a YAML node that is a scalar, or NULL for a list or mapping. */

@@ -771,9 +771,9 @@ static int check_motion(reader *reader, int node)
 }
 
 /*
- * Refuse an influence matrix at the nonlinear optimum or at the loaded equilibrium where the scene
- * has linear kinematics, and one at the loaded equilibrium where the simulated structure (plant)
- * has linear kinematics.
+ * Check the state in which the influence matrix is computed against the kinematics. The nonlinear
+ * optimum and the loaded equilibrium need a scene with nonlinear kinematics; the loaded equilibrium
+ * also needs a simulated structure (plant) with nonlinear kinematics.
  */
 static int check_influence(reader *reader, int node)
 {

@@ -368,9 +368,9 @@ static int refuse_base(reader *reader, int node, int base)
 }
 
 /*
- * Return the factor that converts a number with an angle in its unit from degrees to radians or
- * back, as text to be written behind the number; empty if the unit of the number and the required
- * unit have the same unit of angle.
+ * Return a factor as text to be written after a number, which converts an angle in the unit of the
+ * number from degrees to radians or back. The text is empty if the unit of the number and the
+ * required unit have the same unit of angle.
  */
 static const char *turn(const units_unit *unit, const units_unit *key)
 {

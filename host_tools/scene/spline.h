@@ -31,7 +31,7 @@ void spline_free(spline *spline);
 double spline_length(const spline *spline);
 
 /*
- * Return the first knot above a parameter, or infinity behind the last knot. The third derivative
+ * Return the first knot above a parameter, or infinity beyond the last knot. The third derivative
  * of the spline may jump at a knot.
  */
 double spline_next_knot(const spline *spline, double parameter);

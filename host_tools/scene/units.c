@@ -121,7 +121,7 @@ static int take_power(parser *parser, int *power)
 
 /*
  * Read one factor of a unit and multiply the unit read so far by it; `sign` is -1 for a factor
- * behind a '/', else 1.
+ * after a '/', else 1.
  */
 static int take_factor(parser *parser, int sign)
 {
@@ -174,7 +174,7 @@ static int take_product(parser *parser, int sign)
     return 0;
 }
 
-/* Read a divisor, the part of a unit behind a '/': one factor, or a product in parentheses. */
+/* Read a divisor, the part of a unit after a '/': one factor, or a product in parentheses. */
 static int take_divisor(parser *parser)
 {
     if (*parser->at != '(') {

@@ -24,8 +24,7 @@ typedef enum tree_kind { TREE_SCALAR, TREE_LIST, TREE_MAP } tree_kind;
 
 typedef struct tree_node {
     tree_kind kind;
-    char *key;  /* key of a node that is the value of a key in a mapping; NULL for an item of a list
-                 */
+    char *key;  /* key in the YAML file whose value the node is; NULL for an item of a list */
     char *text; /* text of a YAML node that is a scalar */
     scene_at key_at, at;
     int parent, first, last, next, count; /* indices of the parent, the first and last child and the
@@ -37,7 +36,7 @@ typedef struct tree {
     const char *path;
     const char *const *set;
     int sets;
-    char *error;     /* [SCENE_ERROR] memory of the error message of the YAML tree */
+    char *error;     /* [SCENE_ERROR] memory of the error message about the YAML file */
     tree_node *node; /* array of the nodes of the YAML tree; index 0 is not used */
     int nodes, room, root;
     uint32_t hash; /* FNV-1a hash of the text of the YAML file and of the texts of the changes from
@@ -59,7 +58,7 @@ int tree_read(tree *tree, const char *path, const char *const *set, int sets, ch
 int tree_read_text(tree *tree, const char *path, const char *text, size_t bytes, char *error);
 
 /*
- * Read a whole file into allocated memory with a NUL behind its bytes; the caller releases it also
+ * Read a whole file into allocated memory with a NUL after its bytes; the caller releases it also
  * after an error. Returns 0, or -1 with error filled.
  */
 int tree_load(const char *path, char **text, size_t *bytes, char *error);
