@@ -53,9 +53,9 @@ typedef struct certificate_target {
                        with no voltage at its limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
-    int older, newer;   /* number of ticks, at most 1, by which all sensor readings may be older (or
-                           newer) than the scene file states on the structure deformed to its
-                           target, so that the shape still settles after fast jumps of the target */
+    int older, newer;   /* number of ticks, 0 or 1, by which all sensor readings may be older, or
+                           newer, than stated; the shape then still settles after fast jumps of the
+                           target on the structure deformed to its target */
     double worst; /* largest distance of the shape, at the end of a storm (simulation with fast
                      target jumps), from the shape at which the loop should come to rest, relative
                      to the norm of the target */
@@ -152,8 +152,8 @@ typedef struct certificate {
     int modes; /* number of vibration modes of the structure in the model that the stability tests
                   use */
     double damping;       /* damping ratio of the structure's first vibration mode */
-    bool has_own_damping; /* true where the scene file gives the damping ratio; false where it is an
-                             assumption */
+    bool has_own_damping; /* true where the scene file gives the damping ratio of the first
+                             vibration mode; false where it is assumed */
     double bandwidth; /* corner frequency of the first-order lag of the amplifiers that the scene
                          file states (Hz); 0: no lag */
     double rate;      /* tick rate of the scene (1/s); 0 where the scene file gives none */

@@ -49,9 +49,9 @@ static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
 
 /*
- * Natural frequencies, relative to the model's, of the structures on which a loop whose amplifiers
- * lag must be stable. The lag does not change with the frequencies, so that a lower tick rate does
- * not stand for higher frequencies.
+ * Natural frequencies, relative to the model's, of the structures on which a loop must be stable if
+ * its amplifiers lag. Without lag, higher frequencies have the same effect as a lower tick rate;
+ * with lag they do not, so that they are tested, too.
  */
 static const double frequencies[] = {1, 0.9, 1.1};
 
@@ -269,10 +269,13 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 /* ---- stability --------------------------------------------------------- */
 
 /*
- * Control loop whose stability is assessed: loop matrix (coordinates of the vibration modes in
- * equilibrium under the controller's reaction to a unit of each mode), squared angular frequencies
- * and damping ratios of the vibration modes, delay of the measurements, and time constant of the
- * amplifiers (s; 0: they do not lag).
+ * Control loop whose stability is tested.
+ *   matrix    [modes][modes] coordinates of the modes in equilibrium under the voltages with which
+ *             the controller reacts to a unit of each mode
+ *   square    [modes] squared angular frequencies (rad^2/s^2)
+ *   damping   [modes] damping ratios
+ *   delay     delay of the sensor readings (ticks)
+ *   lag       time constant of the amplifiers' first-order lag (s); 0: none
  */
 typedef struct assessed_loop {
     const double *matrix, *square, *damping;
@@ -281,9 +284,9 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Return the conditions under which the stability of a control loop is checked on a structure that
- * differs from the model. Time counts in units of 1/frequency, so that only the time between ticks
- * and the lag of the amplifiers depend on the frequency.
+ * Conditions of a stability test on a structure that differs from the model. The test uses the
+ * model's frequencies, with time in units of 1/`frequency`; only tick interval and lag of the
+ * amplifiers change with the unit.
  *   gain      in  static response of the structure to voltages, relative to the model
  *   frequency in  natural frequencies of the structure, relative to the model
  *   interval  in  time between ticks (s)
@@ -317,10 +320,9 @@ static bool is_stable_at(const assessed_loop *loop, double interval)
 }
 
 /*
- * Whether the control loop is stable at a tick rate, on structures with each of the responses to
- * voltages in `responses`. If the interval between ticks contains many periods of the first
- * vibration mode, stability depends on the phase of the vibration as well as on its decay;
- * therefore intervals that are up to one period longer must be stable too.
+ * Whether the control loop is stable at a tick rate, on all structures to be tested. If the tick
+ * interval contains many periods of the first vibration mode, stability also depends on the phase
+ * of the vibration at the tick. Longer intervals, up to one period more, must then be stable too.
  */
 static bool is_stable(const assessed_loop *loop, double rate)
 {

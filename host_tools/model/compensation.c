@@ -43,10 +43,9 @@ static double offset_of(const pzs_hysteresis *tables)
 }
 
 /*
- * Smallest effect of a voltage change after a reversal of the voltage, relative to the effect of
- * such a change far from a reversal, that a control loop assumes when it computes voltages from
- * wanted effects with the inverse of the hysteresis model. A ceramic without any hysteresis follows
- * small changes at most 1/0.6 times as far as this inverse assumes.
+ * Smallest effect that a voltage change has after a reversal of the voltage, relative to its effect
+ * far from a reversal, in the hysteresis model whose inverse a control loop uses. A ceramic without
+ * any hysteresis then follows small changes at most 1/0.6 times as far as the inverse assumes.
  */
 static const double least_after_reversal = 0.6;
 

@@ -35,9 +35,8 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
                        const pzs_problem *problem, double rate);
 
 /*
- * Add to tables that compensate hysteresis, which were made from a weakened description of
- * hysteresis, the description as it was identified, with which the fault detector predicts the
- * readings.
+ * Complete tables that compensate a weakened hysteresis model (compensation_weaken): add the
+ * hysteresis model as it was identified. The fault detector predicts the sensor readings with it.
  */
 void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 

@@ -31,9 +31,9 @@ typedef struct damper_settings {
     double cut; /* phase angle of a vibration mode in a tick (rad) up to which the mode is damped in
                    full; modes with more than twice this angle are not damped */
     double observed; /* largest phase angle of an observed vibration mode in a tick (rad) */
-    double follow; /* fraction of the distance to the statically optimal voltages that the voltages
-                      cover in one control tick, per radian of the first vibration mode's phase
-                      angle in a tick */
+    double follow;   /* how far the voltages move in one control tick, as a fraction of the distance
+                        to the statically optimal voltages: `follow` times the phase angle of the
+                        first vibration mode in a tick (rad) */
     double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
                             voltages that the voltages cover in one control tick */
     double mix;   /* weight, 0 to 1, with which the deviation of a vibration mode from its static

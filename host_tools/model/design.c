@@ -311,11 +311,12 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
 /* ---- inputs ----------------------------------------------------------- */
 
 /*
- * Add the stress resultants that a voltage or temperature prescribes in one element, times the area
- * of the element (N m), to h0 [10], multiplied by `factor`: for 1 V across a ply, for a temperature
- * change of this ply of 1 K (is_heat), or for a temperature change of all plies of 1 K (ply < 0).
- * The entries of h0 belong to mean and difference of both faces for the strains 11, 22, 33 and 12;
- * then the strains 13 and 23.
+ * Add `factor` times the stress resultants of a unit voltage or temperature in one element, times
+ * the area of the element, to h0.
+ *   ply     in      ply with the voltage or temperature; negative: all plies change by 1 K
+ *   is_heat in      false: 1 V across the ply; true: the ply changes by 1 K
+ *   h0 [10] in/out  resultants (N m): for the strains 11, 22, 33 and 12 the mean and the difference
+ *                   of both faces, then those for the strains 13 and 23
  */
 static void add_unit_resultants(const mesh *mesh, int element, int ply, bool is_heat, double factor,
                                 double h0[LAMINATE_STRAINS])

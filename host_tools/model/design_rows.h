@@ -28,8 +28,8 @@ int design_rows_safe(const design *design, const double *lower, const double *up
 
 /*
  * Return the first limit row (limit of a weighted sum of voltages) that voltages [amplifiers]
- * violate, or from whose limits they are no farther than a controller in single precision rounds;
- * -1 if there is none.
+ * violate or nearly reach; -1 if there is none. Nearly means that rounding in single precision
+ * might violate the limit.
  */
 int design_rows_violated(const design *design, const double *voltage);
 

@@ -108,9 +108,9 @@ static double weighted_squares(const design *design, const double *shape)
 }
 
 /*
- * Bound of the rounding errors in the residual of the least-squares fit of the target's free
- * functions (shapes that may be added to the target at no cost) to a vector: weighted norm of these
- * errors relative to the weighted norm of the vector.
+ * Bound of the rounding errors that remain after the target's free functions (shapes that may be
+ * added to the target at no cost) have been removed from a vector: weighted norm of the errors over
+ * weighted norm of the vector.
  */
 static double rounding(const design *design)
 {

@@ -182,9 +182,10 @@ static bool condense_voltages(arc_search *arc_search, uint32_t input, double *ch
 }
 
 /*
- * Add to `by_load`, the change of displacement and voltages per unit of the load factor, the part
- * of the charges that the inputs at full load bring onto the open electrodes while the shell cannot
- * deform. Returns false if the voltages of these electrodes cannot be solved for.
+ * Add the effect of the charges on the open electrodes to `by_load`, the change of displacement and
+ * voltages per unit of the load factor. These are the charges that the inputs at full load cause
+ * while the shell is held undeformed. Returns false if the voltages of the open electrodes cannot
+ * be solved for.
  */
 static bool add_charges_of_load(arc_search *arc_search)
 {
@@ -246,9 +247,8 @@ static double constrained_change(const arc_search *arc_search, double arc)
                         scalar_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
     /*
-     * Scalar product of the displacement increment on the load path and of the change of
-     * displacement per unit of the load factor; its sign decides which of two solutions changes the
-     * direction of the increment less.
+     * Scalar product of two vectors: the displacement increment, and its change per unit of the
+     * load factor. Its sign tells which of two possible increments turns less from the present one.
      */
     const double along = scalar_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;
@@ -327,11 +327,12 @@ static bool restore_start(arc_search *arc_search)
 
 /*
  * Make a step from the last converged point of the load path, whose tangent stiffness has been
- * factored: first along the tangent of the path by a change of the load factor, then by
- * corrections. Returns whether the step has converged without turning back by more than a right
- * angle; then the tangent stiffness and its pivots belong to the new point, and `start` is still
- * the displacement of the old one.
- *   arc in  length of the step; 0: keep the load factor that the first change leads to
+ * factored. The load factor first changes along the tangent of the path; corrections follow.
+ *   change in  first change of the load factor
+ *   arc    in  length of the step; 0: the load factor stays at its first change
+ * Returns whether the step has converged. A step that reverses the direction of the path (by more
+ * than a right angle) counts as not converged. After success the tangent stiffness and its pivots
+ * belong to the new point, while `start` is still the displacement of the old one.
  */
 static bool make_step(arc_search *arc_search, double change, double arc)
 {

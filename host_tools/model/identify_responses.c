@@ -175,11 +175,10 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return which part of the jumps of the free vibrations at the voltage steps is not explained by
- * static responses, if the voltages act with the given delay: ratio of two sums of squares over all
+ * Return the fraction of the squared jumps of the free vibrations at the voltage steps that static
+ * responses leave unexplained, if the voltages act with the given delay. The sums run over all
  * vibration modes.
- *   squares  out  the unexplained sum of squares; modal coordinates are multiples of the mode
- *            shapes
+ *   squares  out  unexplained sum of squares; modal coordinates are multiples of the mode shapes
  */
 static double unexplained(const steps *steps, double delay, double *squares)
 {

@@ -9,8 +9,8 @@
 /* ---- estimate --------------------------------------------------------- */
 
 /*
- * Smallest uncertainty relative to the result. It covers the rounding error of the linear solves,
- * which is all that differs between meshes for reactions that equilibrium alone determines.
+ * Smallest uncertainty relative to the result, for the rounding errors of the linear solves. A
+ * reaction that equilibrium alone determines differs between meshes only by them.
  */
 static const double LEAST_UNCERTAINTY = 1e-9;
 

@@ -33,8 +33,8 @@ void mesh_mode_name(int mode, char name[SCENE_LABEL])
 }
 
 /*
- * Compute the displacement of the structure, and store each output that the scene file lists in
- * `values`. Returns 0, or -1 with error filled.
+ * Compute the displacement of the structure on one mesh, and append the values of the scene's
+ * outputs to `values`. Returns 0, or -1 with error filled.
  */
 static int solve_prepared(analysis *analysis, mesh_values *values, char *error)
 {

@@ -87,9 +87,9 @@ static bool has_file(const subject *of)
 
 /*
  * Store the ratio of the thickness of the structure to its shorter side in `found`, for a
- * plausibility rule. Structures of the other kind than is_from_file says are left out.
- *   is_from_file in  true: structures whose node positions come from a mesh file or measured
- *       points; false: all others
+ * plausibility rule.
+ *   is_from_file in  the rule applies only to structures whose node positions come from a mesh file
+ *                    or measured points (true), or only to all others (false)
  */
 static int measure_thin(const subject *of, int k, bool is_from_file, measured *found)
 {

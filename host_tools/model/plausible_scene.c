@@ -7,7 +7,8 @@
 #include "../scene/scene_units.h"
 #include "../scene/surface.h"
 
-static const double quarter = 1.5707963267948966; /* angle of a quarter of a full turn (rad) */
+static const double quarter = 1.5707963267948966; /* pi/2: a quarter turn around a curved shell
+                                                     (rad) */
 
 static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 

@@ -379,13 +379,16 @@ static int first_of_name(const design *design, int support)
     return first;
 }
 
-/* Supports of the scene that hold a node: their number and their indices, each name once. */
+/*
+ * Supports of the scene that hold a node: their number and their indices. Supports of one name
+ * count as one.
+ */
 typedef struct node_holders {
     int count;
     int support[SHELL_MAX];
 } node_holders;
 
-/* List the supports that hold or prescribe a dof of a node, each name once. */
+/* List the supports that hold or prescribe a dof of a node. Supports of one name count as one. */
 static node_holders holders_of(const all_dof *all, int node)
 {
     const mesh *mesh = &all->mesh;
@@ -460,7 +463,7 @@ static void add_node(const all_dof *all, int node, reactions *reactions, support
     memcpy(reactions->node[node] + 3, own.moment, sizeof own.moment);
 }
 
-/* Keep the supports that hold a dof, in the order of the scene. */
+/* Leave only those supports in the list of reactions that hold a dof, in the order of the scene. */
 static void keep_supports(const design *design, reactions *reactions, support_reaction *support)
 {
     for (int k = 0; k < design->supports; k++) {

@@ -90,8 +90,8 @@ double reactions_at(const reactions *reactions, const mesh *mesh, const int *nod
 
 /*
  * Return a component of the force (0 to 2) or of the moment about the centre (3 to 5) of the
- * supports of one name; 0 where they hold nothing that others do not hold, NAN where no reactions
- * are computed.
+ * supports of one name. Where several supports hold a dof, its reaction counts for the first one
+ * alone. The result is 0 for supports without such a dof, NAN where no reactions are computed.
  */
 double reactions_of(const reactions *reactions, const char *name, int component);
 

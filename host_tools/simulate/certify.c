@@ -416,9 +416,9 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
 }
 
 /*
- * Return a score for the tolerance of a loop to an error of one tick in the readings' age: 2 if it
- * tolerates older readings on every simulated structure, plus 1 if it tolerates newer ones. Older
- * readings count more, because filters and queues outside the model increase the age.
+ * Return a score for how well a loop tolerates a change of the readings' delay by one tick: 2 if it
+ * is stable with a longer delay on every simulated structure, plus 1 if with a shorter one. Longer
+ * delays count more, because filters and queues that the model does not contain lengthen the delay.
  */
 static int tolerance_of(const certificate_loop *loop)
 {

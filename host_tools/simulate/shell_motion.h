@@ -72,14 +72,12 @@ typedef struct shell_motion {
     double *scratch;               /* [free_dof] work array of the computation of the motion */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element, times its area,
                                       at the start of the time step (N m) */
-    double work; /* work that the remaining force imbalance of a time step does on the change of the
-                    displacement in half the step, before the last increment of Newton's method (N
-                    m) */
-    long corrections;    /* number of time steps so far whose error of the energy, from residual
-                            forces, was removed by a part of the last increment in place of one more
-                            linear solve */
-    long steps;          /* number of time steps of the motion of the shell so far */
-    long linear_solves;  /* number of linear solves in all time steps of the motion so far */
+    double work;        /* work of the force imbalance left in a time step over the change of the
+                           displacement in half the step, before the last Newton increment (N m) */
+    long corrections;   /* number of time steps so far in which a part of the last Newton increment,
+                           instead of a further linear solve, removed the error of the energy */
+    long steps;         /* number of time steps of the motion of the shell so far */
+    long linear_solves; /* number of linear solves in all time steps of the motion so far */
     long factorisations; /* number of factorisations of the matrix of a time step so far */
     int solves_most;     /* largest number of linear solves that any time step has needed */
 } shell_motion;
@@ -97,10 +95,11 @@ int shell_motion_open(shell_motion *motion, const equilibrium *equilibrium,
 void shell_motion_close(shell_motion *motion);
 
 /*
- * Return the longest time step for control ticks: the tick interval over a whole number, at most
- * half a radian a step for the highest natural frequency that a control tick can follow (at most
- * two radians a tick), or, where all are faster, for the first natural frequency. The period of
- * that vibration mode is then at most 2 % too long. The interval is the time between two ticks (s).
+ * Return the longest time step (s) that divides the tick interval into equal parts and resolves
+ * vibration: at most half a radian a step for the fastest mode that a control tick can follow, at
+ * most two radians a tick. If all modes are faster, the first mode counts. The computed period of
+ * the mode is then at most 2 % too long.
+ *   interval in  time between two ticks (s)
  */
 double shell_motion_step(const vibration *vibration, double interval);
 

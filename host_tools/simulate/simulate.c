@@ -131,8 +131,8 @@ int simulate_tables(analysis *nominal, char *error)
     if (check_readings(design, error) < 0)
         return -1;
     if (design->simulate.influence_at == INFLUENCE_LOADED)
-        return 0; /* analysis_influence has computed the influence matrix about the equilibrium
-                     under loads */
+        return 0; /* the influence matrix already belongs to the equilibrium under the scene's loads
+                   */
     memset(&best, 0, sizeof best);
     nominal->is_nonlinear = true;
     int failed =

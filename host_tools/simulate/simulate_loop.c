@@ -375,10 +375,10 @@ static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
                                            law_init, board_tick,     NULL};
 
 /*
- * Copy the list of blocks (stages of a control tick) of the scene. For clipped least squares, which
- * has no vibration model, or for a board that runs the firmware, replace the block that computes
- * the voltages, and omit all blocks behind it, the self-test and the compensation of hysteresis.
- * Returns the number of blocks.
+ * List the blocks (stages of the control tick) that the simulated loop runs. The controller on the
+ * host runs all blocks of the scene. Clipped least squares, and a controller on a board, replace
+ * the block that computes the voltages by their own. They omit all blocks after it, the self-test
+ * and the compensation of hysteresis. Returns the number of blocks.
  */
 static size_t list_blocks(loop *loop)
 {

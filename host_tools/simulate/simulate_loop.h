@@ -143,8 +143,8 @@ typedef struct loop {
     bool is_missed;      /* whether the last tick was missed */
     int beyond_limits, not_finite; /* for the last tick: number of voltages or steps beyond their
                                       limits; number of voltages that are not finite */
-    int beyond_rows; /* for the last tick: number of limits of differences and sums of voltages that
-                        the commanded voltages or the output voltages violate */
+    int beyond_rows; /* number of violations of a limit on a difference or sum of voltages, by the
+                        commanded or output voltages of the last tick */
 } loop;
 
 /*

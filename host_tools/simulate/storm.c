@@ -415,10 +415,10 @@ static void advance_ceramic(storm *storm)
 /* ---- control loop of a storm ------------------------------------------ */
 
 /*
- * Append a block (stage of the control tick) to those that the simulation runs. The step block,
- * which computes the voltages, gets tables with the limits of the simulation. The tables of a
- * control law for comparison contain its memory besides the least-squares problem for the voltages,
- * so that the problem is replaced inside these tables.
+ * Append a block (stage of the control tick) to those that the simulation runs. The limits of the
+ * simulation replace those in the least-squares problem of the step block, which computes the
+ * voltages. If the step block is a control law for comparison, the problem is replaced inside its
+ * tables, because they also contain the memory of the law.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -436,9 +436,9 @@ static void append_block(storm *storm, const pzs_block *given)
 
 /*
  * Copy the blocks (stages of the control tick) that the simulation runs. A simulation without
- * limits omits two kinds of blocks: those that follow the block that computes the voltages, because
- * converter steps and held electrodes would hide the growth of vibrations, and the compensation of
- * hysteresis, which has no inverse without limits.
+ * limits measures the growth of vibrations. It omits the blocks after the one that computes the
+ * voltages, because converter steps and held electrodes would hide the growth. It also omits the
+ * compensation of hysteresis, which has no inverse without limits.
  */
 static void set_tables(storm *storm)
 {
@@ -512,9 +512,9 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 }
 
 /*
- * Compute the best shape for the last target that the stroke of the electrodes (voltages that can
- * act on the ceramic) allows, on the simulated structure; on a deformed structure the shape at
- * which the loop comes to rest.
+ * Compute the best shape of the simulated structure for the last target, within the stroke of the
+ * electrodes (voltages that can act on the ceramic). On a deformed structure, compute the shape at
+ * which the loop comes to rest instead.
  */
 static pzs_status find_best(storm *storm)
 {

@@ -114,10 +114,10 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
 void storm_close(storm_rig *rig);
 
 /*
- * Let the following storms (simulations with fast target jumps) move the structure linearised about
- * its equilibrium at the target, in place of the undeformed one. The controller keeps its tables.
- *   deformed in  data of the structure in that equilibrium; must outlive `rig`, the controller
- *                coupled with the simulated structure
+ * Let the following storms (simulations with fast target jumps) move another structure: the one
+ * linearised about its equilibrium at the target, in place of the undeformed one. The controller
+ * keeps its tables.
+ *   deformed in  data of the structure in that equilibrium; must outlive `rig`
  * Returns whether memory sufficed.
  */
 bool storm_deform(storm_rig *rig, const deformed *deformed);
