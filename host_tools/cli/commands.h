@@ -75,11 +75,12 @@ enum { COMMAND_EXAMPLES = 4 };
 
 typedef struct command_entry {
     const char *name;
-    const char *argument; /* argument of a command as the help prints it, in brackets where it is
-                             optional; "": no argument */
+    const char *argument; /* name of the command's argument as the help prints it, in brackets where
+                             the argument is optional; "": no argument */
     argument_kind kind;
-    const char *const *choices; /* permitted words of a command's argument that is one word of a
-                                   list, ended by NULL; NULL for other arguments */
+    const char *const *choices; /* permitted words as argument of the command, ended by NULL, where
+                                   the argument must be one of certain words; NULL where it is
+                                   anything else */
     const char *summary; /* summary of the command in one line, for the output of pzs --help */
     const char *about;   /* description of the command in one paragraph, for the output of pzs help
                             COMMAND */
@@ -89,10 +90,11 @@ typedef struct command_entry {
 
 typedef struct option_entry {
     const char *name, *other; /* name of an option, and its second name, or NULL */
-    const char *argument;     /* argument of an option as the help prints it; "": no argument */
+    const char *argument; /* name of the option's argument as the help prints it; "": no argument */
     argument_kind kind;
-    const char *const *choices; /* permitted words of an option's argument that is one word of a
-                                   list, ended by NULL; NULL for other arguments */
+    const char *const *choices; /* permitted words as argument of the option, ended by NULL, where
+                                   the argument must be one of certain words; NULL where it is
+                                   anything else */
     unsigned commands; /* commands that accept the option: bit k is set for command number k; 0: the
                           option is used without a command */
     const char *help;

@@ -355,10 +355,10 @@ static int shape_before(shape_run *run, char *error)
 }
 
 /*
- * Compute the voltages of all results of `pzs shape`: the optimum without limits; for each pair of
- * limits the optimum, on a nonlinear structure also the optimum of the linear model, clipped least
- * squares and clipped regularised least squares with the best parameter; then the sets of voltages
- * that the scene file gives for comparison.
+ * Compute the voltages of all results of `pzs shape`. The first are the optimum without limits. For
+ * each pair of limits follow the optimum, on a nonlinear structure also the optimum of the linear
+ * model, clipped least squares, and clipped regularised least squares with the best parameter. The
+ * last are the sets of voltages that the scene file gives for comparison.
  */
 static int shape_results(shape_run *run, const options *options, char *error)
 {
@@ -415,9 +415,9 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Compute the numbers to which the plausibility warnings on the target refer: size of the target,
- * and error, largest voltage and linearly dependent amplifiers of the optimal voltages within the
- * first of the voltage limits that the user asks for.
+ * Compute the numbers to which the plausibility warnings on the target refer: the size of the
+ * target, and properties of the optimal voltages (error, largest voltage, linearly dependent
+ * amplifiers). These voltages are inside the first of the voltage limits that the user asks for.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {
@@ -719,10 +719,10 @@ static int is_damped(const analysis *analysis, char *reason)
 }
 
 /*
- * Write the end of the error message about an unstable control loop: where the scene file names no
- * sensors, the readings of the loop are the displacements of all target nodes.
+ * Write the end of the error message about an unstable control loop. If the scene file names no
+ * sensors, it says that the readings of the loop are the displacements of all target nodes.
  *   text [SCENE_ERROR] out  end of the error message; empty where the scene file names sensors or
- *       has a measured influence matrix, whose outputs are the sensors
+ *                           has a measured influence matrix, whose outputs are the sensors
  */
 static void assumed_readings(const design *design, char text[SCENE_ERROR])
 {
@@ -856,8 +856,9 @@ static int certify_tables(analysis *analysis, char *error)
 }
 
 /*
- * Refuse free functions of the target (shapes that may be added to it at no cost) in the tables of
- * a device that computes the influence matrix itself. Returns 0, or -1 with error filled.
+ * Refuse a target with free functions (shapes that may be added to it at no cost) for a device that
+ * computes the influence matrix itself, because only the host takes these functions out of the
+ * matrix. Returns 0, or -1 with error filled.
  */
 static int refuse_free(const design *design, tables_image image, char *error)
 {
@@ -893,8 +894,9 @@ static int prepare_nonlinear(analysis *analysis, char *error)
 }
 
 /*
- * Refuse tables about the loaded equilibrium for a device that computes the influence matrix
- * itself. Returns 0, or -1 with error filled.
+ * Refuse the key `influence: loaded` for a device that computes the influence matrix itself,
+ * because the influence matrix at the loaded equilibrium must be computed on the host. Returns 0,
+ * or -1 with error filled.
  */
 static int refuse_loaded(const design *design, char *error)
 {

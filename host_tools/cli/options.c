@@ -147,7 +147,7 @@ static int take_limit(options *options, const char *value)
     return 0;
 }
 
-/* Read a number of samples a second, above 0. Returns whether it is one. */
+/* Read a number of samples a second. Returns whether the text is a finite number above 0. */
 static bool take_rate(const char *value, double *rate)
 {
     char *end;
@@ -396,8 +396,9 @@ static int check_files(const options *options)
 }
 
 /*
- * Find out whether an output file is "-", standard output. Binary files and folders cannot be
- * written there, and a second text would be mixed with it. Returns 0, or an exit code.
+ * Find out whether an output file is "-", which stands for standard output. Refused are binary
+ * files, folders, and a second text (the results as JSON) on standard output. Returns 0, or an exit
+ * code.
  */
 static int check_stdout(options *options)
 {

@@ -263,8 +263,8 @@ static sparse_facts print_image(const analysis *analysis, tables_image image, co
 }
 
 /*
- * Return a copy of an analysis with the option that leaves out of its tables what a device can
- * compute from the nodes.
+ * Return a copy of an analysis for tables in the compact form (option --compact), which leaves out
+ * what a device can compute from the nodes.
  */
 static analysis compact_analysis(const analysis *from)
 {

@@ -12,18 +12,19 @@
 /* Results of the command `pzs shape`. */
 typedef struct shape_run {
     analysis *analysis;
-    voltages *results;   /* [count] results, each of which consists of voltages and the shape that
-                            they reach: first the voltages with the smallest shape error without
-                            limits; then, for each pair of voltage limits that the user asks for,
-                            those with the smallest shape error (on a nonlinear structure also those
-                            of the linear model), clipped least squares, and regularised clipped
-                            least squares; then the voltages that the scene file gives for
-                            comparison */
+    /*
+     * [count] results, each with voltages and the shape that they reach. The first has the smallest
+     * shape error without limits. For each pair of voltage limits that the user asks for follow the
+     * voltages with the smallest shape error (on a nonlinear structure also those of the linear
+     * model), clipped least squares, and regularised clipped least squares. The last are the
+     * voltages that the scene file gives for comparison
+     */
+    voltages *results;
     voltages before;     /* displacements and shape error with all voltages zero */
     int count, compared; /* number of sets of voltages in `results`; index of the first set that the
                             scene file gives for comparison */
-    modes modes; /* shape errors for each shape of the target, where the scene file lists several
-                    shapes for which the voltages are optimised one by one; otherwise empty */
+    modes modes; /* shape errors for each single shape, if the target is a list of shapes for which
+                    the voltages are optimised one by one; otherwise empty */
 } shape_run;
 
 /*

@@ -25,8 +25,9 @@ void print_matrix_modes(const design *design)
 }
 
 /*
- * Write, as members of a JSON object, which shares of the sum of squares of the influence matrix's
- * entries the static responses of the measured vibration modes explain.
+ * Write how much of the influence matrix the static responses of the measured vibration modes
+ * explain, as members of a JSON object: the part of the sum of squares of the entries, for all
+ * modes together and for each mode.
  */
 static void json_modes(json *json, const design *design)
 {

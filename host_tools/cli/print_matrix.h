@@ -6,16 +6,16 @@
 #include "../model/analysis.h"
 
 /*
- * Print the size, the rank and the singular values of the measured influence matrix of a scene, and
- * the shares of the sum of squares of its entries that the static responses of the measured
- * vibration modes explain.
+ * Print size, rank and singular values of the measured influence matrix of a scene. Then print
+ * which part of the sum of squares of its entries the static responses of the measured vibration
+ * modes explain.
  */
 void print_matrix(const analysis *analysis);
 
 /*
- * Print which shares of the sum of squares of a measured influence matrix's entries the static
- * responses of the scene's measured vibration modes explain; nothing where the scene has no
- * measured vibration modes.
+ * Print how much of a measured influence matrix the static responses of the scene's measured
+ * vibration modes explain, as parts of the sum of squares of its entries; nothing where the scene
+ * has no measured vibration modes.
  */
 void print_matrix_modes(const design *design);
 

@@ -10,8 +10,8 @@
 #include "../text/json.h"
 
 typedef struct work_report {
-    bool is_made;      /* true where the scene has a controller with a target; otherwise all other
-                          members are unset */
+    bool is_made;      /* true where the scene has a controller with a target; otherwise the other
+                          members of the report are unset */
     uint64_t limit;    /* limit of the optimiser's work in one control tick (multiply-adds) */
     uint64_t measured; /* work of the optimiser in the longest simulated control tick
                           (multiply-adds) */
@@ -28,13 +28,14 @@ typedef struct work_report {
 /*
  * Compute upper bounds of the number of processor instructions of a control tick.
  *   analysis in  analysis of a scene, with computed influence matrix, and after the stability tests
- *   of the control loop
+ *                of the control loop
  */
 void work_report_make(work_report *report, const analysis *analysis);
 
 /*
- * Search for the longest of many control ticks with targets that jump, which takes minutes with a
- * thousand amplifiers, and store its work in a report that work_report_make has filled.
+ * Search for the control tick with the largest work of the optimiser among many simulated ticks
+ * with targets that jump, and store this work in a report that work_report_make has filled. The
+ * search takes minutes with a thousand amplifiers.
  */
 void work_report_search(work_report *report, const analysis *analysis);
 

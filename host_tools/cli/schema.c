@@ -123,8 +123,8 @@ static bool is_required(const field *field, const form_case *one)
 }
 
 /*
- * Write to the JSON schema which words are permitted as value of a key of the scene file. In a
- * permitted combination of keys, the entry of the key lists these words separated by '/'.
+ * Write to the JSON schema which words are permitted as value of a key, if a permitted combination
+ * of keys states them: its entry of the key lists these words separated by '/'.
  */
 static void write_item_words(json *json, const case_item *item)
 {

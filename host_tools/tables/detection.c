@@ -11,16 +11,16 @@
 #include "../text/append.h"
 
 /*
- * Smallest ratio of the response to a test pulse to the standard deviation of its noise. A dead
- * electrode has a gain of 0, and is held if its gain is below 0.35 of that of a healthy one: six
- * standard deviations must lie between.
+ * Smallest response to a test pulse, relative to the standard deviation of its noise, at which a
+ * fault is found reliably. A dead electrode has a gain of 0 and counts as faulty if its measured
+ * gain is below 0.35 of that of a healthy one. The threshold 0.35 must be at least six standard
+ * deviations of the noise.
  */
 static const double least_ratio = 6 / 0.35;
 
 /*
- * Return the ratio of the response of all sensors to the test pulse of an electrode to the standard
- * deviation that the noise of the readings causes in the evaluation of the pulse; infinite without
- * noise.
+ * Return the response of all sensors to the test pulse of an electrode, divided by the standard
+ * deviation that the noise of the readings causes in this response; infinite without noise.
  */
 static double ratio_of(const wiring_test *test, const double *direct, size_t electrode)
 {
@@ -42,11 +42,11 @@ static double ratio_of(const wiring_test *test, const double *direct, size_t ele
 }
 
 /*
- * Find out on which electrodes the fault detector can find a fault. The result holds, for each
- * electrode, why a fault cannot be found; the number of electrodes where it can; and the smallest
- * ratio of response to noise, with its electrode.
+ * Find out on which electrodes the fault detector can find a fault. The result holds the reason for
+ * each electrode on which it cannot, the number of electrodes on which it can, and the electrode
+ * with the smallest ratio of response to noise.
  *   state [electrodes] in  state of each electrode in the fault detector when its loop begins, a
- *       value of pzs_electrode_state
+ *                          value of pzs_electrode_state
  */
 static void judge(detection *detection, const wiring_test *test, const double *direct,
                   const uint8_t *state)

@@ -21,17 +21,17 @@ typedef enum detection_doubt {
 } detection_doubt;
 
 typedef struct detection {
-    bool is_used;   /* true where the loop of the scene contains this fault detector; otherwise all
-                       other members are zero */
+    bool is_used;   /* true where the loop of the scene contains a fault detector with test pulses;
+                       otherwise all other members of this struct are zero */
     int electrodes; /* number of electrodes */
-    int detectable; /* number of electrodes of which a fault can be found */
+    int detectable; /* number of electrodes on which the detector can find a fault */
     int sensors;    /* number of sensors */
     int ticks;      /* duration of a test pulse (ticks) */
-    int weakest;  /* index of that electrode, among those the sensors can tell from others, with the
-                     smallest ratio of response to noise */
-    double ratio; /* smallest ratio, over the electrodes the sensors can tell from others, of the
-                     response to a test pulse to the standard deviation that the noise of the
-                     readings causes (1); infinite without noise, 0 without such electrodes */
+    int weakest;  /* index of the electrode whose response to its test pulse is the weakest relative
+                     to noise, among the electrodes that the sensors can tell from others */
+    double ratio; /* response to its test pulse of the electrode with the weakest response, divided
+                     by the standard deviation that the noise of the readings causes (1); infinite
+                     without noise, 0 if the sensors can tell no electrode from others */
     detection_doubt *doubt; /* [electrodes] whether a fault of each electrode can be found, and if
                                not, why */
 } detection;

@@ -12,8 +12,8 @@
 typedef struct emitter {
     FILE *file;
     const char *prefix;
-    char upper[64]; /* the member `prefix`, with which all names in the generated tables begin, in
-                       capital letters; names of macros begin with it */
+    char upper[64]; /* start of the names of macros in the generated tables: the member `prefix`,
+                       with which all other names begin, in capital letters */
     uint32_t crc32; /* checksum of the data written so far, with reals rounded to single precision
                      */
     size_t reals, bytes; /* size of the data written so far: number of reals, and bytes of other

@@ -227,13 +227,13 @@ static double reachable_rms(const design *design)
 
 /*
  * Tables of the supervisor, the block (stage of the tick) that monitors the control loop. A tick is
- * implausible if the shape deviates from the target by more than three causes explain: a sudden
- * load that changes the shape by 0.3 of the root mean square target, or as the loads of the scene
- * do where these move the shape more; noise of at least 0.005 of the root mean square target; and
- * changes of the target, whose effect decays by a factor of e in two periods of the first vibration
- * mode (in 50 ticks without a vibration model). Where the target is zero, the displacements under
- * half the voltage range count in its place. The alarm threshold of the counter of implausible
- * ticks is one period, at least 20 ticks.
+ * implausible if the measured shape deviates from the predicted one by more than three causes
+ * explain. The first is a sudden load, which changes the shape by 0.3 of the root mean square
+ * target, or as the loads of the scene do if these change it more. The second is noise of at least
+ * 0.005 of the root mean square target. The third are changes of the target, whose effect decays by
+ * a factor of e in two periods of the first vibration mode (in 50 ticks without a vibration model).
+ * Where the target is zero, the displacements under half the voltage range count in its place. The
+ * alarm threshold of the counter of implausible ticks is one period, at least 20 ticks.
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -634,8 +634,9 @@ static int count_readings(const loop_blocks *blocks)
 }
 
 /*
- * Return the largest number of plays (elements with backlash) of the hysteresis compensation whose
- * backlash lies within the largest change of a voltage in one tick.
+ * Return the largest number of plays (elements with backlash) of the hysteresis compensation that
+ * can begin to move, or change their direction, in one tick: their backlashes differ by at most the
+ * largest change of a voltage in a tick.
  */
 static size_t near_plays(const loop_blocks *blocks)
 {
@@ -715,7 +716,7 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
 
 /*
  * Return an upper bound of the processor instructions of one tick in which the loop controls the
- * voltages, and not of a tick of the self-test before.
+ * voltages. A tick of the self-test, which runs before, may take more instructions.
  */
 static double tick_bound(const loop_blocks *blocks, const block_counts *of,
                          const loop_processor *on)
@@ -744,9 +745,10 @@ static uint64_t usual_work(const pzs_problem *problem)
 }
 
 /*
- * Limit of the optimiser's work in one tick (multiply-adds) with which all blocks (stages) of the
- * tick together keep the time that the clock and the tick rate of the scene leave to a tick; at
- * least the smallest useful limit; 0 (default of the library) where the scene does not state both.
+ * Return the limit of the optimiser's work in one tick (multiply-adds) with which all blocks
+ * (stages) of the tick together take no longer than a tick, by the clock and the tick rate of the
+ * scene. The limit is at least the smallest useful one; it is 0 (default of the library) where the
+ * scene does not state both clock and tick rate.
  */
 static uint64_t work_limit(const loop_blocks *blocks)
 {

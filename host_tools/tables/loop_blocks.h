@@ -55,8 +55,8 @@ typedef struct loop_bounds {
 } loop_bounds;
 
 /*
- * Everything that the list of the blocks of a control loop refers to. A struct of this type must
- * not be moved in memory.
+ * Everything to which the list of the blocks of a control loop refers by pointers. A struct of this
+ * type must therefore not be moved in memory.
  */
 typedef struct loop_parts {
     estimator estimator;

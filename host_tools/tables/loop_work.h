@@ -31,8 +31,11 @@ typedef struct block_counts {
     size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
                                    (ticks); damper_delay: age that the stage of the tick that damps
                                    vibration assumes (ticks) */
-    size_t near_plays;   /* largest number of plays (elements with backlash) that begin to move, or
-                            change their direction, within one step limit */
+    /*
+     * largest number of plays (elements with backlash) of the hysteresis compensation that begin to
+     * move, or change their direction, when a voltage changes by its step limit
+     */
+    size_t near_plays;
     bool is_damped;      /* whether a control tick has a block (stage) that damps vibration */
     bool detects_faults; /* whether a control tick has a block (stage) that detects faults of
                             electrodes */
@@ -55,9 +58,11 @@ typedef struct loop_processor {
     double sparse;    /* number of instructions for each entry in a product of sparse rows and
                          vector, with more inputs than PRODUCT_LONG_ROW */
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
-    double other; /* instructions of program loops that are neither products of matrix and vector
-                     nor the optimiser: ratio of their number on this processor to that on a
-                     Cortex-M4F */
+    /*
+     * ratio between the instructions of this processor and those of a Cortex-M4F (1), for program
+     * loops that are neither products of matrix and vector nor the optimiser
+     */
+    double other;
 } loop_processor;
 
 /*

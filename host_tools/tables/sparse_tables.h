@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Influence matrix in the tables of a scene with a measured matrix: as sparse rows where many
- * entries are zero, so that this pays, else as a full matrix.
+ * Form of a measured influence matrix in the tables of a scene: sparse rows if so many entries are
+ * zero that these save instructions and memory, else a full matrix.
  */
 #ifndef SPARSE_TABLES_H
 #define SPARSE_TABLES_H
@@ -9,22 +9,23 @@
 #include "../model/design.h"
 
 /*
- * Number of entries of an influence matrix for each nonzero one from which sparse rows pay. In a
- * product with a vector each entry of sparse rows takes about eight times the instructions of an
- * entry of a full matrix (8 to 16 against 1.4 to 4 on a Cortex-M4F), and 1.5 times its flash
- * memory.
+ * Smallest ratio of all entries of an influence matrix to its nonzero entries from which sparse
+ * rows pay. In a product with a vector each entry of sparse rows takes about eight times the
+ * instructions of an entry of a full matrix (8 to 16 against 1.4 to 4 on a Cortex-M4F), and 1.5
+ * times its flash memory.
  */
 #define SPARSE_PAYS 8u
 
 typedef struct sparse_facts {
-    size_t entries, all;   /* number of entries of a measured influence matrix that are not zero,
-                              and of all its entries; entries is 0 for other matrices */
+    size_t entries, all; /* entries: number of nonzero entries of a measured influence matrix, 0 for
+                            a computed one; all: number of all entries */
     bool are_entries_read; /* true where a block (stage) of the control tick reads single entries of
                               the influence matrix, for which it must be a full matrix */
     bool is_used;          /* true where the tables hold the influence matrix as sparse rows */
-    size_t full_reals;     /* size of the full matrix in the tables: number of reals */
-    size_t reals, bytes;   /* size of the sparse rows in the tables: number of reals, and bytes of
-                              indices */
+    size_t full_reals;     /* size that the full matrix has, or would have, in the tables: number of
+                              reals */
+    size_t reals, bytes; /* size that the sparse rows have, or would have, in the tables: number of
+                            reals, and bytes of indices */
 } sparse_facts;
 
 /*

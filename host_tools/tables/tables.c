@@ -69,7 +69,10 @@ static void write_element_types(emitter *emitter, const mesh *mesh)
     fputs("\n};\n", emitter->file);
 }
 
-/* Write an array of reals as a value in braces, and count it. */
+/*
+ * Write an array of reals as a value in braces, and add it to the size and the checksum of the
+ * tables.
+ */
 static void write_group(emitter *emitter, const double *value, int count)
 {
     emit_nested(emitter->file, value, &count, 1);
@@ -77,7 +80,7 @@ static void write_group(emitter *emitter, const double *value, int count)
     emit_count_reals(emitter, value, (size_t)count);
 }
 
-/* Write a real, and count it. */
+/* Write a real, and add it to the size and the checksum of the tables. */
 static void write_single(emitter *emitter, double value)
 {
     fputs("PZS_R(", emitter->file);
@@ -198,9 +201,9 @@ static pzs_structure controlled(const analysis *analysis)
 }
 
 /*
- * Return the structure that the tables contain. Where the option --compact is given, the structure
- * has no stiffness matrices of the elements, and element types without the numbers that a device
- * computes from the nodes, if the mesh has such types.
+ * Return the structure that the tables contain. With the option --compact it has no stiffness
+ * matrices of the elements. If nearly every element of the mesh is a type of its own, its element
+ * types then also lack the numbers that a device computes from the nodes.
  *   whole in  true: with all inputs and outputs; false: with those of the controller alone
  */
 static pzs_structure structure_of_tables(const analysis *analysis, int whole,
@@ -550,8 +553,9 @@ static int write_problem(emitter *emitter, const analysis *analysis, tables_imag
 /* ---- memory of the device --------------------------------------------- */
 
 /*
- * Bytes of workspace and stack of a firmware, computed by the macros that the firmware uses; `real`
- * is the type of pzs_real on the device.
+ * Compute the bytes of workspace and stack of a firmware by the macros that the firmware uses;
+ * `real` is the type of pzs_real on the device. A linear firmware with a controller also needs
+ * memory for the influence matrix that it computes.
  */
 #define NEED(real, k)                                                                              \
     {                                                                                              \
@@ -561,8 +565,7 @@ static int write_problem(emitter *emitter, const analysis *analysis, tables_imag
             need.work[k] +=                                                                        \
                 PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE)) +    \
                 (is_compact ? PZS_COMPACT_BYTES : 0);                                              \
-        if (image == TABLES_LINEAR && controlled) /* workspace for the influence matrix that the   \
-                                                     device computes */                            \
+        if (image == TABLES_LINEAR && controlled)                                                  \
             need.work[k] +=                                                                        \
                 sizeof(pzs_real) * (size_t)design->amplifiers * (size_t)design->targets;           \
         if (image == TABLES_NONLINEAR)                                                             \

@@ -31,8 +31,9 @@ typedef struct tables_size {
     size_t reals, bytes;
     size_t loop[2]; /* memory of the control loop on the device, in single [0] and in double [1]
                        precision (bytes); 0 where the firmware has no controller */
-    sparse_facts influence; /* entries of a measured influence matrix, and whether the tables hold
-                               it as sparse rows */
+    sparse_facts influence; /* form of the influence matrix in the tables: as full matrix or as
+                               sparse rows, with the numbers of entries from which this was decided
+                             */
 } tables_size;
 
 /*
