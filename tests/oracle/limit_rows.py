@@ -41,8 +41,10 @@ def least_distance(r, c, g, h):
     gr, d = gr * scale[:, None], d * scale
     size = max(np.abs(d).max(), 1e-300)
     u, _ = nnls(np.vstack([gr.T, d / size]), np.append(np.zeros(len(c)), 1), maxiter=100 * len(d))
-    rest = np.vstack([gr.T, d / size]) @ u - np.append(np.zeros(len(c)), 1)
-    return y + np.linalg.solve(r, -rest[:-1] / rest[-1] * size)
+    # The step -rest[:-1] / rest[-1] loses digits where rest[-1] is small: it left rows broken by 1e-8 of the voltages.
+    # The shortest step that meets the rows with a multiplier is the same step, to rounding.
+    step, _, _, _ = np.linalg.lstsq(gr[u > 0], d[u > 0], rcond=None)
+    return y + np.linalg.solve(r, step)
 
 
 def least_distance_absolute(r, c, g, h, weights, most):
