@@ -235,10 +235,10 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
  * are optimal for a target error, within all limits.
  *   error [outputs] in  target shape minus the shape at zero voltage (m)
  * The result, info.voltage, is inside every limit to the last bit. Its objective is not larger than
- * that of the last voltages clamped to the limits, and it is the optimum unless a warning says
- * otherwise, in both cases up to a rounding error of epsilon |W B|^2 |v|^2, with machine epsilon,
- * output weights W, influence matrix B and voltages v. The work is at most PZS_STEP_WORK; where the
- * work limit stops the optimiser, the next call continues. Rounding errors may require a new
+ * that of the last voltages clamped to the limits; unless a warning says otherwise, it is the
+ * optimum. Both hold up to a rounding error of epsilon |W B|^2 |v|^2, with machine epsilon, output
+ * weights W, influence matrix B and voltages v. The work is at most PZS_STEP_WORK; where the work
+ * limit stops the optimiser, the next call continues. Rounding errors may require a new
  * factorisation, which is begun at most once in a call and counts as work. Warnings:
  * PZS_W_ITERATIONS, PZS_W_STEP_LIMIT. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (the
  * voltages stay; info.where is -1 after an overflow).
@@ -249,10 +249,10 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error);
  * pzs_hold fixes the voltage of one input (V), clamped to the limits of the tables: for example 0 V
  * for a dead electrode, or the last voltage for a stuck one. pzs_release lets the controller choose
  * it again. The next call of pzs_tick or pzs_step applies the fixed voltage at once, even beyond
- * the step limit (warning PZS_W_STEP_LIMIT). Where sums of voltages are limited, an input that is
- * fixed away from its last voltage goes there together with all others, on the straight way to the
- * safe voltages of pzs_limit_rows, within step limits and limits of sums (warning
- * PZS_W_LIMIT_ROWS). Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
+ * the step limit (warning PZS_W_STEP_LIMIT). Where sums of voltages are limited, a fixed input goes
+ * to its voltage together with all others, on the straight way to the safe voltages of
+ * pzs_limit_rows. This way stays within step limits and limits of sums (warning PZS_W_LIMIT_ROWS).
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage);
 pzs_status pzs_release(pzs_control *control, uint16_t input);

@@ -26,9 +26,9 @@ struct pzs_sparse_calls;
 #define PZS_DUAL_METHOD(inputs) ((size_t)(inputs) >= PZS_DUAL_INPUTS ? &pzs_dual_method : NULL)
 
 /*
- * Number of pivot exchanges (moves of an input between the set of free voltages and the set of
- * voltages kept at a bound) that the optimiser collects before it applies them together to its
- * matrix, the tableau (pivoted Hessian).
+ * Number of pivot exchanges that the optimiser collects before it applies them together to its
+ * matrix, the tableau (pivoted Hessian). A pivot exchange moves an input between the set of free
+ * voltages and the set of voltages kept at a bound.
  */
 #define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
 

@@ -191,8 +191,8 @@ typedef struct pzs_loop {
     (8u + 0u * (size_t)(blocks) + PZS_ALIGNED(5u * (size_t)(inputs) * sizeof(pzs_real)))
 
 /*
- * Check the list of the blocks of a control loop, the stages of its tick, with their tables, and
- * initialise the loop in the workspace.
+ * Check the list of the blocks of a control loop, which are the stages of its tick, and their
+ * tables. Then initialise the loop in the workspace.
  *   blocks [count]              in  list in the order of the phases, each type at most once; the
  *                                   list and the tables must outlive the loop
  *   influence [outputs][inputs] in  influence matrix computed on the device (m/V); NULL: that of
@@ -637,9 +637,9 @@ typedef struct pzs_vibration {
     const pzs_real *modal; /* [modes][inputs] static coordinate of each vibration mode per volt on
                               each input (m/V) */
     /*
-     * [4][modes] four entries 11, 12, 21, 22 of the 2 x 2 matrix of each vibration mode that
-     * advances, by one tick, the deviation of its coordinate from static equilibrium and its
-     * velocity divided by the angular frequency (1)
+     * [4][modes] entries 11, 12, 21, 22 of a 2 x 2 matrix for each vibration mode (1). By one tick
+     * the matrix advances a pair of numbers: the deviation of the modal coordinate from static
+     * equilibrium, and the modal velocity divided by the angular frequency
      */
     const pzs_real *turn;
     const pzs_real *observer; /* [3][modes][modes] observer gains, which correct the state of the
@@ -996,13 +996,15 @@ typedef struct pzs_compensator {
 
 /*
  * Compensation of hysteresis and creep by two blocks (stages of the control tick) that share their
- * tables. The effect block, in PZS_PHASE_READINGS and the first one of a list, replaces the
- * voltages of the last tick by their effects (the voltages that electrodes without hysteresis would
- * need), and the limits by the effects at the ends of the range of this tick. The following blocks
- * observe and choose effects. The inverse block, the first one of PZS_PHASE_VOLTAGE, restores the
- * voltages that have the chosen effects. Voltages thus stay inside voltage limits and step limits
- * to the last bit, and are optimal for the range of effects in this tick. While the target or all
- * readings are missing, the effects are kept, and the voltages follow the creep.
+ * tables. The effect of a voltage is the voltage that an electrode without hysteresis would need.
+ *
+ * The effect block, in PZS_PHASE_READINGS and the first one of a list, replaces the voltages of the
+ * last tick by their effects. It replaces the limits by the effects at the ends of the range of
+ * this tick. The following blocks observe and choose effects. The inverse block, the first one of
+ * PZS_PHASE_VOLTAGE, restores the voltages that have the chosen effects. Voltages thus stay inside
+ * voltage limits and step limits to the last bit, and are optimal for the range of effects in this
+ * tick. While the target or all readings are missing, the effects are kept, and the voltages follow
+ * the creep.
  *
  * The influence matrix is the displacement per volt of effect. The state of hysteresis of an
  * electrode cannot be measured; a wrong state is forgotten after the next large change of voltage.
@@ -1125,12 +1127,12 @@ typedef struct pzs_fault_detector {
  *   control in/out  an initialised controller, which must outlive the detector
  *   delay   in      age of the measured shapes (ticks), at most PZS_DELAY_LIMIT
  *   work    in      memory of the caller, aligned for pzs_real, at least PZS_FAULT_DETECTOR_BYTES
- * With a delay, the measured shape that is passed to pzs_tick and to pzs_fault_detector_tick must
- * be corrected for it: the shape measured `delay` ticks ago, plus the shape predicted for the
- * present voltages, minus the shape predicted for the voltages at the time of the measurement. In
- * both predictions an electrode that pzs_hold keeps at a voltage has that voltage. Errors:
- * PZS_E_ARGUMENT (also where sums of voltages are limited, because a test signal could violate such
- * a limit), PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
+ * If `delay` is not 0, the measured shape that is passed to pzs_tick and to pzs_fault_detector_tick
+ * must be corrected. Add to the shape measured `delay` ticks ago the difference of two predicted
+ * shapes: that for the present voltages, minus that for the voltages at the time of the
+ * measurement. In both predictions an electrode that pzs_hold keeps at a voltage has that voltage.
+ * Errors: PZS_E_ARGUMENT (also where sums of voltages are limited, because a test signal could
+ * violate such a limit), PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
  */
 pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *control,
                                    uint16_t delay, void *work, size_t bytes);

@@ -802,9 +802,9 @@ static int warn_of_target(analysis *analysis, char *error)
 }
 
 /*
- * Add a warning where the control loop is stable, but would be unstable if the sensor readings were
- * one tick older than the scene file states, or where the target is so large that the linear
- * vibration model may be wrong.
+ * Add a warning about a stable control loop in two cases: the loop would be unstable if the sensor
+ * readings were one tick older than the scene file states, or the target is so large that the
+ * linear vibration model may be wrong.
  */
 static void warn_of_loop(analysis *analysis)
 {

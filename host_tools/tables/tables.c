@@ -516,9 +516,10 @@ static void write_voltage_problem(emitter *emitter, const design *design,
 
 /*
  * Write the voltage optimisation problem and its target.
- *   blocks in  blocks (stages) of the control tick, with the problem to be written and the limit of
- *              the optimiser's work in a tick
- *   facts  out entries of a measured influence matrix, for the control image
+ *   blocks in   blocks (stages) of the control tick, with the problem to be written and the
+ *               limit of the optimiser's work in a tick
+ *   facts  out  form of the influence matrix in the tables: full matrix or sparse rows, with the
+ *               numbers of entries from which this was decided; for the control image
  * Returns 0, or -1 where memory runs out.
  */
 static int write_problem(emitter *emitter, const analysis *analysis, tables_image image,

@@ -58,12 +58,13 @@ static void add_forces(const rows_run *run, pzs_real *force)
 }
 
 /*
- * Return by how much input i violates the optimality (KKT) conditions because its voltage, which is
- * 0 V, could get the other sign (m2/V); positive where the change of sign lowers the objective.
- * With the sign s = 1 or -1 of the input, its gradient g without the limits of sums of absolute
- * values, and their contribution f, a step from 0 V in the direction s changes the objective at the
- * rate s g + f, which is s times the reduced gradient; a step in the direction -s changes it at the
- * rate -s g + f. The function returns the negative of the latter.
+ * Return by how much input i, whose voltage is 0 V in a sum of absolute values, violates the
+ * optimality (KKT) conditions because its voltage could get the other sign (m2/V). The result is
+ * positive if the change of sign lowers the objective. Let s = 1 or -1 be the present sign, g the
+ * gradient without the limits of sums of absolute values, and f their contribution. A step from 0 V
+ * in the direction s changes the objective at the rate s g + f, which is s times the reduced
+ * gradient. A step in the direction -s changes it at the rate -s g + f; the function returns the
+ * negative of this rate.
  *   reduced in  gradient of the input minus the contributions of all active limits of sums (m2/V)
  *   force   in  contribution of the active limits of sums of absolute values to the gradient (m2/V)
  */

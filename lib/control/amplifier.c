@@ -50,9 +50,9 @@ static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
 }
 
 /*
- * Return the voltage of input j plus the parts of earlier voltage changes that its amplifier has
- * not made because of converter steps and dead band, clamped to the step limit around the voltage
- * `present` and to the voltage limits (V).
+ * Return the voltage of input j plus those parts of earlier voltage changes that its amplifier has
+ * not made because of converter steps and dead band (V). The sum is clamped to the step limit
+ * around the voltage `present` and to the voltage limits.
  */
 static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_real present)
 {

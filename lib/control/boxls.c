@@ -91,9 +91,9 @@
  */
 #define ROUNDING_FACTOR 4
 /*
- * Factor by which the gradient of the objective with respect to a free voltage may exceed its
- * rounding-error bound at the optimum, if this raises the objective by less than the machine
- * epsilon times the scale of the objective.
+ * Factor by which the gradient with respect to a free voltage may exceed its rounding-error bound
+ * at the optimum. The excess must raise the objective by less than the machine epsilon times the
+ * scale of the objective.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*

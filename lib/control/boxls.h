@@ -47,8 +47,9 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
  * Compute the search direction from gradient and tableau (pivoted Hessian), and the voltages after
  * a full step along it.
  *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
- * Returns the number of free inputs that would exceed a bound plus the number of active inputs
- * (whose voltages are kept) that would violate the optimality conditions after the step.
+ * Returns 0 if the full step can be made. Otherwise returns the number of inputs that prevent it:
+ * free inputs that would exceed a bound, and active inputs (whose voltages are kept) that would
+ * violate the optimality conditions after the step.
  */
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 

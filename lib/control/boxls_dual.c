@@ -44,8 +44,8 @@
 
 /*
  * The dual active-set method chooses its active set anew if at least one in this number of inputs
- * is free with its voltage outside its bounds, or active (kept at a bound) with a multiplier of the
- * wrong sign.
+ * is wrong: free with its voltage outside its bounds, or active (kept at a bound) with a multiplier
+ * of the wrong sign.
  */
 #define WRONG_PART 3u
 /*
@@ -439,7 +439,7 @@ static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 
 /*
  * Compute how the multipliers of the active inputs (voltages at a bound) and all voltages respond
- * to the multiplier of free input i. The results are in work arrays; the Cholesky factor is that of
+ * to the multiplier of free input i. The results are in work arrays. The Cholesky factor is that of
  * the inverse Hessian restricted to the active inputs.
  *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor
  *   CHANGE   [active_count] out  change of the multipliers of the active inputs (1)

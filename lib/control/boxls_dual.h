@@ -51,11 +51,11 @@ bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
  * inputs at their bounds.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
  * Before the call the array `direction` of the optimiser holds the product of the tableau (pivoted
- * Hessian) with the gradient of the free inputs; afterwards it holds the step of the free inputs
+ * Hessian) with the gradient of the free inputs. Afterwards it holds the step of the free inputs
  * and the multipliers of the active ones. The array next_voltage receives the voltages after the
- * step, and `scratch` their differences from the base voltages, around which the gradient is
- * computed. Returns the number of inputs that would be outside their bounds or have a multiplier of
- * the wrong sign.
+ * step. The array `scratch` receives their differences from the base voltages, around which the
+ * gradient is computed. Returns the number of inputs that would be outside their bounds or have a
+ * multiplier of the wrong sign.
  */
 uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding);
 

@@ -222,8 +222,8 @@ static uint32_t first_violated(const pzs_limit_rows *rows, const pzs_real *insid
 }
 
 /*
- * Return the fraction (0 to 1) of the straight line from the voltages `inside` to `voltage` at
- * which the sum of limit row k (limit of a sum of voltages) leaves its limits, narrowed by the
+ * Return where the straight line from the voltages `inside` to `voltage` leaves the limits of row k
+ * (limit of a sum of voltages), as a fraction of the line (0 to 1). The limits are narrowed by the
  * margin for rounding errors.
  */
 static pzs_real part_inside(const pzs_problem *problem, uint32_t k, const pzs_real *inside,

@@ -25,8 +25,8 @@ uint32_t pzs_output_limit_sum(const pzs_problem *problem);
  * Correct voltages that may not be applied to the amplifiers, and fill the array gate->frame with
  * all voltages.
  *   voltage [inputs] in/out  voltages of the controller (V)
- *   limit_sum        in      checksum of the limits when the tables of the controller were last
- *                            known to be intact
+ *   limit_sum        in      checksum of the limits, computed when the tables of the
+ *                            controller were last known to be intact
  *   where            out     first corrected input, or -1
  * A voltage is clamped to the step limit around the last voltage and to the voltage limits, which
  * take precedence. An input that pzs_hold keeps at a fixed voltage is exempt from the step limit. A

@@ -214,9 +214,9 @@ static pzs_real square(pzs_real number)
  */
 #define GROWTH PZS_R(4)
 /*
- * Where the loop compensates hysteresis, test pulses have the larger height from the beginning if
- * the identified model of hysteresis predicts that a pulse of normal height moves one of both
- * electrodes by less than this part of what it would move without hysteresis.
+ * Where the loop compensates hysteresis, test pulses are high from the beginning if normal ones
+ * would hardly move one of both electrodes: by the identified model of hysteresis, a pulse of
+ * normal height would move it by less than this part of what it would move without hysteresis.
  */
 #define WEAK_PULSE PZS_R(0.25)
 
@@ -502,9 +502,9 @@ static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs
 }
 
 /*
- * Whether, by the identified model of hysteresis, a test pulse of normal height would hardly move
- * one of the electrodes under test, because the ceramic follows a small change after a reversal of
- * the voltage only in part.
+ * Whether a test pulse of normal height would hardly move one of the electrodes under test, by the
+ * identified model of hysteresis. After a reversal of the voltage the ceramic follows a small
+ * change only in part.
  */
 static bool is_pulse_weak(const pzs_pulse_detector_state *state)
 {
@@ -801,9 +801,9 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
 }
 
 /*
- * Compute the scalar products of the scaled readings [sensors] that the model predicts for a
- * voltage of 1 V on electrode `suspect` with those that it predicts for 1 V on each electrode
- * (1/V2), in the array `resolved` [inputs].
+ * Compute, for each electrode, a scalar product of two vectors of scaled readings that the model
+ * predicts (1/V2): for 1 V on this electrode, and for 1 V on electrode `suspect`. The results are
+ * in the array `resolved` [inputs].
  */
 static void compare_shapes(pzs_pulse_detector_state *state, uint32_t suspect)
 {

@@ -53,9 +53,9 @@ typedef struct pulse_fit {
 } pulse_fit;
 
 /*
- * Set column[COLUMNS] to the responses of sensor i that the model predicts to the test pulse of the
- * suspected electrode, to that of the reference electrode (a healthy one), and to the voltages of
- * all others, times the scale of the sensor (1).
+ * Set column[COLUMNS] to the responses of sensor i that the model predicts, times the scale of the
+ * sensor (1): to the test pulse of the suspected electrode, to that of the reference electrode (a
+ * healthy one), and to the voltages of all others.
  */
 static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
                             pzs_real column[COLUMNS])

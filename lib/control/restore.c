@@ -182,9 +182,9 @@ static void reset_tableaux(pzs_control *control)
 }
 
 /*
- * Compare the next row of the optimiser's Hessian with the tables, and set the padding (entries
- * beyond the number of inputs) of a part of all matrix rows and vectors to zero, so that all of it
- * is zero after as many ticks as there are inputs. If the row was damaged and repaired, the padding
+ * Compare the next row of the optimiser's Hessian with the tables. Then set the padding (entries
+ * beyond the number of inputs) of a part of all matrix rows and vectors to zero; after as many
+ * ticks as there are inputs all padding is zero. If the row was damaged and repaired, the padding
  * of all rows is set at once. After a repair, or after the last row, compute the numbers of the
  * optimiser again that depend on the whole Hessian.
  */

@@ -103,9 +103,9 @@
  */
 #define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
 /*
- * The voltages are accepted as optimal if further iterations no longer reduce the duality gap and
- * the objective exceeds a lower bound of its minimum by no more than this fraction of
- * target_energy, the scale of the objective.
+ * Weaker bound for accepting voltages as optimal, used if further iterations no longer reduce the
+ * duality gap: the objective then exceeds a lower bound of its minimum by no more than this
+ * fraction of target_energy, the scale of the objective.
  */
 #define LOOSE_GAP (PZS_BY_BITS(100, 5) * GAP)
 /*
@@ -246,8 +246,8 @@ static uint32_t next_pivot(const rows_run *run)
 
 /*
  * Estimate the rounding error of the pivots in the dual active-set method from the largest absolute
- * diagonal entry of the optimiser's tableau (matrix that gives changes of voltages and limited sums
- * from changes of the multipliers of their limits).
+ * diagonal entry of the optimiser's tableau. The tableau is the matrix that gives changes of
+ * voltages and limited sums from changes of the multipliers of their limits.
  */
 static void measure_pivots(const rows_run *run)
 {
@@ -712,9 +712,9 @@ static bool choose_signs(const rows_run *run, bool may_cross)
 }
 
 /*
- * Make the step to the minimum over the free quantities (voltages and limited sums) and the
- * iterations of the dual active-set method, and take the voltages that they reach, as far as these
- * are inside the limits of all voltages and of all sums.
+ * Make the iterations of a round: the step to the minimum over the free quantities (voltages and
+ * limited sums), then the iterations of the dual active-set method. The voltages that they reach
+ * are taken as far as they are inside the limits of all voltages and of all sums.
  */
 static void run_round(const rows_run *run)
 {

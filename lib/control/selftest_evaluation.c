@@ -65,10 +65,10 @@
 #define SWAP_GAIN PZS_R(4)
 #define SWAP_NOISE PZS_R(9)
 /*
- * Two amplifiers, or two sensors, are so similar that exchanged cables cannot be noticed if the
- * squared sine of the angle between their modelled responses is less than SIMILAR times the
- * expected sum of squares of the noise in a response, divided by the sum of squares of the modelled
- * response, plus SAME_DIRECTION.
+ * Bound below which two amplifiers, or two sensors, are so similar that exchanged cables cannot be
+ * noticed. The squared sine of the angle between their modelled responses is compared with SIMILAR
+ * * N / M + SAME_DIRECTION. N is the expected sum of squares of the noise in a response, M the sum
+ * of squares of the modelled response.
  */
 #define SIMILAR PZS_R(36)
 #define SAME_DIRECTION PZS_R(1e-4)

@@ -432,9 +432,9 @@ static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, 
 
 /*
  * Compute the static shape under the present voltages and loads, if the sensors measure the shape
- * itself: predicted shape, plus the shape of the vibration modes in static equilibrium under the
- * loads, plus the low-passed residuals, the part of the readings that the vibration modes do not
- * explain.
+ * itself. It is the sum of three parts: the predicted shape, the shape of the vibration modes in
+ * static equilibrium under the loads, and the low-passed residuals. Residuals are the part of the
+ * readings that the vibration modes do not explain.
  *   shape [outputs] out  static shape (m)
  */
 static void measured_shape(pzs_damper *damper, pzs_real *shape)
@@ -450,10 +450,10 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
 }
 
 /*
- * Compute the static shape under the present voltages and loads from few sensors: predicted shape,
- * plus the shape of the vibration modes in static equilibrium under the loads, plus the gain matrix
- * of the shape estimator times the residuals, the part of the readings that the vibration modes do
- * not explain.
+ * Compute the static shape under the present voltages and loads from few sensors. It is the sum of
+ * three parts: the predicted shape, the shape of the vibration modes in static equilibrium under
+ * the loads, and the gain matrix of the shape estimator times the residuals. Residuals are the part
+ * of the readings that the vibration modes do not explain.
  *   shape [outputs] out  static shape (m)
  */
 static void estimated_shape(pzs_damper *damper, pzs_real *shape)

@@ -81,9 +81,9 @@ typedef struct linalg_inertia {
 
 /*
  * Factor a matrix as L D L^T in place, with unit lower triangular L and without pivoting. A pivot
- * counts as zero and ends the factorisation if its absolute value is at most min(n epsilon, 2^-23)
- * times its diagonal entry before the elimination, with n rows and the machine epsilon, or if its
- * reciprocal is not finite.
+ * that counts as zero ends the factorisation. It counts as zero if its absolute value is at most
+ * min(n epsilon, 2^-23) times its diagonal entry before the elimination, with n rows and the
+ * machine epsilon. It also does if its reciprocal is not finite.
  */
 linalg_inertia pzs_linalg_factor(pzs_envelope *matrix);
 

@@ -234,9 +234,9 @@ const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[
 typedef enum turn_way { OUT_OF_TRIAD, INTO_TRIAD } turn_way;
 
 /*
- * Convert the displacements of some nodes (mean of both faces of the shell), or the forces on them,
- * between components in the triads (local axes) of the nodes and components along the axes of their
- * degrees of freedom. Only nodes at oblique supports change.
+ * Convert between two sets of components of the displacements of some nodes (mean of both faces of
+ * the shell), or of the forces on them. One set is along the triads (local axes) of the nodes, the
+ * other along the axes of their degrees of freedom. Only nodes at oblique supports change.
  *   gathered [count dof_per_node] in/out  degrees of freedom of the nodes
  */
 static void turn_nodes(const pzs_structure *structure, const uint16_t *node, unsigned count,

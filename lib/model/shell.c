@@ -137,9 +137,10 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
 }
 
 /*
- * Turn the stresses [10] at a corner of an element, conjugate to the strains 11, 22, 33 and 12
- * (each as mean and difference of the two faces), 13 and 23, into forces that are conjugate to the
- * displacement derivatives along the surface there.
+ * Turn the stresses at a corner of an element into forces that are conjugate to the displacement
+ * derivatives along the surface there.
+ *   stress [10] in  stresses conjugate to the strains 11, 22, 33 and 12 (each as mean and
+ *                   difference of the two faces), 13 and 23
  */
 static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_real thickness,
                             shell_corner *force)

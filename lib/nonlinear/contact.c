@@ -32,9 +32,9 @@
 /* Largest penalty stiffness of a contact, relative to the stiffness of the shell at the node. */
 #define LARGEST_STIFFNESS ((pzs_real)100)
 /*
- * A load step begins with the set of nodes that were in contact at the last equilibrium, and keeps
- * this set while the last increment of the displacement, relative to the displacement of the load
- * step, is above this bound.
+ * Bound for changes of the set of nodes in contact. A load step begins with the set of the last
+ * equilibrium. It keeps this set while the last increment of the displacement is above this bound,
+ * relative to the displacement of the load step.
  */
 #define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 

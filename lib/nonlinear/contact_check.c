@@ -214,9 +214,9 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 }
 
 /*
- * Compute the derivatives of the distance of a point along `normal`, the normal of the contact
- * body, with respect to the two coordinates of the point on a flat facet (element of the shell), at
- * a time (0 to 1) within the load step.
+ * Compute how the distance of a point on a flat facet (element of the shell) from the contact body
+ * changes with the two facet coordinates of the point: the derivatives along `normal`, the normal
+ * of the body, at a time (0 to 1) within the load step.
  */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
                         const pzs_real normal[3])
@@ -342,9 +342,10 @@ static bool is_faulty(facet_search *search, pzs_real along, pzs_real across)
 }
 
 /*
- * Search a line of constant first coordinate on a flat facet (element of the shell) for the
- * smallest gap to the contact body, by bisection for the point where the derivative of the gap
- * along the line is zero. Returns whether a point has penetrated or passed through the body.
+ * Search a line on a flat facet (element of the shell) for its smallest gap to the contact body.
+ * The first facet coordinate is constant along the line. Bisection finds the point where the
+ * derivative of the gap along the line is zero. Returns whether a point has penetrated or passed
+ * through the body.
  */
 static bool search_line(facet_search *search, pzs_real along)
 {

@@ -39,9 +39,9 @@ typedef struct vector_slope {
 enum { CORNER_DOF = 6, FACE_DOF = 24 };
 
 /*
- * Add the vector product of two vectors at a corner of an element (base vectors or directions of a
- * follower pressure), times a factor, to the vector `sum`, and the derivatives of this product by
- * displacements and director of the corner to those of `sum`.
+ * Add the vector product of two vectors at a corner of an element, times a factor, to the vector
+ * `sum`. The vectors are base vectors or directions of a follower pressure. The derivatives of the
+ * product by displacements and director of the corner are added to the derivatives of `sum`.
  */
 static void add_cross(pzs_real factor, const vector_slope *left, const vector_slope *right,
                       vector_slope *sum)
@@ -61,9 +61,9 @@ static void add_cross(pzs_real factor, const vector_slope *left, const vector_sl
 }
 
 /*
- * Divide the direction of a follower pressure by the length `size` of the normal of the deformed
- * face, so that the pressure counts per undeformed area, and update the derivatives of the
- * direction with respect to the displacement.
+ * Divide the direction of a follower pressure by `size`, the length of the normal of the deformed
+ * face, so that the pressure counts per undeformed area. The derivatives of the direction with
+ * respect to the displacement are updated, too.
  */
 static void normalise(const vector_slope *normal, pzs_real size, vector_slope *vector)
 {
@@ -153,9 +153,9 @@ static void pressure_force(const pzs_follower *load, const pressed_element *elem
 }
 
 /*
- * Add `part` times a direction of the follower pressure at one corner to the force [24] on the
- * element, in the six rows of the corner `loaded_corner`, and its derivatives with respect to the
- * displacement to slope [24][24]. slope may be NULL.
+ * Add the force of the follower pressure at one corner, `part` times its direction, to the force
+ * [24] on the element, in the six rows of the corner `loaded_corner`. The derivatives of the force
+ * with respect to the displacement are added to slope [24][24], which may be NULL.
  */
 static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load,
                              pzs_real height, unsigned corner, unsigned loaded_corner,
@@ -232,8 +232,8 @@ static void element_forces(const pzs_follower *load, const pzs_solver *solver, u
 /* ---- over the dof of an element ---------------------------------------- */
 
 /*
- * Return the index (0 to 23) of degree of freedom i of an element among those that move a face of
- * the shell, or FACE_DOF if degree of freedom i (the seventh of a node) moves no face.
+ * Return the index of degree of freedom i of an element among the 24 that move a face of the shell
+ * (0 to 23). The seventh degree of freedom of a node moves no face; for it FACE_DOF is returned.
  */
 static unsigned face_dof_of(unsigned i, unsigned dof_per_node)
 {

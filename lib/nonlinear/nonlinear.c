@@ -717,10 +717,11 @@ static uint32_t next_step_units(const pzs_solver *solver, load_progress *progres
 }
 
 /*
- * Run all load steps. The way to the input values is divided into equal units, so short that the
- * first load step can be halved as often as permitted (STEP_HALVINGS times), and the last load step
- * ends exactly at the input values. A load step that does not converge is halved. After one that
- * converges, the length of the next one is doubled, up to the size of the first.
+ * Run all load steps. The way to the input values is divided into equal units, so that the last
+ * load step ends exactly at the input values. The units are so short that the first load step can
+ * be halved as often as permitted (STEP_HALVINGS times). A load step that does not converge is
+ * halved. After one that converges, the length of the next one is doubled, up to the size of the
+ * first.
  */
 static pzs_status run_load_steps(pzs_solver *solver, const pzs_real *value)
 {

@@ -52,9 +52,9 @@ struct pzs_solver_option_calls {
      */
     pzs_status (*check_step)(pzs_solver_option *option, pzs_solver *solver);
     /*
-     * Function of a solver option (such as a contact), which returns the largest part (above 0, at
-     * most 1) of the way from the last equilibrium to the input values `value` that the option
-     * allows in the next load step.
+     * Function of a solver option (such as a contact): return how far the next load step may go, as
+     * the largest part (above 0, at most 1) of the way from the last equilibrium to the input
+     * values `value`.
      */
     pzs_real (*largest_part)(pzs_solver_option *option, const pzs_solver *solver,
                              const pzs_real *value);

@@ -88,8 +88,8 @@ static const row_pair row_pairs[PAIRS] = {
 /*
  * stress_row[p][k]: index of a row in the array of stresses per unit of each nodal degree of
  * freedom. The row holds the stress at node p that belongs to strain k, in the order of the strains
- * from A33M to A12D, after modes_to_nodes has summed the contributions of the four strain modes
- * (constant, linear and bilinear over the element).
+ * from A33M to A12D. modes_to_nodes must have summed the contributions of the four strain modes
+ * (constant, linear and bilinear over the element) before.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -125,9 +125,9 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
 }
 
 /*
- * Write, for one node, two rows of the array of nodal strains (strains per unit of each nodal
- * degree of freedom): the mean of an in-plane strain of the outer and inner face of the shell, and
- * its difference between both faces.
+ * Write two rows of the array of nodal strains (strains per unit of each nodal degree of freedom)
+ * for one node: the mean of an in-plane strain over both faces of the shell, and its difference
+ * between the faces.
  *   mean [3] in  derivative of the strain by the displacement of the node, with the mean of the
  *                base vectors of both faces (1/m)
  *   diff [3] in  derivative of the strain by the displacement of the node, with the difference of
@@ -270,10 +270,10 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Set, in one row `to` of stresses per unit of nodal degree of freedom, the four columns of the
- * seventh degree of freedom of the nodes (q, displacement of the middle surface minus the mean of
- * both faces): the sum of factor[i stride] times row[i] over the `count` nodal strains to which q
- * contributes.
+ * Set the four columns of the seventh degree of freedom q of the nodes in one row `to` of stresses
+ * per unit of nodal degree of freedom. They are the sum of factor[i stride] times row[i] over the
+ * `count` nodal strains to which q contributes. q is the displacement of the middle surface minus
+ * the mean of both faces.
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -289,9 +289,9 @@ static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, i
 }
 
 /*
- * Whether the seventh degree of freedom of the nodes (q, displacement of the middle surface minus
- * the mean of both faces) contributes to a strain, given by its row among those of a strain mode
- * (constant, linear or bilinear over the element).
+ * Whether the seventh degree of freedom q of the nodes contributes to a strain, given by its row
+ * among those of a strain mode (constant, linear or bilinear over the element). q is the
+ * displacement of the middle surface minus the mean of both faces.
  */
 static bool has_q(const mode_rows *mode, int row)
 {
@@ -397,9 +397,9 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 }
 
 /*
- * Turn, in place, the stresses of the four strain modes of an element (constant, linear and
- * bilinear over the element) into the stresses at its four nodes, both per unit of each of the 28
- * nodal degrees of freedom. Pairs of rows are replaced by their sum and difference (row_pairs).
+ * Turn the stresses of the four strain modes of an element (constant, linear and bilinear over the
+ * element) in place into the stresses at its four nodes. All are per unit of each of the 28 nodal
+ * degrees of freedom. Pairs of rows are replaced by their sum and difference (row_pairs).
  *   stress_row_of [22][28] in/out  stresses, first one strain mode after the other (rows_of_mode),
  *                                  afterwards in the order that the table stress_row lists
  */
@@ -496,9 +496,9 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 
 /*
  * Add the geometric stiffness by the transverse stresses 33, 13 and 23 at one corner of an element.
- * The strains 13 and 23 contain products of the derivatives of the displacement along the surface
- * with the director and with the degree of freedom q (displacement of the middle surface minus the
- * mean of both faces, divided by the thickness).
+ * The strains 13 and 23 contain products of two factors. One is the derivative of the displacement
+ * along the surface; the other is the director, or the degree of freedom q (displacement of the
+ * middle surface minus the mean of both faces, divided by the thickness).
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
