@@ -189,9 +189,8 @@ typedef struct moments {
                                            interpolation, of their coordinates and of their values
                                          */
     double spread[SCATTER_AXES][SCATTER_AXES];
-    double cross[SCATTER_AXES]; /* weighted second moments that couple the value with each
-                                   coordinate, about the weighted means, of the points nearest to
-                                   the place of interpolation */
+    double cross[SCATTER_AXES]; /* weighted covariance of the value with each coordinate, over the
+                                   points nearest to the place of interpolation */
 } moments;
 
 static moments moments_of(const scatter *scatter, const neighbours *found)

@@ -45,7 +45,10 @@ static void local_tables(const corner_pair *pair, double own[3][3], double other
     g_diff[along] = k;
 }
 
-/* Copy position and triad (local axes) of a surface point to a node of the library. */
+/*
+ * Return a node of the library (pzs_node) with the position and the triad (local axes) of a surface
+ * point.
+ */
 static pzs_node node_of(const surface_point *point)
 {
     pzs_node node;

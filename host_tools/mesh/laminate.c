@@ -555,8 +555,8 @@ static int field_acts(const laminate_place *place, const laminate_field *field, 
 
 /*
  * Add the prescribed stress resultants of one ply under a field (voltage or temperature) to `h0`:
- * the integral of its stress times the field over the thickness, for means and differences of the
- * strains.
+ * the integral over the thickness of the stress per unit of the field, times the field. Each of the
+ * ten resultants belongs to the mean or the difference of a strain on both faces.
  */
 static void integrate_stress(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_ply *ply,
@@ -838,9 +838,8 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the value at the middle of a ply of the field that loads a laminate: a unit voltage or
- * unit temperature of one ply (1), a temperature of all plies (K), or an electric field along the
- * surface (V/m).
+ * Return the value of a field at the middle of a ply: 1 for the unit voltage or unit temperature of
+ * a ply, otherwise the temperature of all plies (K) or the electric field along the surface (V/m).
  */
 static double field_mean(const laminate *laminate, const laminate_field *field,
                          const laminate_ply *ply)

@@ -139,9 +139,9 @@ typedef struct laminate_field {
 
 /*
  * Return the value of a field in an element at height z. A temperature (K) and an electric field
- * along the surface (V/m) are linear between two faces. The electric field of a voltage is given
- * relative to its mean, voltage over thickness: across a curved ply the electric flux is constant,
- * so that the field is proportional to 1/(area at height z over that of the reference surface).
+ * along the surface (V/m) vary linearly between two faces. For a voltage, the value is the electric
+ * field over its mean in the ply. Across a curved ply the electric flux is constant, so that this
+ * field is inversely proportional to the area at height z.
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);

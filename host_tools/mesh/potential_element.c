@@ -5,9 +5,9 @@
  *
  * The electric field of a layer is a sum of five fields, each times a coefficient that is linear in
  * the potentials: the voltage across the layer, and the fields along the axes 1 and 2 of the shell
- * at the inner and at the outer face. Strains that are constant over the element are coupled with
- * the means of these fields. What varies over the element with a mean of 0 adds to the capacitances
- * alone.
+ * at the inner and at the outer face. The means of these fields over the element act on strains
+ * that are constant over the element. The rest of each field, whose mean is 0, contributes to the
+ * capacitances only.
  */
 #include "potential_element.h"
 #include <string.h>

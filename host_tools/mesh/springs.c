@@ -223,8 +223,8 @@ static int grow(spring_builder *builder)
 }
 
 /*
- * Refuse a spring that is so much stiffer than the elements that their stiffness would be lost in
- * the rounding errors of the stiffness matrix. Returns 0, or -1 with error filled.
+ * Refuse a spring that is so much stiffer than the elements that rounding errors of the stiffness
+ * matrix would hide the stiffness of the elements. Returns 0, or -1 with error filled.
  */
 static int check_stiffness(const spring_builder *builder, double stiffness)
 {

@@ -17,7 +17,10 @@ static uint32_t valence(const quad_graph *graph, uint32_t node)
     return graph->start[node + 1] - graph->start[node];
 }
 
-/* Move the last node of a list forward until no node before it has more neighbours in the mesh. */
+/*
+ * Insert the last node of a list into the nodes before it, which ascend by their numbers of
+ * neighbours in the mesh.
+ */
 static void sift(const quad_graph *graph, uint32_t *list, size_t count)
 {
     for (size_t i = count - 1; i > 0; i--) {
@@ -73,9 +76,9 @@ static uint32_t end_node(const quad_graph *graph, const uint32_t *order, const u
 }
 
 /*
- * Find an order of the nodes by levels (distances from the first node, counted in elements) that
- * starts from a node at an end of the mesh. The search for this node moves to a node of the last
- * level as long as this increases the number of levels.
+ * Find an order of the nodes by levels: the level of a node is its distance from the first node,
+ * counted in elements. The first node lies at an end of the mesh. It is found by moving to a node
+ * of the last level as long as the number of levels grows.
  */
 static void order_from_node(const quad_graph *graph, uint32_t *order, uint32_t *level)
 {

@@ -21,14 +21,14 @@ typedef struct sloan {
     const quad_graph *graph;
     int64_t *priority; /* [nodes] priority of each mesh node in the numbering; of the candidates,
                           the node with the highest priority gets the next number */
-    node_state *state; /* [nodes] state of each mesh node in the numbering */
+    node_state *state; /* [nodes] state of each mesh node while the nodes are numbered */
     uint32_t *waiting; /* [nodes] candidates for the next number as a binary heap: the priority at
                           index i is at least that at the indices 2 i + 1 and 2 i + 2 */
     uint32_t *slot; /* [nodes] index of each candidate for the next number in the heap `waiting` */
     uint32_t count; /* number of mesh nodes that are candidates for the next number */
-    int64_t growth_weight; /* weight of the front, the set of nodes without a number that have a
-                              numbered neighbour: increase of a node's priority when numbering this
-                              node would add one node less to the front than before */
+    int64_t growth_weight; /* increase of a node's priority when numbering this node would add one
+                              node less to the front than before; the front is the set of nodes
+                              without a number that have a numbered neighbour */
 } sloan;
 
 /* ---- waiting nodes ------------------------------------------------------ */

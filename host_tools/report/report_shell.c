@@ -13,7 +13,10 @@
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
-/* A cell (quadrilateral) and the sum of the coordinates of its corners towards the viewer. */
+/*
+ * A cell (quadrilateral) of a picture and its depth, by which cells are sorted: the sum of the
+ * coordinates of its corners towards the viewer.
+ */
 typedef struct shell_depth {
     double depth;
     int cell;

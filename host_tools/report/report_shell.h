@@ -101,7 +101,8 @@ void shell_include(shell *shell);
 
 /*
  * Draw the surface coloured by value [nodes], or discs at the points if no cell (quadrilateral) has
- * values at all corners. In space, closer cells cover distant ones, and supports are included.
+ * values at all corners. In a picture in space, closer cells cover distant ones, and the supports
+ * are drawn too.
  */
 void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
 

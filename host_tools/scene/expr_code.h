@@ -52,7 +52,8 @@ struct expr {
     const char *text; /* copy of the formula's source text, stored after its code */
     int length;
     bool is_constant;
-    scatter *scatter;             /* interpolated function through scattered points, or NULL */
+    scatter *scatter; /* function that interpolates between scattered points; NULL for other
+                         functions */
     int axes, axis[SCATTER_AXES]; /* number of coordinates of the scattered points, and index of
                                      each among the coordinates x, y, z in space and theta1, theta2
                                      on the surface */

@@ -44,8 +44,8 @@ typedef struct scene_outline {
  */
 typedef struct scene_outlines {
     int electrodes;
-    int columns; /* number of electrodes along the second index of electrodes that form a grid and
-                    are named _i_j; 1 for electrodes with one index */
+    int columns; /* electrodes in a grid are named _i_j: number of electrodes along the index j; 1
+                    where the names have one index only */
     scene_outline *electrode; /* [electrodes] outline of each electrode, in the order of the scene
                                */
     int elements;

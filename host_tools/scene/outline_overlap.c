@@ -6,8 +6,8 @@
 #include "outline_cover.h"
 
 /*
- * Number of squares along a side of the grid of an element on which overlaps of electrodes given by
- * formulas are found.
+ * Overlaps of electrodes that are given by formulas are found on a grid of OVERLAP_GRID x
+ * OVERLAP_GRID squares in each element.
  */
 enum { OVERLAP_GRID = 8 };
 

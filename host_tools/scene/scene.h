@@ -104,10 +104,10 @@ typedef struct scene_element {
     bool metric;      /* true: strains take the exact variation of the surface metric through the
                          thickness; false: metric of the reference surface */
     bool exact_area;  /* area of an element between mesh lines, in its stiffness and loads: true:
-                         exact  area on the surface; false: area from the metric at the centre of
+                         exact area on the surface; false: area from the metric at the centre of
                          the element */
-    int dof_per_node; /* number of dof of a node: 7, or 6 without the last one, the displacement of
-                         the middle surface along the normal relative to the mean of both faces */
+    int dof_per_node; /* number of dof of a node, 7 or 6; the seventh is the displacement of the
+                         middle surface along the normal, relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
                                its layers; false: from a shear strain that is constant through the
                                thickness */
@@ -885,7 +885,7 @@ typedef struct scene_safety {
                       a supervisor even if the scene does not ask for it */
     double park;   /* park voltage of all amplifiers: voltage of rest, to which they are ramped when
                       control is lost (V); NAN: the scene file gives none */
-    scene_at at;   /* position of the section `safety` in the scene file */
+    scene_at at;   /* position of the section `safety` in the scene file, for error messages */
     int timeout; /* number of ticks without usable readings after which the supervisor takes control
                     away; 0: never */
     int ramp_ticks; /* shortest duration of the ramp to the park voltages (voltages of rest when

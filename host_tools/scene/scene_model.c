@@ -286,7 +286,7 @@ static int elastic_stiffness(reader *reader, int node, material_text *text)
     return 0;
 }
 
-/* Compute the material constants of a film from its data sheet. */
+/* Compute the material constants of a film, a thin actuator with fibres, from its data sheet. */
 static int take_film(reader *reader, int node, material_text *text)
 {
     static const char *const modulus_keys[] = {"E1", "E", "nu", "stiffness", NULL};

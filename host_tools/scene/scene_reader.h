@@ -13,8 +13,7 @@
 typedef struct reader {
     tree *t;
     scene *s;
-    dimension of; /* physical dimension of the numbers in the value that is being read, which its
-                     key requires */
+    dimension of; /* physical dimension that the key of the value being read requires */
 } reader;
 
 /* Return the text of a YAML node that is a scalar, or NULL for a list or mapping. */

@@ -188,8 +188,8 @@ static const form *const gain_forms[] = {&number_form, &gains_form, NULL};
 static const form gain_form = {.type = FORM_ANY, .any = gain_forms};
 
 /*
- * Keys of the plant in a scene file with a measured influence matrix: the plant is that matrix with
- * errors.
+ * Keys of the simulated plant in a scene file with a measured influence matrix. The response of the
+ * plant is this matrix with errors in its entries.
  */
 static const field measured_plant_fields[] = {
     {"gain", read_gain, offsetof(scene_simulate, gain), .of = OF_NUMBER, .form = &gain_form,

@@ -77,9 +77,10 @@ static const char *text_of(const tree *tree, int map, const char *key)
 }
 
 /*
- * Return the dimension of the prescribed value of a support: a length for a displacement;
- * dimensionless for a difference of both faces and for the seventh dof (normal displacement of the
- * middle surface minus the mean of both faces), which are divided by the thickness.
+ * Return the physical dimension of the value that a support prescribes: an angle for a rotation,
+ * otherwise a length. Some dof are divided by the thickness, so that the value is dimensionless:
+ * differences of both faces, and the seventh dof (normal displacement of the middle surface minus
+ * the mean of both faces).
  */
 static dimension of_support(const tree *tree, int map)
 {
@@ -174,8 +175,8 @@ static dimension of_compare(const reader *reader, int node)
 }
 
 /*
- * Return the physical dimension (length or angle) of a number below the key theta1 or theta2
- * (surface coordinate) of a scene file, whichever of them is the nearest key above its YAML node.
+ * Return the physical dimension (length or angle) of a number that stands below the key theta1 or
+ * theta2 of a scene file: that of this surface coordinate.
  */
 static dimension of_coordinate(const reader *reader, int node)
 {

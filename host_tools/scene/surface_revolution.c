@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Surfaces of revolution about the z axis (surface_types.h): their meridians, and points from a
- * meridian.
+ * Surfaces of revolution about the z axis (surface_types.h): the shapes of their meridians, and
+ * surface points from a point of the meridian.
  */
 #include <math.h>
 #include <string.h>

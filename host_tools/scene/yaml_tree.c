@@ -172,8 +172,8 @@ typedef struct builder {
     yaml_parser_t yaml;
     const char *text;
     size_t bytes;
-    int line; /* line number that all nodes of a change from the command line take; 0: the nodes
-                 take their lines from the file */
+    int line; /* line number of all YAML nodes while a change from the command line is read; 0: the
+                 nodes take their lines from the file */
     int depth;
     int open[TREE_DEPTH];  /* indices of the lists and mappings of the YAML text that are still open
                             */

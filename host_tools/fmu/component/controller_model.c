@@ -74,7 +74,10 @@ static void publish(const controller *controller, pzs_status status, fmu_values 
         values->integer[MODE] = (fmi2Integer)supervisor->info.mode;
 }
 
-/* Pass the command that the simulator has set to the supervisor, if the control loop has one. */
+/*
+ * Give the supervisor the command that the simulator has set; a control loop without a supervisor
+ * ignores it.
+ */
 static void give_command(controller *controller, const fmu_values *values)
 {
     pzs_supervisor *supervisor = pzs_loop_find(&controller->loop, &pzs_supervisor_block);
