@@ -180,7 +180,7 @@ static int take_divisor(parser *parser)
     if (*parser->at != '(') {
         if (take_factor(parser, -1) < 0)
             return -1;
-        return another(parser) ? fault(parser, "a product behind '/' needs brackets, as C/(m2 K)")
+        return another(parser) ? fault(parser, "a product after '/' needs brackets, as C/(m2 K)")
                                : 0;
     }
     parser->at++;
@@ -202,7 +202,7 @@ int units_parse(const char *text, units_unit *unit, const char **why)
     if (parser.at[0] == '1' && strchr(" /", parser.at[1])) {
         parser.at++;
         skip_blanks(&parser);
-        failed = *parser.at == '/' ? 0 : fault(&parser, "a '/' is missing behind 1");
+        failed = *parser.at == '/' ? 0 : fault(&parser, "a '/' is missing after 1");
     } else if (*parser.at != '/') {
         failed = take_product(&parser, 1);
     }
