@@ -220,10 +220,10 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free);
 double analysis_stiffening(analysis *analysis);
 
 /*
- * Compute the influence of every input on every output in the reference state, or about the
- * equilibrium under the scene's loads where the scene asks for it (simulate.influence), and from it
- * the data of the least-squares problem for the optimal voltages. Once they are computed, further
- * calls do nothing. Returns 0, or -1 with error filled.
+ * Compute the influence of every input on every output, and the data of the least-squares problem
+ * for the optimal voltages. The influence belongs to the reference state, or to the equilibrium
+ * under the scene's loads where the scene asks for it (simulate.influence). Further calls do
+ * nothing. Returns 0, or -1 with error filled.
  */
 int analysis_influence(analysis *analysis, char *error);
 

@@ -37,8 +37,8 @@ static bool face_is_bare(const bare_faces *bare, int layer, int face)
 /* ---- connected parts -------------------------------------------------- */
 
 /*
- * Sets of connected slots. A slot is a node on an interface between layers. A slot that is not
- * `used` has no potential; the parents of the slots of a set lead to its root, and a set is
+ * Sets of connected slots, as trees. A slot is a node on an interface between layers. Only slots
+ * that are `used` have a potential. The parents of a slot lead to the root of its set. A set is
  * grounded if one of its layers has a face that is an electrode at 0 V.
  */
 typedef struct slot_sets {

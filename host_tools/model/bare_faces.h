@@ -94,11 +94,13 @@ double bare_faces_potential(const bare_faces *bare, const double *value, int lay
                             int node);
 
 /*
- * Compute the mean electric field of a layer with bare faces (without electrodes) in an element:
- * the voltage across the layer (V), and the field along the axes 1 and 2 of the shell at its inner
- * and at its outer face (along [2][2] out, V/m). Returns false, with a field of 0, where the layer
- * has no bare face or is not present.
- *   value [inputs] in  input values, with the computed potentials
+ * Compute the electric field of a layer with bare faces (without electrodes) in an element, as
+ * means over the element.
+ *   value [inputs] in   input values, with the computed potentials
+ *   voltage        out  voltage across the layer (V)
+ *   along [2][2]   out  field along the axes 1 and 2 of the shell, at the inner and at the outer
+ *                       face of the layer (V/m)
+ * Returns false, with a field of 0, where the layer has no bare face or is not present.
  */
 bool bare_faces_field(const bare_faces *bare, const double *value, int layer, int element,
                       double *voltage, double along[2][2]);

@@ -145,8 +145,8 @@ static void invert(spectrum *spectrum, double ratio)
 
 /*
  * Most likely variance of the measurement noise for a given ratio q of the variances of noise and
- * model error: trace(q R'(V V' + q I)^-1 R) / (measurements x outputs), with the residuals R
- * [measurements][outputs] and the voltages V [measurements][actuators] of all measured shapes.
+ * model error: trace(q R'(V V' + q I)^-1 R) / (measurements x outputs). R [measurements][outputs]
+ * holds the residuals and V [measurements][actuators] the voltages of all measured shapes.
  */
 static double likely_variance(const spectrum *spectrum, double ratio)
 {
@@ -159,9 +159,9 @@ static double likely_variance(const spectrum *spectrum, double ratio)
 }
 
 /*
- * Negative logarithm of the likelihood of the residuals (measured minus predicted shapes) for a
- * given ratio of the variances of noise and model error, with the most likely variance of the
- * noise. Terms that do not depend on the ratio are left out.
+ * Negative log-likelihood of the residuals (measured minus predicted shapes) for a given ratio of
+ * two variances, those of noise and model error. The noise has its most likely variance. Terms that
+ * do not depend on the ratio are left out.
  */
 static double unlikelihood(const spectrum *spectrum, double ratio)
 {
@@ -217,9 +217,9 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
         result->influence[i] = model ? model[i] : 0;
     for (size_t index = 0; index < count; index++)
         for (size_t k = 0; k < actuators; k++) {
-            double along = 0; /* scalar product of the voltages of actuator k in all measured shapes
-                                 with eigenvector `index` of V V', where V [measurements][actuators]
-                                 holds these voltages of all actuators */
+            double along = 0; /* scalar product of two vectors over all measured shapes: the
+                                 voltages of actuator k, and eigenvector `index` of V V' (V
+                                 [measurements][actuators]: all voltages) */
             for (size_t poke = 0; poke < count; poke++)
                 along +=
                     pokes->voltage[poke * actuators + k] * spectrum->vector[poke * count + index];
@@ -235,10 +235,10 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
 }
 
 /*
- * Standard error of the entries of each column of the influence matrix. With the voltages V of all
- * pokes (shapes measured under known voltages) and the voltages v of actuator k, the variance is
- * s^2 times the diagonal entry k of (V'V)^-1 without a model, and t^2 (1 - v'(V V' + q I)^-1 v)
- * with one; s is the standard deviation of the noise, t that of the model's entries, q = (s/t)^2.
+ * Standard error of the entries of each column of the influence matrix. V holds the voltages of all
+ * pokes (shapes measured under known voltages), v those of actuator k, s is the standard deviation
+ * of the noise, t that of the model's entries, and q = (s/t)^2. Without a model the variance is s^2
+ * times the diagonal entry k of (V'V)^-1. With a model it is t^2 (1 - v'(V V' + q I)^-1 v).
  */
 static void fill_errors(calibration *result, const spectrum *spectrum, const pokes *pokes)
 {

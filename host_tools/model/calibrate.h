@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Computation of an influence matrix from measurements. A poke is a measurement of the shape under
- * known voltages of all actuators; with all pokes as rows, shapes S [pokes][outputs], voltages V
- * [pokes][actuators] and influence matrix B [outputs][actuators] satisfy S = V B' + noise, where '
- * is the transpose.
+ * known voltages of all actuators. With one row for each poke, the shapes S [pokes][outputs] and
+ * the voltages V [pokes][actuators] satisfy S = V B' + noise, where B [outputs][actuators] is the
+ * influence matrix and ' is the transpose.
  *
  * Without a model, B is the least-squares solution, which needs as many independent pokes as there
  * are actuators. With a model B0, the entries of B differ from those of B0 by independent errors of

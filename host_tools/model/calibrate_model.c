@@ -11,10 +11,10 @@
 enum { ITERATIONS = 8, ROUNDS = 6 };
 
 static const double step = 1e-4, settled = 1e-5; /* Constants of the fit of factors for material
-                                                    constants: change of the logarithm of a factor
-                                                    in a finite difference (step), and largest
-                                                    change of any logarithm in an iteration after
-                                                    which the fit has converged (settled). */
+                                                    constants, in the logarithm of a factor. step:
+                                                    change for a finite difference; settled: largest
+                                                    change in the last iteration of a converged fit.
+                                                  */
 
 /* ---- model ------------------------------------------------------------ */
 

@@ -387,8 +387,9 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 }
 
 /*
- * Append the sentences that say with which static response and natural frequencies of the structure
- * and at which tick rates a control loop with a vibration model stays stable.
+ * Append the sentences on the stability margins of a control loop with a vibration model: the
+ * static response and the natural frequencies of the structure, and the tick rates, with which the
+ * loop stays stable.
  */
 static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {

@@ -159,10 +159,9 @@ typedef struct certificate {
     double rate;      /* tick rate of the scene (1/s); 0 where the scene file gives none */
     double radius;    /* spectral radius of the loop at the scene's tick rate, the growth factor of
                          vibrations per tick; NAN without a rate */
-    double gain; /* approximately the largest fraction of the change from the present to the optimal
-                    voltages that one tick of a stable control loop can make: 2 x damping ratio x
-                    angular frequency of the first vibration mode x tick interval; NAN without a
-                    tick rate */
+    double gain; /* largest fraction, approximately, of the way to the optimal voltages that one
+                    tick of a stable control loop can make: 2 x damping ratio x phase angle of the
+                    first vibration mode in a tick (rad); NAN without a tick rate */
     bool has_settings; /* true where simulations with fast jumps of the target have chosen the
                           settings of the control tick that damps vibration */
     damper_settings settings; /* settings of the control tick that damps vibration, chosen by
@@ -189,8 +188,8 @@ int certificate_newer(const certificate_loop *loop);
 
 /*
  * Whether a control tick without a vibration model is known to be unstable at the scene's tick
- * rate, on the model or on a structure that differs from it: with 0.8 to 1.33 of its response to
- * voltages or 0.9 to 1.1 of its frequencies.
+ * rate. The structures are the model, and others with 0.8 to 1.33 of its response to voltages or
+ * 0.9 to 1.1 of its frequencies.
  */
 bool certificate_refuses(const certificate *certificate);
 
@@ -216,7 +215,7 @@ typedef struct certificate_conditions {
 
 /*
  * Spectral radius of the control loop on the vibration modes of a structure.
- *   loop [modes][modes] in loop matrix: entry (i, j) is the coordinate of mode i in equilibrium
+ *   loop [modes][modes] in loop matrix: column j is the equilibrium, in coordinates of all modes,
  *       under the voltages that the controller subtracts per unit of mode j
  *   square  [modes]        in  squares of the angular frequencies (rad^2/s^2)
  *   damping [modes]        in  damping ratios

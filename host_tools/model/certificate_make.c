@@ -118,9 +118,9 @@ typedef struct gains {
                        that are not held at one voltage */
     double *shape;  /* [targets] shape of one vibration mode at the target nodes, as the controller
                        measures or estimates it */
-    double *gradient;       /* [moving] right-hand side of the normal equations of the voltage
-                               optimisation problem for one vibration mode, then the voltages of the
-                               amplifiers that are not held, which solve them */
+    double *gradient; /* [moving] for one vibration mode: right-hand side of the normal equations of
+                         the voltage optimisation problem, replaced by their solution, the voltages
+                         of the amplifiers that are not held */
     double *modal_response; /* [modes][moving] coordinate of each vibration mode in equilibrium per
                                volt of each amplifier that is not held at one voltage */
     double *loop; /* [modes][modes] loop matrix: entry (i, j) is the coordinate of vibration mode i

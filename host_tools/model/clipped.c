@@ -80,9 +80,9 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage)
 }
 
 /*
- * State of the search for the regularisation parameter with which the voltages, clipped to their
- * limits, leave the smallest weighted shape error: the parameter, the error and the voltages of the
- * smallest error so far.
+ * State of the search for the regularisation parameter with which voltages that are clipped to
+ * their limits leave the smallest weighted shape error: parameter, error and voltages of the best
+ * trial so far.
  */
 typedef struct tuning {
     clipped *clipped;

@@ -50,9 +50,9 @@ static double offset_of(const pzs_hysteresis *tables)
 static const double least_after_reversal = 0.6;
 
 /*
- * Replace plays (elements with backlash) of the hysteresis model by a larger slope on one side of
- * the middle of the voltage range, beginning with the plays of the smallest slack, which are the
- * first in the list of weights.
+ * Replace play operators (elements with backlash) of the hysteresis model by a larger slope, on one
+ * side of the middle of the voltage range. The operators of the smallest slack, which are first in
+ * the list of weights, are replaced first.
  *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part of the model on
  *                                               this side (1)
  *   weight                              in/out  weights of the plays on this side (1)

@@ -28,8 +28,8 @@ static const double visible = 1e-3;
 
 /*
  * Gain of the low-pass filter for the residual readings (sensor readings minus those of the
- * observed vibration modes). The gain is slow_part x damping ratio x phase angle of the first
- * vibration mode in a tick (rad), at most slow_limit.
+ * observed vibration modes) if no mode is observed. The gain is slow_part x damping ratio x phase
+ * angle of the first vibration mode in a tick (rad), at most slow_limit.
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -96,8 +96,8 @@ static double angle_of(const builder *builder, size_t mode)
 
 /*
  * Largest number of vibration modes that the control tick may observe (estimate from sensor
- * readings): the smaller of the number of amplifiers that are not held at one voltage, and the
- * number of sensors minus 1.
+ * readings). It is the smaller of two numbers: the amplifiers that are not held at one voltage, and
+ * the sensors minus 1.
  */
 static size_t mode_limit(const builder *builder)
 {
@@ -296,9 +296,9 @@ static void fill_precision(builder *builder)
 }
 
 /*
- * Compute three weighted sums of products: of the readings of every pair of vibration modes (over
- * the sensors), of each mode shape with itself, and of each mode shape with each column of the
- * influence matrix (over the targets).
+ * Compute three weighted sums. Over the sensors: products of the readings of every pair of
+ * vibration modes. Over the targets: squares of each mode shape, and products of each mode shape
+ * with each column of the influence matrix.
  */
 static void fill_products(builder *builder)
 {

@@ -2,10 +2,10 @@
 /*
  * Tables of the control tick that damps vibration (pzs_vibration), for one scene: which vibration
  * modes the tick observes, how the sensors and the outputs move in these modes, and the gains
- * (damper_gains.h). The tick observes modes whose phase advances by at most 2 rad in a tick and
- * that move the outputs, from the lowest on: no more modes than there are amplifiers that are not
- * held at one voltage, and fewer modes than sensors. Modal coordinates are scaled so that a unit
- * moves the outputs by a root mean square of 1.
+ * (damper_gains.h). The tick observes modes that move the outputs and whose phase advances by at
+ * most 2 rad in a tick, from the lowest on. Their number is at most that of the amplifiers that are
+ * not held at one voltage, and below that of the sensors. Modal coordinates are scaled so that a
+ * unit moves the outputs by a root mean square of 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H
@@ -59,9 +59,9 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
                 const damper_options *options, char *error);
 
 /*
- * Make the tables of a control tick that damps vibration where the scene has a tick rate and
- * densities and its control step alone would be unstable (certificate_refuses). Otherwise, and with
- * the option `quasi_static` of the analysis, leave the damper unused.
+ * Make the tables of a control tick that damps vibration if they are needed: the scene has a tick
+ * rate and densities, and its control step alone would be unstable (certificate_refuses).
+ * Otherwise, and with the option `quasi_static` of the analysis, the damper is left unused.
  *   analysis   in  analysis with the least-squares problem for the voltages and the result of the
  *              stability tests; must outlive the damper
  *   estimator  in  the controller's estimator of the shape; must outlive the damper; NULL: every

@@ -5,14 +5,14 @@
  *
  * The observer is a stationary Kalman filter. Its states are, for each mode, the position q, the
  * velocity p over the angular frequency, and the static position w under the loads. Over one tick,
- * the deviation d = q - g v - w from the equilibrium (g: coordinate in equilibrium per volt, v:
- * voltages) and p follow the propagator of free vibration. There is process noise of p and w, and
- * sensor noise of variance 1. The covariance P solves the Riccati equation P = A P A' - A P C' (C P
- * C' + 1)^-1 C P A' + Q, with transition matrix A, readings C per unit of each state and process
- * noise Q, by structured doubling.
+ * p and the deviation d = q - g v - w from the equilibrium follow the propagator of free vibration;
+ * g is the coordinate in equilibrium per volt, and v holds the voltages. There is process noise of
+ * p and w, and sensor noise of variance 1. The covariance P solves the Riccati equation P = A P A'
+ * - A P C' (C P C' + 1)^-1 C P A' + Q by structured doubling, with transition matrix A, readings C
+ * per unit of each state and process noise Q.
  *
- * All settings are free of units: they refer to the sensors' noise and to the angle by which a mode
- * turns in a tick, its angular frequency times the tick interval.
+ * All settings are free of units: they refer to the sensors' noise and to the phase angle of a mode
+ * in a tick, its angular frequency times the tick interval.
  */
 #ifndef DAMPER_GAINS_H
 #define DAMPER_GAINS_H
@@ -26,8 +26,8 @@
  */
 typedef struct damper_settings {
     double damping; /* damping per radian: in a tick, the voltages move the static equilibrium of a
-                       vibration mode by `damping` times the phase angle of the mode in a tick (rad)
-                       times the mode's deviation from its equilibrium */
+                       vibration mode by this number x phase angle of the mode in a tick (rad) x
+                       deviation of the mode from its equilibrium */
     double cut; /* phase angle of a vibration mode in a tick (rad) up to which the mode is damped in
                    full; modes with more than twice this angle are not damped */
     double observed; /* largest phase angle of an observed vibration mode in a tick (rad) */
@@ -36,11 +36,11 @@ typedef struct damper_settings {
                         first vibration mode in a tick (rad) */
     double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
                             voltages that the voltages cover in one control tick */
-    double mix;   /* weight, 0 to 1, with which the deviation of a vibration mode from its static
-                     equilibrium is computed from the change of its velocity; the deviation computed
-                     from its position has the weight 1 - mix */
-    double kick;  /* process noise of the observer: root mean square random change of the first
-                     vibration mode's velocity in a tick, relative to the noise of one sensor */
+    double mix;  /* A vibration mode's deviation from its static equilibrium is computed twice: from
+                    its position, with the weight 1 - mix, and from the change of its velocity, with
+                    the weight mix (0 to 1). */
+    double kick; /* process noise of the observer: root mean square random change of the first
+                    vibration mode's velocity in a tick, relative to the noise of one sensor */
     double drift; /* process noise of the observer: root mean square random change of the load on
                      the first vibration mode in a tick, relative to the noise of one sensor */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus

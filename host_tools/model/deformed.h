@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A structure linearised about the equilibrium at its target: the influence matrix and the
- * vibration modes of the deformed, prestressed structure. With the displacements y0 of the output
- * rows and the voltages v0 at this equilibrium, and the influence matrix B there, the output rows
- * near it are y = offset + B v with the offset y0 - B v0.
+ * vibration modes of the deformed, prestressed structure. At this equilibrium the output rows have
+ * the displacements y0, the voltages are v0, and the influence matrix is B. Near it the output rows
+ * are y = offset + B v with the offset y0 - B v0.
  */
 #ifndef DEFORMED_H
 #define DEFORMED_H

@@ -111,9 +111,8 @@ typedef struct design {
     int free_functions; /* number of free functions of the target: shapes that may be added to it at
                            no cost */
     double *free_value; /* [free_functions][targets] free functions of the target (shapes that may
-                           be added at no cost), combined so that they are orthonormal: the sum over
-                           the targets of weight squared times the product of two functions is 1 for
-                           equal functions, else 0 */
+                           be added at no cost), orthonormal in the scalar product that sums weight
+                           squared times both functions over the targets */
     double *influence;  /* [targets][amplifiers] influence matrix without its part along the free
                            functions of the target (shapes that may be added at no cost), filled by
                            design_control */
@@ -199,10 +198,9 @@ int design_limits(const design *design, common_limits common, double *lower, dou
                   char *error);
 
 /*
- * Voltage of an actuator (V) at which the electric field against the poling, in the patches of one
- * grid that the actuator drives, reaches the depolarisation field of their material. Its sign is
- * that of the voltages that oppose the poling; infinite for a material without a depolarisation
- * field.
+ * Voltage of an actuator (V) at which the electric field against the poling, in one grid of its
+ * patches, reaches the depolarisation field of the material. The sign is that of voltages that
+ * oppose the poling. Infinite for a material without a depolarisation field.
  */
 double design_depolarising_voltage(const scene *scene, const scene_drive *drive);
 
@@ -276,9 +274,9 @@ int design_pieces(const design *design, const scene_patches *patches, int electr
 int design_row(const design *design, int target);
 
 /*
- * Largest distance of a target node from the nearest of the scattered points that give the target,
- * in multiples of the usual spacing of the points; 0 where the target is not given by scattered
- * points. Above 2 the target is extrapolated.
+ * Largest distance between a target node and its nearest scattered point, as a multiple of the
+ * usual spacing of the points; 0 where no scattered points give the target. Above 2 the target is
+ * extrapolated.
  */
 double design_target_gap(const design *design);
 

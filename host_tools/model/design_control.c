@@ -76,9 +76,9 @@ double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
 }
 
 /*
- * Narrow the voltage limits of amplifier k so that the electric field against the poling direction,
- * in the patches of one grid that the amplifier's actuator drives, stays below the depolarisation
- * field of their material.
+ * Narrow the voltage limits of amplifier k so that its patches in one grid do not depolarise: the
+ * electric field against the poling direction must stay below the depolarisation field of their
+ * material.
  */
 static void narrow_by_field(const limits *limits, int k, const scene_drive *drive)
 {

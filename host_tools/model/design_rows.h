@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits between amplifiers as limit rows (limits of weighted sums of voltages) of the
- * least-squares problem for the voltages: their tables, voltages that obey all of them, and an
- * error message that names contradictory limits.
+ * Limits between amplifiers (such as the difference of two voltages) in the least-squares problem
+ * for the voltages. Each is a limit row, a limit of a weighted sum of voltages. This file makes
+ * their tables, finds voltages that obey all of them, and names contradictory limits in an error
+ * message.
  */
 #ifndef MODEL_DESIGN_ROWS_H
 #define MODEL_DESIGN_ROWS_H

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The electrodes of a scene as the library's table: electrodes of amplifiers and of sensors and the
- * potentials of bare faces (without electrodes), with the charge that each input causes while the
- * shell does not deform.
+ * Table of the library for the electrodes of a scene: those of amplifiers and sensors, and the
+ * potentials of bare faces (without electrodes). The table contains the charge that each input
+ * causes on each electrode while the shell does not deform.
  */
 #ifndef ELECTRODES_H
 #define ELECTRODES_H
@@ -16,8 +16,8 @@
 int electrodes_build(design *design, char *error);
 
 /*
- * Index, in the library's table of electrodes, of the electrode that belongs to an input of the
- * structure, or -1 where the input is no electrode.
+ * Index of an input's electrode in the library's table of electrodes; -1 where the input is no
+ * electrode.
  */
 int electrodes_of(const design *design, int input);
 

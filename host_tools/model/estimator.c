@@ -291,9 +291,9 @@ static void remove_observed_part(estimation *estimation, double *left)
 }
 
 /*
- * Project a vector `direction` [targets] onto the shapes of the disturbances (loads and voltage
- * errors): its scalar product with the shape of each disturbance, which is weighted with the target
- * weights, is stored in target_part [disturbances]. Returns the norm of these products.
+ * Compute the scalar products of a vector `direction` [targets] with the shapes of all disturbances
+ * (loads and voltage errors), weighted with the target weights. They are stored in target_part
+ * [disturbances]. Returns their norm.
  */
 static double project_to_disturbances(estimation *estimation, const double *direction)
 {
@@ -317,9 +317,9 @@ static double length(const double *vector, size_t count)
 }
 
 /*
- * Compute the expected norm of the weighted shape under the disturbances (loads and voltage
- * errors), and that of the weighted error of its estimate, as square roots of the traces of their
- * covariances.
+ * Compute two expected norms under the disturbances (loads and voltage errors): that of the
+ * weighted shape, and that of the weighted error of its estimate. Each is the square root of the
+ * trace of a covariance.
  */
 static void measure_errors(estimation *estimation, estimator *estimator)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Computation of the load path of a scene: the curve of equilibria from zero to full load, by the
- * arc-length method, or in equal steps of the load factor for scenes that the arc-length method
- * does not follow (stepped_path.h).
+ * Computation of the load path of a scene: the curve of equilibria from zero to full load. The
+ * arc-length method computes it; scenes that this method does not follow take equal steps of the
+ * load factor (stepped_path.h).
  */
 #ifndef FOLLOW_PATH_H
 #define FOLLOW_PATH_H

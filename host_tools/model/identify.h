@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Identification of hysteresis and creep of a ceramic from one measured sweep of voltage and
- * position: least squares with bounds for the numbers of the section `hysteresis` of a scene file.
- * The model is position = position at the start + gain x effect, where the effect (V) is the
- * voltage that would act alike without hysteresis and creep, as the model pzs_hysteresis of the
- * library computes it.
+ * position. Bounded least squares give the numbers of the section `hysteresis` of a scene file. The
+ * model is position = position at the start + gain x effect. The effect (V) is the voltage that
+ * would act alike without hysteresis and creep, as the library's model pzs_hysteresis computes it.
  *
  * The slacks of the play operators and the time constants of the creep are prescribed; slopes,
  * weights and creep enter linearly. They are not negative, so that the effect rises with the

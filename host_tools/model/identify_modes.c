@@ -757,8 +757,9 @@ static void fill_parts(const fit *fit, double *part)
 }
 
 /*
- * Compute the shape of a vibration mode by power iteration: the vector over the outputs along which
- * the coefficients of the mode have the largest energy, scaled to a root mean square of 1.
+ * Compute the shape of a vibration mode by power iteration. The shape is the vector over the
+ * outputs along which the coefficients of the mode have the largest energy; its root mean square is
+ * 1.
  *   part [outputs][columns] in   coefficients of the decaying cosine and sine of the mode in all
  *                                intervals of constant voltages
  *   along [columns]         out  work array

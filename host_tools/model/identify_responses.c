@@ -68,8 +68,9 @@ static void list_steps(steps *steps)
 }
 
 /*
- * Find the first actuator whose steps are a combination of those of the actuators before it, by
- * Cholesky's method on the normal matrix of the voltage steps, scaled to a diagonal of 1.
+ * Find the first actuator whose voltage steps are a linear combination of those of the actuators
+ * before it. The test is Cholesky's method on the normal matrix of the steps, scaled to a diagonal
+ * of 1.
  *   factor [actuators][actuators] work
  * Returns the number of actuators if there is none.
  */

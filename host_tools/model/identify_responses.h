@@ -41,10 +41,9 @@ typedef struct free_vibration {
                             voltages to which free vibration was fitted */
     const size_t *behind; /* [intervals] number of the first sample behind each interval of constant
                              voltages */
-    const double _Complex *amplitude; /* [modes][intervals] complex amplitude of the free vibration
-                                         of each vibration mode at the first fitted sample of each
-                                         interval of constant voltages, as a multiple of the mode's
-                                         shape */
+    const double _Complex *amplitude; /* [modes][intervals] complex amplitudes of the free vibration
+                                         of each mode, at the first fitted sample of each interval
+                                         of constant voltages; multiples of the mode's shape */
 } free_vibration;
 
 /*

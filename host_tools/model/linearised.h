@@ -21,9 +21,9 @@ typedef struct linearised {
 
 /*
  * Compute the tangent stiffness matrix and the forces of all inputs at the equilibrium that a
- * solver has reached.
- *   solver in/out equilibrium solver of the structure, at an equilibrium; the factors in its model
- *                  are overwritten, so that the influence matrix there must be computed before
+ * solver has reached. The factors of the stiffness matrix in the solver's model are overwritten;
+ * the influence matrix at this equilibrium must therefore be computed before.
+ *   solver in/out  equilibrium solver of the structure, at an equilibrium
  * Returns whether memory sufficed; call linearised_free in either case.
  */
 bool linearised_take(linearised *linearised, const design *design, pzs_solver *solver);

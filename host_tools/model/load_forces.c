@@ -19,8 +19,8 @@ static bool has_vector(const scene_load *load)
 
 /*
  * Compute the vector of a load at a node, in the local axes of the node: the direction of the load
- * times its value, on the true area of the loaded face if the load asks for this. A pressure acts
- * along the thickness direction.
+ * times its value. If the load asks for it, the value is multiplied by the ratio of true to nominal
+ * area of the loaded face. A pressure acts along the thickness direction.
  */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
                         double vector[3])
@@ -106,9 +106,9 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
 }
 
 /*
- * Return the weight with which the value of a distributed load at the node `column` enters the
- * consistent nodal force at the node `row`: as a multiple of 1/36 of the area of an element (count
- * = 4 nodes), or of 1/6 of the length of an edge (count = 2 nodes).
+ * Return the weight of a distributed load's value at the node `column` in the consistent nodal
+ * force at the node `row`. With count = 4 nodes it is a multiple of 1/36 of the area of an element,
+ * with count = 2 nodes a multiple of 1/6 of the length of an edge.
  */
 static double consistent_weight(int count, int row, int column)
 {

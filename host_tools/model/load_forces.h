@@ -38,9 +38,9 @@ void load_temperature_resultants(const mesh *mesh, const scene_load *load, int e
  * Cartesian kinematics (interpolated displacement vectors). The base vectors are chords: they run
  * along the straight sides of the element. Where a side spans an arc of the angle a, its chord is
  * inclined by a/2 to the tangent plane at the corner. For pressures this inclination is reduced to
- * (1 - (a/2) cot(a/2))/(a/2), about a third of a/2: the in-plane part of the pressure then has the
- * same resultant and moment as on the arc, and balances the stretched sides of a ring at any angle
- * a.
+ * (1 - (a/2) cot(a/2))/(a/2), about a third of a/2. The in-plane part of the pressure then has the
+ * same resultant and moment as on the arc. At any angle a, it balances the stretched sides of a
+ * ring.
  *   flat [2][2] out  components of the base vectors in the tangent plane
  *   lean [2]    out  reduced component of each base vector normal to the tangent plane
  * Returns the area that the two base vectors span.

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration modes of a structure under its static loads: about the nonlinear equilibrium there,
- * whose prestress changes them (a membrane under tension, a plate under compression), and how far
- * the loads move the first natural frequency.
+ * Vibration modes of a structure under its static loads, and how far the loads move the first
+ * natural frequency. The modes are those about the nonlinear equilibrium, whose prestress changes
+ * them, as in a membrane under tension or a plate under compression.
  */
 #ifndef LOADED_H
 #define LOADED_H

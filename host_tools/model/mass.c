@@ -10,8 +10,9 @@
 #include "../quads/vector.h"
 
 /*
- * Number of displacement functions of the height t above the middle of a laminate of thickness h,
- * which are 1, t and h (1 - 4 t^2/h^2), and number of Gauss points in a ply.
+ * FUNCTIONS: number of functions of the height that describe the displacement in a laminate of
+ * thickness h; at the height t above its middle they are 1, t and h (1 - 4 t^2/h^2). POINTS: number
+ * of Gauss points in a ply.
  */
 enum { FUNCTIONS = 3, POINTS = 4 };
 
@@ -31,9 +32,9 @@ static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0
                                        0.3478548451374538};
 
 /*
- * Add weight times f f' to the moments m of the mass over the thickness, where the vector f holds
- * the three displacement functions 1, t and h (1 - 4 t^2/h^2) at the height t above the middle of a
- * laminate of thickness h.
+ * Add the contribution of one height to the moments m of the mass over the thickness: weight times
+ * f f'. The vector f holds the displacement functions 1, t and h (1 - 4 t^2/h^2) at the height t
+ * above the middle of a laminate of thickness h.
  */
 static void add_moments(double t, double h, double weight, double m[FUNCTIONS][FUNCTIONS])
 {

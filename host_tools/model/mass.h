@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mass matrix of a mesh: element matrices from the densities of the plies that are present, for the
- * same dof as the stiffness matrix. With t the height above the middle of the laminate and h its
- * thickness, the displacement at a node is u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3,
- * where `mean` is the mean of the displacements of both faces, `difference` their difference
- * divided by the thickness, q the seventh dof and e3 the thickness direction. Displacement vectors,
- * not components, are interpolated between the nodes, so that a rigid translation has exactly the
- * mass of the structure.
+ * same dof as the stiffness matrix. At the height t above the middle of a laminate of thickness h,
+ * the displacement at a node is u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3. Here `mean` is
+ * the mean of both faces' displacements, `difference` their difference divided by h, q the seventh
+ * dof and e3 the thickness direction. Displacement vectors, not components, are interpolated
+ * between the nodes, so that a rigid translation has exactly the mass of the structure.
  */
 #ifndef MASS_H
 #define MASS_H

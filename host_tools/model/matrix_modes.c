@@ -13,9 +13,9 @@
 enum { SWAPS = 40 };
 
 /*
- * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower vibration
- * modes, relative to the norm of the shape. Below it, the outputs cannot distinguish the mode from
- * the lower modes.
+ * Smallest norm of what remains of a mode shape after its parts along all lower mode shapes are
+ * removed, relative to the norm of the shape. Below it, the outputs cannot distinguish the mode
+ * from the lower modes.
  */
 static const double distinct = 1e-6;
 
@@ -54,8 +54,8 @@ int matrix_modes_basis(const scene_influence *measured, double *basis, double *t
 }
 
 /*
- * Product of a vector of the orthonormal basis of the mode shapes with one column of the influence
- * matrix.
+ * Scalar product of one vector of the orthonormal basis of the mode shapes with one column of the
+ * influence matrix.
  *   vector [outputs] in  vector of the basis
  */
 static double along_basis(const scene_influence *measured, size_t amplifiers, size_t amplifier,

@@ -11,9 +11,9 @@
 #include "../scene/scene.h"
 
 typedef struct matrix_modes {
-    double share; /* share of the sum of the squares of all entries of the influence matrix that the
-                     static parts of all vibration modes (shape times static responses) explain;
-                     negative where responses have a wrong unit */
+    double share;    /* fraction of the sum of all squared entries of the influence matrix that the
+                        static parts of all vibration modes (shape times static responses) explain;
+                        negative where responses have a wrong unit */
     double *of_mode; /* [modes] share of the influence matrix (sum of the squares of its entries)
                         that each vibration mode explains by its static part: its shape times its
                         displacement under constant voltages */

@@ -70,8 +70,8 @@ static int half_of(int elements)
 }
 
 /*
- * Compute the number of elements of a coarser mesh, half of those of a finer mesh in each
- * direction. Returns 0, or -1 with the reason in error.
+ * Compute the numbers of elements of the next coarser mesh, half as many in each direction. Returns
+ * 0, or -1 with the reason in error.
  */
 static int halve(const int fine[2], int coarse[2], char *error)
 {

@@ -2,7 +2,7 @@
 /*
  * Modal description of a structure in its reference state: natural frequencies, damping ratios,
  * mode shapes at the output rows, and the static response of every vibration mode to every input.
- * The output rows are y = y_static + C d, where y_static is their static displacement under the
+ * The output rows are y = y_static + C d. Here y_static is their static displacement under the
  * present inputs, C holds the mode shapes, and d is the deviation of the modal coordinates from
  * their equilibrium. Modes that are left out thus respond statically. The modes are scaled to unit
  * modal mass.

@@ -15,9 +15,9 @@ void node_direction(const surface_point *point, scene_component component, doubl
 double node_face_height(scene_face face, double thickness);
 
 /*
- * Weights of the first six dof of a node (mean of both faces' displacements, their difference
- * divided by the thickness) in the displacement of a face along a direction [3]; the weight of the
- * seventh dof is 0.
+ * Weights of the dof of a node in the displacement of a face along a direction [3]. The first three
+ * dof are the mean of both faces' displacements, the next three their difference divided by the
+ * thickness. The seventh dof has the weight 0.
  */
 void node_face_weights(const mesh *mesh, scene_face face, const double direction[3],
                        double weight[7]);

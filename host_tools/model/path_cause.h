@@ -16,19 +16,19 @@ enum { PATH_CAUSE_BYTES = 2 * SCENE_ERROR };
 bool path_is_softened(const load_path *path);
 
 /*
- * Return whether the seventh dof (normal displacement of the middle surface, relative to both
- * faces) of a node has lost its stiffness at the last point of a load path, because the shell has
- * turned too far from that normal.
+ * Return whether the shell has turned so far from its undeformed normal, at the last point of a
+ * load path, that the seventh dof of a node has lost its stiffness. This dof is the displacement of
+ * the middle surface along the undeformed normal, relative to both faces.
  */
 bool path_has_lost_normal(const load_path *path, const mesh *mesh);
 
 /*
  * Fill a text with the most likely cause of the critical points of a load path, or of its end. For
- * a path of equal load steps, it is the last status of the equilibrium solver. Otherwise, at the
- * first limit point, it is one of three: the shell has turned so far from its undeformed normal
- * that the seventh dof of a node (normal displacement of the middle surface, relative to both
- * faces) has lost its stiffness; the shell is compressed so strongly that the law of the material
- * softens; or the shell bends too sharply within one element.
+ * a path of equal load steps, the cause is the last status of the equilibrium solver. Otherwise it
+ * is one of three, examined at the first limit point. First, the shell has turned so far from its
+ * undeformed normal that the seventh dof of a node (normal displacement of the middle surface,
+ * relative to both faces) has lost its stiffness. Second, the shell is compressed so strongly that
+ * its material law softens. Third, the shell bends too sharply within one element.
  */
 void path_cause(const load_path *path, const analysis *analysis, char text[PATH_CAUSE_BYTES]);
 

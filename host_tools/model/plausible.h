@@ -60,9 +60,9 @@ void plausible_voltages(plausible *warnings, const scene *scene, const double *v
  * usual ranges.
  */
 typedef struct plausible_optimum {
-    double target; /* root mean square of the displacements that the voltages are to cause, without
-                      the free functions (shapes added at no cost), relative to the largest entry of
-                      the target; 0 where that entry is 0 */
+    double target; /* root mean square of the displacements that the voltages are to cause, relative
+                      to the largest entry of the target; 0 where that entry is 0. The free
+                      functions of the target (shapes that may be added at no cost) do not count */
     double error;  /* relative RMS error of the shape that the optimal voltages reach within the
                       voltage limits */
     double share;  /* largest absolute value of the optimal voltages relative to the largest voltage

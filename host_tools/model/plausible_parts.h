@@ -40,15 +40,15 @@ typedef struct subject {
 enum { WHAT = 300 };
 
 /*
- * Effect of an actuator, the norm of its column of a measured influence matrix divided
- * by the largest norm of a column, below which the actuator counts as dead (1).
+ * An actuator counts as dead if its column of a measured influence matrix has a norm below this
+ * fraction of the largest norm of a column (1).
  */
 #define MATRIX_DEAD 1e-4
 
 /*
- * Effect of an actuator, the norm of its column of a measured influence matrix divided by the
- * median of all these norms, below which the column may hold nothing but the noise of its
- * measurement (1).
+ * An actuator counts as weak if its column of a measured influence matrix has a norm below this
+ * fraction of the median of all column norms (1). Such a column may be nothing but measurement
+ * noise.
  */
 #define MATRIX_WEAK 1e-2
 

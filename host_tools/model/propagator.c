@@ -5,8 +5,8 @@
 
 /*
  * The two fundamental solutions of x'' + 2 damping w x' + w^2 x = 0 at w t = angle, with angular
- * frequency w and time t: exponential decay times the cosine (circular, or hyperbolic above
- * critical damping), and decay times the sine over the square root of |1 - damping^2|.
+ * frequency w and time t. One is exponential decay times the cosine (the hyperbolic one above
+ * critical damping). The other is the decay times the sine over the square root of |1 - damping^2|.
  */
 static void solutions(double damping, double angle, double *cosine, double *sine)
 {

@@ -368,8 +368,9 @@ static total_force total_of(const all_dof *all, const double *force)
 /* ---- supports -------------------------------------------------------------- */
 
 /*
- * Return the index of the first support of the scene that has the name of a support, by which
- * supports of one name are counted together.
+ * Return the index of the first of all supports of the scene that have the same name as a given
+ * support. Supports of one name are counted together under this index.
+ *   support in  index of the given support
  */
 static int first_of_name(const design *design, int support)
 {

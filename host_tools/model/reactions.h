@@ -80,10 +80,11 @@ int reactions_compute(reactions *reactions, const reaction_state *state);
 void reactions_free(reactions *reactions);
 
 /*
- * Return a component of the force (0 to 2: along x, y, z) or of the moment (3 to 5) of all supports
- * on some nodes; the moment is about the mean of their undeformed positions. Returns NAN where no
- * reactions are computed.
+ * Return a component of the force or moment of all supports on some nodes. The moment is about the
+ * mean of their undeformed positions.
  *   node [count] in  node numbers
+ *   component    in  0 to 2: force along x, y, z; 3 to 5: moment about x, y, z
+ * Returns NAN where no reactions are computed.
  */
 double reactions_at(const reactions *reactions, const mesh *mesh, const int *node, int count,
                     int component);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Computation of the load path of a scene in equal steps of the load factor, for scenes that the
- * arc-length method does not follow: with prescribed displacements, with a contact
+ * Computation of the load path of a scene in equal steps of the load factor. Scenes that the
+ * arc-length method does not follow need it: those with prescribed displacements, with a contact
  * body that moves, or with a shell that contact alone holds.
  */
 #ifndef STEPPED_PATH_H

@@ -106,9 +106,10 @@ double strain_of_output(const mesh *mesh, const scene_output *output, int elemen
 }
 
 /*
- * Add the strain that an output of the scene has in one element to a linear function of the
- * displacements: the strain in the element per unit of each free dof, multiplied by `factor`, is
- * added to dense [free_dof].
+ * Add the strain that an output of the scene has in one element, as a linear function of the
+ * displacements, to a dense row.
+ *   factor            in      factor by which the strain is multiplied
+ *   dense  [free_dof] in/out  strain per unit of each free dof
  */
 static void add_element(const mesh *mesh, const scene_output *output, int element, double factor,
                         double *dense)

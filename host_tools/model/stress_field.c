@@ -326,9 +326,10 @@ static void fill_element(const stress_field *field, int element)
 /* ---- plies -------------------------------------------------------------------- */
 
 /*
- * Compute what actuates a layer at height z: the voltage across the layer, multiplied by the ratio
- * of the electric field at this height to the mean field of the layer (V), and the temperature
- * above that of the stress-free shape (K).
+ * Compute the voltage and the temperature that actuate a layer at height z.
+ *   voltage out  voltage across the layer (V), times the ratio of the electric field at this height
+ *                to the mean field of the layer
+ *   kelvin  out  temperature above that of the stress-free shape (K)
  */
 static void causes_at(const stress_field *field, int element, int layer, double z, double *voltage,
                       double *kelvin)

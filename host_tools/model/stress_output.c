@@ -22,8 +22,9 @@ static double stress_in(const stress_field *field, const scene_output *output, i
 }
 
 /*
- * Return the value of an output of the scene that is a strain or stress at a node: the mean over
- * the elements at the node that contain the layer of the output, weighted with their areas.
+ * Return the value of an output of the scene that is a strain or stress at a node. The value is the
+ * mean, weighted with the areas, over those elements at the node that contain the layer of the
+ * output.
  */
 static double value_at(const stress_field *field, const scene_output *output, int node)
 {

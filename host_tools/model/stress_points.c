@@ -27,9 +27,9 @@ static void set_point(stress_points *points, const stress_field *field, int elem
 }
 
 /*
- * Return the number of the averaging point (group of elements at a node whose values are averaged)
- * to which an element belongs at one of its nodes, or -1 if the element has not been assigned to a
- * point at this node yet.
+ * Return the number of the averaging point to which an element belongs at one of its nodes; -1 if
+ * none has been assigned yet. An averaging point is a group of elements at a node whose values are
+ * averaged.
  */
 static int point_of(const stress_points *points, const stress_field *field, int element, int node)
 {

@@ -17,9 +17,12 @@
 #include "../mesh/springs.h"
 
 /*
- * Constants of the Lanczos method: number of starting vectors for a supported structure and for one
- * that can move as a rigid body, sweeps of Jacobi's method, largest number of checks for missing
- * vibration modes, and largest number of trial shifts.
+ * Constants of the Lanczos method:
+ *   BLOCK        number of starting vectors for a supported structure
+ *   BLOCK_LOOSE  number of starting vectors for a structure that can move as a rigid body
+ *   SWEEPS       sweeps of Jacobi's method
+ *   CHECKS       largest number of checks for missing vibration modes
+ *   SHIFTS       largest number of trial shifts
  */
 enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 
@@ -439,8 +442,8 @@ static int have_converged(const search *search, size_t number)
 }
 
 /*
- * Number of vibration modes whose convergence is checked: the modes that were asked for, and those
- * whose frequencies cannot be distinguished from that of the last mode that was asked for.
+ * Number of vibration modes whose convergence is checked: the requested modes, and further ones
+ * whose frequencies cannot be distinguished from that of the last requested mode.
  */
 static size_t cluster_end(const search *search, size_t number)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Natural frequencies and mode shapes of a structure in its reference state with short-circuited
- * electrodes: the lowest solutions of K x = w^2 M x with stiffness matrix K, mass matrix M and
- * angular frequency w, computed by a band Lanczos method on (K + shift M)^-1 M with full
+ * electrodes. They are the lowest solutions of K x = w^2 M x with stiffness matrix K, mass matrix M
+ * and angular frequency w, computed by a band Lanczos method on (K + shift M)^-1 M with full
  * reorthogonalisation. The shift is 0 where the supports prevent rigid motions, and positive where
- * they do not. Every result is checked by the number of negative pivots of K - s M with s just
- * above the last squared frequency, so that no mode is missing.
+ * they do not. No mode is missing in a result: the number of negative pivots of K - s M is checked,
+ * with s just above the last squared frequency.
  *
  * For a scene with a measured influence matrix the modes are those that the scene gives
  * (vibration_measured.c); everything that follows from modes is the same for both sources.

@@ -79,9 +79,9 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
 }
 
 /*
- * Store in a result the widest voltage range of any amplifier, the numbers of amplifiers that are
- * held (limits that allow only one voltage) or have a narrower range, and the number of voltages at
- * a limit.
+ * Store in a result how the voltage limits act: the widest voltage range of any amplifier, the
+ * number of held amplifiers (limits that allow only one voltage), the number of amplifiers with a
+ * narrower range, and the number of voltages at a limit.
  */
 static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Search for faults of electrodes and cables (function wiring_find of calibrate.h). Each electrode
- * e has a gain g_e and is connected to an amplifier a(e), so that the measured shapes S are the sum
- * over e of g_e V_a(e) B_e', where V_a is the column of voltages of amplifier a and B_e the column
- * of the model's influence matrix. For any wiring a, the gains are a linear least-squares problem
- * whose matrix has the entries (V'V)_a(e)a(f) (B'B)_ef. Two cables are swapped where exchanging
- * them lowers the remaining sum of squares; afterwards a gain near 0 shows a dead electrode and a
+ * e has a gain g_e and is connected to an amplifier a(e). The measured shapes S are the sum over e
+ * of g_e V_a(e) B_e', where V_a holds the voltages of amplifier a and B_e is a column of the
+ * model's influence matrix. For any wiring a, the gains are a linear least-squares problem whose
+ * matrix has the entries (V'V)_a(e)a(f) (B'B)_ef. Two cables are swapped where exchanging them
+ * lowers the remaining sum of squares. Afterwards a gain near 0 shows a dead electrode, and a
  * negative gain a reversed wire.
  */
 #include <math.h>

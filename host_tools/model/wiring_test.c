@@ -305,8 +305,8 @@ static doubt doubt_about(const wiring_test *test, const double *direct, size_t a
 }
 
 /*
- * Append to the remarks on a self-test which amplitude and which duration of the test pulses
- * suffice for the amplifiers whose response noise hides.
+ * Append to the remarks on a self-test which amplitude and duration of the test pulses would
+ * suffice, for amplifiers whose response is hidden by noise.
  */
 static void append_cure(const wiring_test *test, const design *design, const double *direct,
                         char text[SCENE_ERROR])

@@ -59,10 +59,11 @@ int wiring_test_tested(const wiring_test *test);
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 
 /*
- * List as text what the self-test of the wiring cannot detect: amplifiers without a test pulse,
- * amplifiers whose pulses change no sensor reading, and amplifiers whose response the noise stated
- * in the scene file may hide, with an amplitude and a duration of the pulses that suffice. The text
- * is empty where there is nothing to list.
+ * List as text what the self-test of the wiring cannot detect. Three kinds of amplifiers are named:
+ * those without a test pulse; those whose pulses change no sensor reading; and those whose response
+ * may be hidden by the noise that the scene file states. For the last ones the text gives an
+ * amplitude and a duration of the pulses that suffice. The text is empty where there is nothing to
+ * list.
  */
 void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 

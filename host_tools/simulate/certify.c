@@ -260,9 +260,9 @@ static storm_plant plant_of(int i, int older)
 }
 
 /*
- * Run the first `count` of the storms (simulations with fast jumps of the target that differ in
- * structure, limits and targets) until all have settled, or until so many have failed to settle
- * that the loop is rejected. Returns 0, or -1 with error filled.
+ * Run the first `count` storms (simulations with fast jumps of the target, which differ in
+ * structure, limits and targets). The storms end early where so many have failed to settle that the
+ * loop is rejected. Returns 0, or -1 with error filled.
  */
 static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, char *error)
 {

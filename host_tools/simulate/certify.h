@@ -35,8 +35,8 @@ int certify_loop(analysis *analysis, char *error);
 /*
  * Find by bisection how far a structure may differ from the model of a loop that has passed the
  * stability tests: the largest factor of its response to voltages, and the range of the factor of
- * its natural frequencies. Also find by how many ticks readings may be older or newer than the
- * scene file states.
+ * its natural frequencies. Also find by how many ticks sensor readings may be older or newer than
+ * the scene file states.
  *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
  * Returns 0, or -1 with error filled.
  */

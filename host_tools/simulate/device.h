@@ -20,9 +20,9 @@ typedef struct device_board {
 } device_board;
 
 /*
- * Table of the microcontroller boards that QEMU emulates. A row holds the name of the board, QEMU's
- * name of it, the number of bits of a floating-point number of its firmware, and its twin (a
- * program on this computer with the same code); the targets of firmware.mk have the same names.
+ * Table of the microcontroller boards that QEMU emulates; the targets of firmware.mk have the same
+ * names. A row holds the name of the board, its name in QEMU, the bits of a floating-point number
+ * of its firmware, and its twin (a program on this computer with the same code).
  */
 #define DEVICE_BOARDS(ROW)                                                                         \
     ROW("netduinoplus2", "netduinoplus2", 32, "host-32")                                           \

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Imperfections of the hardware in a simulation: those of amplifiers, cables and ceramic, which
- * change the voltages that act on the structure, and those of sensors, which change the readings
- * that the controller receives. `pzs simulate` and the plants that `pzs fmu` exports use these
- * functions.
+ * Imperfections of the hardware in a simulation. Those of amplifiers, cables and ceramic change the
+ * voltages that act on the structure. Those of sensors change the readings that the controller
+ * receives. `pzs simulate` and the plants that `pzs fmu` exports use these functions.
  */
 #ifndef IMPERFECTIONS_H
 #define IMPERFECTIONS_H

@@ -55,9 +55,9 @@ static double random_number(uint32_t *state)
 }
 
 /*
- * Multiply each column of a measured influence matrix, and the static responses of measured modes,
- * by the gain that the plant has for this amplifier, and each entry of the matrix by a random
- * factor near 1.
+ * Make the measured influence matrix of a plant differ from that of the controller. Each column,
+ * and the static responses of measured modes, are multiplied by the gain of the plant for this
+ * amplifier. Each entry of the matrix is also multiplied by a random factor near 1.
  */
 static void scale_matrix(scene *scene)
 {

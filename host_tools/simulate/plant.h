@@ -31,8 +31,9 @@ typedef struct plant {
                      structure, or NULL */
     analysis analysis;
     double *input; /* [inputs] values of the inputs for which the next shape of the plant is
-                      computed: voltages, loads and temperature change; on a nonlinear structure
-                      also prescribed displacements and the motion of the rigid body of a contact */
+                      computed: voltages, loads and temperature change. A nonlinear structure also
+                      has inputs for prescribed displacements and for the motion of a contact's
+                      rigid body */
     double *computed_input; /* [inputs] voltages (V), load factors (1) and temperature change (K)
                                with which the latest shape of the plant was computed */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,

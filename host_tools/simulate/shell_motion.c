@@ -45,8 +45,9 @@ static const double balanced = 1e-6, largest_correction = 0.1;
 static const double small_increment = 1e-3, slow_decrease = 0.2;
 
 /*
- * Largest phase (radians) by which a vibration mode may turn in a time step that resolves the mode,
- * and in a control tick by which a controller can damp the mode.
+ * Largest phase (rad) by which a vibration mode may advance: in a time step, so that the step
+ * resolves the mode (step_phase), and in a control tick, so that a controller can damp it
+ * (tick_phase).
  */
 static const double step_phase = 0.5, tick_phase = 2;
 
@@ -224,8 +225,8 @@ static double response_time(const shell_motion *motion, double step)
 }
 
 /*
- * Return the factor of the mass matrix in the matrix of a time step (1/s2): the derivative of the
- * forces of inertia and of mass-proportional damping with respect to the change of the displacement
+ * Return the factor of the mass matrix in the matrix of a time step (1/s2). It is the derivative of
+ * two forces, inertia and mass-proportional damping, with respect to the change of the displacement
  * in half the step.
  */
 static double mass_factor(const shell_motion *motion, double step)
@@ -234,9 +235,9 @@ static double mass_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Stress resultants of an element that act at half a time step: mean of the resultants at the start
- * and at the end of the step, viscosity times their rate, and the prescribed resultants of voltages
- * and temperature.
+ * Stress resultants of an element that act at half a time step. They are the sum of three: the mean
+ * of the resultants at the start and at the end of the step; viscosity times their rate; and the
+ * prescribed resultants of voltages and temperature.
  *   resultant  [22] out  these stress resultants times the area of the element (N m): those of its
  *              strains that are constant, linear and bilinear over the element
  */
@@ -488,9 +489,9 @@ static void end_step(shell_motion *motion, double step)
 }
 
 /*
- * Return the norm of the last increment of Newton's method, relative to the change of the
- * displacement in half the time step, or, where the structure hardly moves, to a small fraction of
- * the displacement.
+ * Return the norm of the last Newton increment, relative to the change of the displacement in half
+ * the time step. Where the structure hardly moves, a small fraction of the displacement takes the
+ * place of this change.
  */
 static double relative_increment(const shell_motion *motion)
 {

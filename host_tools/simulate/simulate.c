@@ -75,7 +75,7 @@ static int begin_phase(simulation *simulation, int tick, int first)
 }
 
 /*
- * Divide the simulation into phases (time intervals between events): a phase begins at the first
+ * Divide the simulation into phases (time intervals between events). A phase begins at the first
  * tick, at every tick with events of the scene, and after the last tick in which electrodes may
  * fail at random. Returns whether memory was available.
  */
@@ -118,9 +118,9 @@ static int check_readings(const design *design, char *error)
 }
 
 /*
- * If the scene file says so, replace the influence matrix of the controller's model, which is that
- * of the undeformed structure, by that of the structure deformed by the optimal voltages. Returns
- * 0, or -1 with error filled.
+ * If the scene file says so, replace the influence matrix of the controller's model. The new one
+ * belongs to the structure deformed by the optimal voltages instead of the undeformed structure.
+ * Returns 0, or -1 with error filled.
  */
 int simulate_tables(analysis *nominal, char *error)
 {
@@ -356,8 +356,8 @@ typedef struct course_log {
 
 /*
  * Number of ticks at the end of a phase (interval between events) over which the results are
- * averaged: at least one period of the first vibration mode, so that the mean shape is the shape
- * about which the structure vibrates.
+ * averaged. It covers at least one period of the first vibration mode, up to a limit, so that the
+ * mean shape is the one about which the structure vibrates.
  */
 static int ticks_of_end(const simulation *simulation)
 {

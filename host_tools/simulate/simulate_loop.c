@@ -547,8 +547,8 @@ static int count_beyond_limits(const loop *loop, const double *voltage, const do
 }
 
 /*
- * Whether the limit of a sum of voltages with index k contains the voltage of an amplifier that is
- * held at a fixed voltage, which the controller does not choose.
+ * Whether the limit of a sum of voltages with index k contains an amplifier that is held at a fixed
+ * voltage. The controller does not choose this voltage.
  */
 static bool has_held_amplifier(const loop *loop, const pzs_rows *sums, uint32_t k)
 {
@@ -685,9 +685,9 @@ static void fail_first_sensors(loop *loop, int ticks)
 }
 
 /*
- * At the end of the self-test, shift the tick at which each failure of a sensor ends by the number
- * of ticks of the self-test, so that the failure lasts as long as the event of the scene file
- * states.
+ * Let each failure of a sensor that has begun in the self-test last as long as its event of the
+ * scene file states: at the end of the self-test, subtract the number of its ticks from the tick at
+ * which the failure ends.
  */
 static void shift_first_sensors(loop *loop, int ticks)
 {

@@ -56,9 +56,10 @@ typedef struct loop {
     law compared; /* tables of the stage of the control tick that computes the voltages by a control
                      law for comparison with the library's controller */
     pzs_loop controller; /* the library's control loop, in double precision */
-    device board, twin;  /* where a board runs the controller: its firmware, and its twin, the
-                            firmware's C code as a program on this computer; both replace the
-                            library's step block (the stage of a tick that computes the voltages) */
+    device board, twin;  /* where a board runs the controller: its firmware, and its twin, which is
+                            the firmware's C code as a program on this computer. Both replace the
+                            step block of the library (the stage of a tick that computes the
+                            voltages) */
     char *message;       /* [SCENE_ERROR] text of the error message where the board that runs the
                             controller's firmware does not answer */
     bool is_silent; /* whether the board that runs the firmware failed to answer in the last tick */

@@ -72,9 +72,9 @@ typedef struct simulate_course {
     double vibration_worst; /* largest deviation of the shape from the static equilibrium in the
                                phase (interval between events), relative to the norm of the scene's
                                target */
-    int settled; /* number of ticks after the start of the phase (interval between events) from
-                    which on the distance of the shape from its final value stays within 5 % of the
-                    largest distance; -1: never */
+    int settled; /* settling time (ticks) from the start of the phase (interval between events):
+                    afterwards the shape stays within 5 % of its largest distance from its final
+                    value; -1: never settled */
     int step_limit_ticks; /* smallest number of ticks in which the step limit lets the voltages
                              change from those at the start of the phase (interval between events)
                              to those at its end */

@@ -109,9 +109,9 @@ static void fill_limits(storm_rig *rig)
 static const double least_scale = 0.02;
 
 /*
- * Set the unit in which shape errors are measured: the norm of the target, or a small part of what
- * the voltages reach where the target is zero or nearly zero, as in a loop that only damps
- * vibration. Returns whether memory sufficed.
+ * Set the unit in which shape errors are measured: the norm of the target. Where the target is
+ * nearly zero, as in a loop that only damps vibration, a small part of the shapes that the voltages
+ * reach is the unit. Returns whether memory sufficed.
  */
 static bool fill_scale(storm_rig *rig)
 {
@@ -602,9 +602,8 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
 /* ---- ticks of a storm ------------------------------------------------- */
 
 /*
- * Return the address of the vector that belongs to a tick in a ring buffer, which holds one vector,
- * such as the sensor readings, for each of the last ticks; for ticks before the start the vector of
- * the start is returned.
+ * Return the address of the vector of a tick in a ring buffer, which holds one vector, such as the
+ * sensor readings, for each of the last ticks. Ticks before the start have the vector of the start.
  *   length in  number of entries of a vector
  */
 static double *ring_entry(const storm *storm, double *ring, int tick, size_t length)

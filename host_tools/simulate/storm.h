@@ -83,8 +83,8 @@ typedef struct storm_rig {
                        amplifier */
     double *influence; /* [targets][amplifiers] static displacement of each target row (controlled
                           displacement) per volt of each amplifier */
-    double scale;  /* unit in which shape errors are measured (m): norm of the target, or a fiftieth
-                      of the norm of the shapes that the voltages reach, where that is more */
+    double scale; /* unit in which shape errors are measured (m): norm of the target, or 1/50 of the
+                     norm of the shapes that voltages can reach, whichever is larger */
     uint32_t *row; /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */
