@@ -122,9 +122,10 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
  *                                    settings.memory it is an upper bound
  * Recorded voltages that never reached the structure, as of an amplifier that is off, give PZS_OK
  * and a column that differs from 0 by its standard errors at most: test for it before use.
- * PZS_W_UNOBSERVABLE: the records do not determine the effect of input info.where; its column is
- * that of the matrix passed to pzs_calibration_init, and its spread is infinite, as are those of
- * inputs that always moved with it. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * PZS_W_UNOBSERVABLE: the records do not determine the effect of input info.where. Its column is
+ * then that of the matrix passed to pzs_calibration_init, and its spread is infinite. The spreads
+ * of other inputs that always moved together with it are infinite, too. Errors: PZS_E_ARGUMENT,
+ * PZS_E_STAGE.
  */
 pzs_status pzs_calibration_solve(pzs_calibration *calibration, pzs_real *influence,
                                  pzs_real *spread);

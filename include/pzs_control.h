@@ -71,7 +71,7 @@ extern const struct pzs_sparse_calls pzs_sparse_influence_calls;
  */
 typedef struct pzs_problem {
     uint32_t format; /* format number of the controller's tables, PZS_TABLE_FORMAT */
-    uint32_t scene;  /* hash of the scene file from which the tables were generated */
+    uint32_t scene;  /* hash of the scene file from which the controller's tables were generated */
     uint32_t crc; /* checksum of the controller's tables and arrays, computed by pzs_problem_seal */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output

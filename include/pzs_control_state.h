@@ -175,15 +175,15 @@ typedef struct pzs_optimiser {
     pzs_real pivot_rounding; /* estimated rounding error of the pivots that belong to limits of sums
                                 of voltages in the dual active-set method (V2/m2); 0: no sums are
                                 limited */
-    pzs_real multiplier_change; /* sum of the changes of the Lagrange multipliers in the present
-                                   round of iterations of the dual active-set method, from which
-                                   rounding errors of the voltages are estimated (m2/V) */
+    pzs_real multiplier_change; /* sum over the present round of iterations of the changes of the
+                                   Lagrange multipliers in the dual active-set method (m2/V), from
+                                   which rounding errors of the voltages are estimated */
     pzs_real model_rounding;  /* rounding-error bound of the entries of model_gradient, the part of
                                  half the gradient of the objective that depends on the voltages
                                  (m2/V) */
-    pzs_real start_rounding;  /* rounding-error bound of each entry of start_gradient, half the
-                                 gradient of the objective at the start of the present round, a
-                                 sequence of iterations of the optimiser (m2/V) */
+    pzs_real start_rounding;  /* rounding-error bound of each entry of start_gradient (m2/V), which
+                                 is half the gradient of the objective at the start of the present
+                                 round (sequence of iterations) */
     pzs_real target_rounding; /* rounding-error bound of target_gradient, the part of half the
                                  gradient of the objective that depends on the target shape (m2/V)
                                */
@@ -306,10 +306,13 @@ typedef struct pzs_scrub {
  */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
-    PZS_BEHIND_PREDICTION, /* out of date is info.predicted, the shape that the controller predicts
-                              for its voltages */
-    PZS_BEHIND_GRADIENT    /* out of date are info.predicted, the shape that the controller predicts
-                              for its voltages, and the gradient of its optimiser */
+    PZS_BEHIND_PREDICTION, /* only info.predicted is out of date, the shape that the controller
+                              predicts for its voltages */
+    /*
+     * two results are out of date: info.predicted, the shape that the controller predicts for its
+     * voltages, and the gradient of its optimiser
+     */
+    PZS_BEHIND_GRADIENT
 } pzs_control_behind;
 
 typedef struct pzs_control_state {
@@ -395,10 +398,12 @@ typedef struct pzs_test_signal {
 
 typedef struct pzs_fault_detector_state {
     struct pzs_control *control;
-    pzs_envelope columns; /* L D L^T factors of the matrix of the least-squares estimate of
-                             electrode voltages (m2/V2): B'W^2 B plus regularisation, over the
-                             outputs that are measured, with influence matrix B and output weights W
-                           */
+    /*
+     * L D L^T factors of a matrix (m2/V2) by which the fault detector estimates electrode voltages
+     * from the measured shape (least squares): B'W^2 B plus regularisation, with influence matrix B
+     * and output weights W, over the outputs that are measured
+     */
+    pzs_envelope columns;
     pzs_real *diagonal; /* [inputs] diagonal of the matrix B'W^2 B over all outputs, with influence
                            matrix B and output weights W (m2/V2) */
     pzs_real *voltage;  /* [delay + 1][inputs] ring buffer with the voltages of the last delay + 1
@@ -429,9 +434,8 @@ typedef struct pzs_fault_detector_state {
     uint8_t *pause;   /* [inputs] number of measured shapes to come in which an electrode that has
                          passed its test is not suspected */
     pzs_test_signal test[PZS_TEST_SIGNALS];
-    pzs_real ridge; /* weight of the regularisation in the least-squares estimate of electrode
-                       voltages from the measured shape, relative to the diagonal of the normal
-                       matrix (1) */
+    pzs_real ridge; /* regularisation weight when electrode voltages are estimated from the measured
+                       shape by least squares, relative to the diagonal of the normal matrix (1) */
     uint16_t delay, oldest;
     bool is_stale; /* whether the matrix of the least-squares estimate of electrode voltages must be
                       factored anew, because other outputs are measured than before */

@@ -141,7 +141,7 @@ typedef struct pzs_block_type {
                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc);
 } pzs_block_type;
 
-/* One entry of the list of the blocks of a control loop, which are the stages of its tick. */
+/* One entry in the list of blocks of a control loop; a block is a stage of the control tick. */
 typedef struct pzs_block {
     const pzs_block_type *type;
     const void *tables; /* constant tables of the block (stage of the control tick), not NULL; the

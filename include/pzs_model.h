@@ -61,11 +61,12 @@ typedef struct pzs_element_type {
     pzs_real d[88];
     pzs_real thickness; /* thickness of the element (m) */
     /*
-     * Factors (1) of the nine strains that a warped (not plane) element adds to the mean strain 12
-     * that is constant over the element. The strains are named by component, by m (mean) or d
-     * (difference) of the two faces, and by strain mode: strain mode r1 r2 varies over the element
-     * as xi1^r1 xi2^r2, where xi1 and xi2 run from -1 to 1 over the element. The nine strains are
-     * 12d of 00; 13 of 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
+     * Correction of the shear strain of a warped (not plane) element: nine factors (1). The mean
+     * strain 12 that is constant over the element is increased by the sum of nine other strains,
+     * each times its factor. A strain is named by component, by m (mean) or d (difference) of the
+     * two faces, and by strain mode: strain mode r1 r2 varies over the element as xi1^r1 xi2^r2,
+     * where xi1 and xi2 run from -1 to 1 over the element. The nine strains are 12d of 00; 13 of
+     * 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
      */
     pzs_real warp[9];
     /*
@@ -103,7 +104,9 @@ typedef struct pzs_compact_type {
                            pzs_element_type.skew defines them (1) */
     pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along
                                    theta2 (1/m) */
-    uint16_t corner[4]; /* indices of the nodes at the corners of one element of this type */
+    uint16_t corner[4]; /* indices of the nodes at the four corners of one element of the compact
+                           type; from these nodes the library computes the parts that the type
+                           leaves out */
 } pzs_compact_type;
 
 /*
@@ -112,7 +115,8 @@ typedef struct pzs_compact_type {
  */
 typedef struct pzs_structure {
     uint32_t format; /* format number of the tables of the structure, PZS_TABLE_FORMAT */
-    uint32_t scene;  /* hash of the scene file from which the tables were generated */
+    uint32_t scene;  /* hash of the scene file from which the tables of the structure were generated
+                      */
     uint32_t crc;    /* checksum of the tables of the structure and their arrays, computed by
                         pzs_structure_seal */
     uint16_t nodes, elements, types;

@@ -29,9 +29,11 @@ static const char *precision_needed(const analysis *analysis)
 {
     if (tables_allow_float(analysis))
         return "float or double";
-    if (analysis->model.info.condition > 1e14) /* above this condition number, the stiffness matrix
-                                                  of the undeformed state is too close to singular
-                                                  to be factored */
+    /*
+     * Above the condition number 1e14, the stiffness matrix of the undeformed state is too close to
+     * singular to be factored.
+     */
+    if (analysis->model.info.condition > 1e14)
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
     return analysis->is_nonlinear
                ? "the nonlinear path needs double"

@@ -13,8 +13,8 @@
 void print_outlines(const design *design);
 
 /*
- * Write the areas of the electrodes of each item of the section `patches` that has outlines, in the
- * order of the electrodes; nothing where no item has outlines.
+ * Write the areas of electrodes of any outline: for each item of the section `patches` that has
+ * outlines, the area of each electrode in their order; nothing where no item has outlines.
  */
 void print_outlines_json(json *json, const design *design);
 

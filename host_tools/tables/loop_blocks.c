@@ -558,8 +558,8 @@ static const struct {
     const void *(*tables)(loop_blocks *l);
     void (*write)(emitter *w, const loop_blocks *l); /* function that writes the tables of a block
                                                         (stage of the control tick) as C source;
-                                                        NULL: other code has written them with the
-                                                        arrays that they refer to */
+                                                        NULL: they are written elsewhere, together
+                                                        with the arrays to which they point */
     const char *type_name, *tables_name;
     size_t (*bytes)(const block_counts *of, bool is_single);
     const char *bytes_macro;

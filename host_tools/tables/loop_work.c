@@ -103,8 +103,8 @@ double loop_work_estimator(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Return the number of instructions in one control tick of the optimiser of the voltages, and of
- * those program loops around it whose length is the number of inputs.
+ * Return the number of instructions in one control tick of two parts: the optimiser of the
+ * voltages, and the program loops around it that run over the inputs.
  */
 static double optimisation(const block_counts *of, const loop_processor *on)
 {

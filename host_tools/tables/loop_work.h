@@ -73,8 +73,9 @@ enum { LOOP_PROCESSORS = 2 };
 extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
 
 /*
- * Function that returns an upper bound of the instructions in one tick: of one type of block, or of
- * all that runs besides the blocks (repair of memory, checksums, last check of the voltages).
+ * Function that returns an upper bound of the number of instructions in one tick: of one type of
+ * block, or of everything outside the blocks (repair of memory, checksums, last check of the
+ * voltages).
  */
 typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
 loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,

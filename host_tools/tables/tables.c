@@ -788,8 +788,8 @@ static void write_head(const emitter *emitter, const analysis *analysis, const c
 }
 
 /*
- * Write preprocessor checks that a firmware with the nonlinear solver is compiled with options with
- * which it can run.
+ * Write preprocessor checks into the header, with which a firmware with the nonlinear solver
+ * compiles only with options that suit the tables, such as the precision.
  */
 static void write_demands(const emitter *emitter, const analysis *analysis)
 {

@@ -936,9 +936,9 @@ static bool renew_tableau(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the last round (sequence of iterations), which did not end at the optimum, reduced the
- * violation of the optimality (KKT) conditions by so little that the tableau (pivoted Hessian) is
- * to be recomputed.
+ * Whether the tableau (pivoted Hessian) is to be recomputed, because the last round (sequence of
+ * iterations) did not end at the optimum and hardly reduced the violation of the optimality (KKT)
+ * conditions.
  */
 static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 {

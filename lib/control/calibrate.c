@@ -69,9 +69,10 @@ static size_t width_of(const pzs_calibration *calibration)
 }
 
 /*
- * Return row `index` of the matrix of the calibration: an entry of the triangular factor of the
- * information matrix (sum of v v' over the recorded voltages v) for each input, then an entry of
- * the rotated readings for each output.
+ * Return row `index` of the matrix that a calibration stores. The row has an entry of the
+ * triangular factor for each input, then an entry of the rotated readings for each output. The
+ * triangular factor is that of the information matrix, the sum of v v' over the recorded voltages
+ * v.
  */
 static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
 {
@@ -162,8 +163,11 @@ pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem 
         .state.problem = problem,
         .state.influence = influence != NULL ? influence : problem->influence};
     int32_t where = -1;
-    if (calibration->state.influence == NULL) /* a sparse influence matrix lacks the entries that a
-                                                 calibration could find */
+    /*
+     * A calibration is refused for a sparse influence matrix, which has no room for entries that
+     * the calibration could find.
+     */
+    if (calibration->state.influence == NULL)
         return finish(calibration, PZS_E_ARGUMENT, where);
     const pzs_status status =
         pzs_control_check_problem(problem, calibration->state.influence, &where);
@@ -491,9 +495,9 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
 /* ---- result: the influence matrix ------------------------------------ */
 
 /*
- * Compute the reciprocals of the diagonal entries (pivots) of the triangular factor of the
- * information matrix (sum of v v' over the recorded voltages v), 0 for an input that the records do
- * not determine. Returns the first such input, or -1.
+ * Compute the reciprocals of the pivots, the diagonal entries of the triangular factor of the
+ * information matrix (sum of v v' over the recorded voltages v). For an input that the records do
+ * not determine the result is 0. Returns the first such input, or -1.
  *   inverse [inputs] out  reciprocals (1/V)
  */
 static int32_t invert_pivots(const pzs_calibration *calibration, pzs_real *inverse)

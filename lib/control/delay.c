@@ -174,9 +174,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     if (status != PZS_OK)
         return status;
     if (delay->direct == NULL && signals->control->state.influence == NULL)
-        return PZS_E_ARGUMENT; /* without its own table of readings per volt, the delay block (stage
-                                  of the control tick that expects late readings) needs the full
-                                  influence matrix, and the controller has a sparse one */
+        return PZS_E_ARGUMENT; /* Without a table of readings per volt in its own tables, the block
+                                  that corrects late readings reads the full influence matrix. It is
+                                  therefore refused if the controller has a sparse one. */
     memset(state, 0, block_bytes(tables, problem));
     place(state, delay, signals->control);
     for (uint32_t i = 0; i <= delay->delay; i++)

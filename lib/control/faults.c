@@ -45,8 +45,8 @@
  */
 #define NO_RESPONSE 16
 /*
- * Smallest weight of the regularisation in the least-squares estimate of electrode voltages from
- * the measured shape, relative to the diagonal of the normal matrix.
+ * Smallest regularisation weight when electrode voltages are estimated from the measured shape by
+ * least squares, relative to the diagonal of the normal matrix (1).
  */
 #define LEAST_RIDGE PZS_R(1e-5)
 /*
@@ -65,7 +65,7 @@
 /* Number of measured shapes for which an electrode that has passed a test is not tested again. */
 #define CLEARED_SHAPES 100u
 
-/* Value of the input number of a test signal of the fault detector that is not in use. */
+/* Input number of a test signal that marks the test signal as unused. */
 #define NO_INPUT 0xFFFFu
 
 /*
@@ -197,8 +197,8 @@ static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *r
 }
 
 /*
- * Compute and factor the matrix of the least-squares estimate of electrode voltages. Returns
- * whether the matrix is regular.
+ * Compute and factor the matrix by which the fault detector estimates electrode voltages from the
+ * measured shape (least squares). Returns whether the matrix is regular.
  */
 static bool factor_matrix(pzs_fault_detector *detector)
 {
@@ -250,11 +250,17 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     if (control->state.stage != CONTROL_READY)
         return finish(detector, PZS_E_STAGE, -1);
     const pzs_problem *problem = control->state.problem;
-    if (problem->limit_rows != NULL) /* a test signal changes the voltage of one input alone and
-                                        could violate a limit of a weighted sum of voltages */
+    /*
+     * The fault detector is refused where weighted sums of voltages are limited: a test signal
+     * changes the voltage of one input alone and could violate such a limit.
+     */
+    if (problem->limit_rows != NULL)
         return finish(detector, PZS_E_ARGUMENT, -1);
-    if (control->state.influence == NULL) /* a sparse influence matrix has no columns that the fault
-                                             detector could read */
+    /*
+     * The fault detector is refused for a sparse influence matrix, because it reads columns of the
+     * full matrix.
+     */
+    if (control->state.influence == NULL)
         return finish(detector, PZS_E_ARGUMENT, -1);
     const size_t need = PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, delay);
     const int32_t missing = guard_missing_bytes(work, bytes, need);
@@ -634,9 +640,9 @@ static void update_states(pzs_fault_detector *detector)
         if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
             !is_held(detector->state.control, j))
             detector->state.electrode[j] =
-                PZS_ELECTRODE_OBSERVED; /* the program has called pzs_release for this faulty
+                PZS_ELECTRODE_OBSERVED; /* The program has called pzs_release for a faulty
                                            electrode, whose voltage was fixed; the fault detector
-                                           therefore observes the electrode again */
+                                           therefore observes the electrode again. */
     }
 }
 

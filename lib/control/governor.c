@@ -182,8 +182,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_problem *problem = signals->control->state.problem;
     place(state, signals->tables, signals->control);
     if (pzs_guard_nonfinite(signals->wanted, problem->outputs) >= 0)
-        return PZS_OK; /* a target shape that is not finite is left to the controller, which keeps
-                          the last voltages and returns a warning */
+        return PZS_OK; /* If the target shape is not finite, the governor leaves it unchanged. The
+                          controller then keeps the last voltages and returns a warning. */
     if (!is_known(state, signals->wanted))
         find_optimum(state, signals->wanted);
     if (!state->has_target || !move_reference(state))

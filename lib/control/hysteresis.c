@@ -186,8 +186,8 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 /* Parameters of the hysteresis model of one electrode. */
 typedef struct electrode {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
-                              effect (voltage without hysteresis), from the lowest voltages to the
-                              highest (1) */
+                              effect (voltage without hysteresis), from the lowest to the highest
+                              quarter of the voltage range (1) */
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     const pzs_real *above; /* [plays] weight of each play (element with backlash) in the effect
@@ -198,11 +198,11 @@ typedef struct electrode {
                               voltage range (1) */
     const pzs_real *creep; /* [creeps] final value of each creep term in the effect of the electrode
                               (voltage without hysteresis), divided by the voltage (1) */
-    pzs_real middle;       /* middle of the voltage range of the electrode, from which the model of
-                              hysteresis counts voltages (V) */
-    pzs_real half_range;   /* half of the voltage range of the electrode (V) */
-    pzs_real offset; /* constant part of the effect of the electrode, the voltage that would move
-                        the structure as far without hysteresis (V) */
+    pzs_real middle;     /* middle of the voltage range of the electrode (V), at which the model of
+                            hysteresis has its zero */
+    pzs_real half_range; /* half of the voltage range of the electrode (V) */
+    pzs_real offset; /* constant part of the effect of the electrode (V); the effect is the voltage
+                        that would move the structure as far without hysteresis */
     uint32_t plays, creeps;
 } electrode_tables;
 
@@ -412,8 +412,8 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
-                              effect (voltage without hysteresis), from the lowest voltages to the
-                              highest (1) */
+                              effect (voltage without hysteresis), from the lowest to the highest
+                              quarter of the voltage range (1) */
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     /*
@@ -679,10 +679,11 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
         return status;
     if (!signals->has_inverse)
         return PZS_E_STAGE;
-    if (control->state.problem->limit_rows != NULL) /* the compensation of hysteresis replaces
-                                                       voltages by effects (voltages without
-                                                       hysteresis), to which limits of sums of
-                                                       voltages do not apply */
+    /*
+     * The compensation of hysteresis is refused where sums of voltages are limited: it replaces
+     * voltages by effects (voltages without hysteresis), to which such limits do not apply.
+     */
+    if (control->state.problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
     memset(compensator, 0, sizeof *compensator);
     place(compensator, tables);
@@ -828,8 +829,8 @@ static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control
 {
     const pzs_real lower = compensator->state.lower[k], upper = compensator->state.upper[k];
     const pzs_real wanted = control->state.voltage[k];
-    if (!number_is_finite(wanted)) /* if memory is damaged, so that no voltage is found, the present
-                                      voltage is kept */
+    /* Damaged memory may give a voltage that is not finite; the present voltage is then kept. */
+    if (!number_is_finite(wanted))
         return number_clamp(given[k], lower, upper);
     if (!(wanted < control->state.upper[k]))
         return upper;

@@ -173,8 +173,8 @@ static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
 }
 
 /*
- * Return the number of multiply-adds by which limits of sums of absolute values of voltages raise
- * the smallest work limit of the optimiser.
+ * Return the number of multiply-adds by which the smallest work limit of the optimiser rises if
+ * sums of absolute values of voltages are limited.
  */
 static uint64_t absolute_work(const pzs_problem *problem)
 {

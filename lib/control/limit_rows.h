@@ -10,15 +10,16 @@
 #include "pzs_control.h"
 
 /*
- * Number of arrays of the limits of sums of voltages that enter the checksum of the controller's
- * tables.
+ * Number of arrays in the tables of limits of sums of voltages; they enter the checksum of the
+ * controller's tables.
  */
 #define LIMIT_ROW_PARTS 8u
 
 struct pzs_limit_row_calls {
     /*
-     * List the arrays of the limits of weighted sums of voltages that the checksum of the
-     * controller's tables covers. Arrays that are missing or too large to be read are not listed.
+     * List the arrays in the tables of limits of weighted sums of voltages, which the checksum of
+     * the controller's tables covers. Arrays that are missing or too large to be read are not
+     * listed.
      */
     void (*list_parts)(const pzs_problem *problem, pzs_table_part part[LIMIT_ROW_PARTS]);
     /*
@@ -36,8 +37,9 @@ struct pzs_limit_row_calls {
     /* Initialise the optimiser for limit rows (limits of sums of voltages) in a new controller. */
     void (*prepare)(pzs_control *control);
     /*
-     * At the start of a tick, correct those flags and zeros beyond the end of vectors that damaged
-     * memory may have changed in the optimiser for limit rows (limits of sums of voltages).
+     * At the start of a tick, repair parts of the optimiser for limit rows (limits of sums of
+     * voltages) that damaged memory may have changed: flags, and the zeros beyond the end of
+     * vectors.
      */
     void (*repair)(pzs_control *control);
     /*

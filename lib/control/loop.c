@@ -115,8 +115,8 @@ static size_t bytes_of(const pzs_block *block, const pzs_problem *problem)
 }
 
 /*
- * Return the address of the memory of block k (a stage of the control tick) in the workspace of the
- * loop.
+ * Return the address of the memory that block k (a stage of the control tick) has in the workspace
+ * of the loop.
  */
 static void *memory_of(const pzs_loop_core *core, const pzs_problem *problem, size_t k)
 {
@@ -309,9 +309,11 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
     const int32_t bad = pzs_guard_nonfinite(voltage, inputs);
     if (bad >= 0)
         return finish(loop, PZS_E_NONFINITE, NULL, bad);
-    for (uint16_t j = 0; j < inputs; j++) /* release every input that pzs_hold keeps at a fixed
-                                             voltage, also one to which the fault detector applies a
-                                             test signal */
+    /*
+     * Every input that pzs_hold keeps at a fixed voltage is released, also one to which the fault
+     * detector applies a test signal.
+     */
+    for (uint16_t j = 0; j < inputs; j++)
         (void)pzs_release(core->control, j);
     (void)pzs_control_start(core->control, voltage);
     loop->state.missed = 0;

@@ -77,8 +77,8 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
  * predicted shape in one tick (m2).
  */
 typedef struct squares {
-    pzs_real deviation; /* mean square of (measured minus predicted shape) minus its low-passed
-                           value (m2) */
+    pzs_real deviation; /* mean square over the outputs of the sudden deviation (m2): measured minus
+                           predicted shape, minus the low-passed value of this difference */
     pzs_real target;    /* mean square of the change of the target shape in one tick (m2) */
     pzs_real moved;     /* mean square of the predicted change of the shape in one tick (m2) */
     pzs_real answered;  /* mean product of predicted and measured change of the shape in one tick

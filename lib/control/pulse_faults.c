@@ -369,10 +369,10 @@ static uint32_t window_ticks(const pzs_pulse_detector_state *state)
  * pulse or a window, a time over which readings are averaged (1).
  */
 typedef struct weights {
-    pzs_real mean; /* weight of a tick in a mean value that vibration hardly changes, or, during a
-                      test pulse, in the response to the pulse */
+    pzs_real mean; /* weight of a tick in a mean of readings or voltages; during a test pulse,
+                      weight in the sum that measures the response to the pulse (1) */
     pzs_real late; /* weight of a tick in the sum that measures a sudden step of the readings during
-                      a test pulse */
+                      a test pulse (1) */
 } weights;
 
 static weights weights_of(const pzs_pulse_detector_state *state, uint32_t tick)
@@ -674,17 +674,15 @@ static void resolve_moves(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums over the electrodes whose voltages are not fixed, from which the common part of their
- * missing voltages is computed. The missing voltage of an electrode is the one that it seems not to
- * have received.
+ * Sums over the electrodes whose voltages are not fixed. From these sums follows the voltage error
+ * that all electrodes have in common because the gain of the structure differs from the model. The
+ * voltage error of an electrode is the voltage that the readings show minus the given one.
  */
 typedef struct loss_sums {
-    pzs_real losses; /* sum over the electrodes of the squared voltages that they seem not to have
-                        received (V2) */
-    pzs_real moves;  /* sum of the products of voltage changes and of the estimates of these changes
-                        from the readings (V2) */
-    pzs_real both; /* sum over the electrodes of the products of the voltage that each seems not to
-                      have received and its voltage change (V2) */
+    pzs_real losses; /* sum of the squared voltage errors of the electrodes (V2) */
+    pzs_real moves;  /* sum over the electrodes of the voltage change times its estimate from the
+                        readings (V2) */
+    pzs_real both; /* sum over the electrodes of the voltage error times the voltage change (V2) */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -1177,9 +1175,9 @@ static void end_window(pzs_pulse_detector_state *state)
     if (suspect != NO_INPUT)
         begin_suspicion(state, suspect, is_moving);
     else if (!is_moving && (has_moved(state) || !number_is_finite(rest)))
-        set_base(state); /* store the means of this window (time over which readings are averaged)
-                            for later comparison, also where damaged memory has made the stored
-                            means infinite or NaN */
+        set_base(state); /* The means of this window (time over which readings are averaged) are
+                            stored for later comparison. This also replaces stored means that
+                            damaged memory has made infinite or NaN. */
 }
 
 /*
@@ -1327,13 +1325,17 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = pzs_selftest_check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
-    if (problem->limit_rows != NULL) /* the test pulse of a single input, which the fault detector
-                                        applies, could violate the limit of a weighted sum of
-                                        voltages */
+    /*
+     * The fault detector is refused where weighted sums of voltages are limited: its test pulse on
+     * a single input could violate such a limit.
+     */
+    if (problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
-    if (signals->control->state.influence == NULL) /* The fault detector is refused: it reads
-                                                      columns of the influence matrix, which is
-                                                      stored as sparse rows. */
+    /*
+     * The fault detector is refused for a sparse influence matrix, because it reads columns of the
+     * full matrix.
+     */
+    if (signals->control->state.influence == NULL)
         return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;

@@ -8,9 +8,9 @@
 #include "../core/product.h"
 
 /*
- * Largest sum of squares of the part of a measured response to a test pulse that has another shape
- * than the modelled response, relative to the sum of squares of the modelled response. A larger
- * part means that something else has disturbed the test pulse.
+ * Largest unexplained part of a measured response to a test pulse: sum of squares of the part that
+ * has another shape than the modelled response, divided by the sum of squares of the modelled
+ * response. A larger part means that something else has disturbed the test pulse.
  */
 #define DISTURBED PZS_R(0.25)
 /*
@@ -42,14 +42,18 @@ typedef struct pulse_fit {
                                           electrode, to the healthy one and to all others, each with
                                           each; after the factorisation the L D L^T factors of the
                                           matrix */
-    pzs_real response[COLUMNS]; /* scalar products, over the sensors, of the measured response to a
-                                   test pulse with the modelled responses to the suspected
+    pzs_real response[COLUMNS]; /* scalar products over the sensors of the measured response to a
+                                   test pulse with three modelled responses (1): to the suspected
                                    electrode, to the healthy one and to all others; after the
-                                   solution the three gains (measured over modelled response) (1) */
-    pzs_real own;    /* sum over the sensors of the squared modelled response (change of a reading
-                        times the scale factor of its sensor) to the suspected electrode (1) */
-    pzs_real energy; /* sum over the sensors of the squared measured response (change of a reading
-                        times the scale factor of its sensor) to a test pulse (1) */
+                                   solution the three gains (measured over modelled response) */
+    /*
+     * squared norm over the sensors of the modelled response to the suspected electrode (1); a
+     * response is the change of a reading times the scale factor of its sensor
+     */
+    pzs_real own;
+    pzs_real energy; /* squared norm over the sensors of the measured response to a test pulse (1);
+                        a response is the change of a reading times the scale factor of its sensor
+                      */
 } pulse_fit;
 
 /*

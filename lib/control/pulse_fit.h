@@ -10,9 +10,9 @@
 #include "pzs_loop.h"
 
 /*
- * Smallest part of the modelled response to the reference electrode (a healthy one) that is
- * independent of the modelled response to the suspected electrode, as a fraction of its sum of
- * squares.
+ * Smallest independent part of the modelled response to the reference electrode, a healthy one: the
+ * part that is no multiple of the modelled response to the suspected electrode, as a fraction of
+ * the sum of squares.
  */
 #define PZS_PULSE_DEPENDENT PZS_R(0.05)
 
@@ -47,8 +47,8 @@ typedef struct pulse_response {
      */
     pzs_real jumped[2];
     /*
-     * part of the sum of squares of the measured response that no modelled response explains,
-     * relative to the sum of squares of the modelled response (1)
+     * unexplained part of the measured response (1): sum of squares of the part that no modelled
+     * response explains, divided by the sum of squares of the modelled response
      */
     pzs_real unexplained;
     bool is_measured; /* whether the gains (measured over modelled response) of the suspected and of

@@ -70,9 +70,9 @@
  */
 #define SIGN_PRODUCTS 8u
 /*
- * Number by which limited sums of absolute values of voltages raise the largest number of rounds
- * (sequences of iterations) in one call of the optimiser: where several limits meet in a point,
- * some rounds do not lower the objective.
+ * Additional rounds (sequences of iterations) in one call of the optimiser if sums of absolute
+ * values of voltages are limited: where several limits meet in a point, some rounds do not lower
+ * the objective.
  */
 #define CROSSING_ROUNDS 160u
 /*

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Functions of the optimiser for limit rows (limits of weighted sums of voltages, row_solver.c)
- * that the file for limits of sums of absolute values uses (absolute_rows.c).
+ * Functions of the optimiser for limit rows, the limits of weighted sums of voltages
+ * (row_solver.c), for use in absolute_rows.c, which treats sums of absolute values.
  */
 #ifndef PZS_LIB_ROW_SOLVER_H
 #define PZS_LIB_ROW_SOLVER_H
@@ -24,8 +24,8 @@ typedef struct rows_run {
                                  sums together */
     pzs_optimiser *optimiser; /* voltages, bounds and gradients of the optimiser for the inputs
                                  alone, without the limited sums of voltages */
-    uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
-                               limit rows (limits of sums of voltages) */
+    uint32_t inputs, count;   /* inputs: number of inputs; count: number of inputs plus number of
+                                 limit rows, which are limits of sums of voltages */
 } rows_run;
 
 static inline rows_run rows_run_of(pzs_control *control)

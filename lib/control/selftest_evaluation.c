@@ -126,8 +126,8 @@ typedef struct selftest_axis {
                                        (number of reals): model_line between the first entries of
                                        two successive columns or rows, model_entry between two
                                        successive entries of a column or row */
-    pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault) for the columns
-                                 and rows of the matrix of responses. If `is_row` is false: `line`
+    pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault) for each column
+                                 and row of the matrix of responses. If `is_row` is false: `line`
                                  for all amplifiers, `entry` for all sensors; otherwise `line` for
                                  all sensors, `entry` for all amplifiers */
     bool has_gains; /* whether, before measured and modelled responses are compared, each modelled
@@ -289,10 +289,11 @@ static void find_hidden(pzs_selftest *selftest, const selftest_axis *axis, uint3
 }
 
 /*
- * Compute the gain of an amplifier, unless the self-test has found a fault: the sum of the absolute
- * products of measured and modelled responses, divided by the sum of the squared modelled
- * responses, with the sign of the sum of the products. A sensor that is reversed or swapped then
- * changes the gain little; in a sum with signs it would cancel the responses of the other sensors.
+ * Compute the gain of an amplifier at which the self-test has found no fault. Its size is the sum
+ * of the absolute products of measured and modelled responses, divided by the sum of the squared
+ * modelled responses; its sign is that of the sum of the products. A sensor that is reversed or
+ * swapped then changes the gain little; in a sum with signs it would cancel the responses of the
+ * other sensors.
  */
 static void find_gain(const pzs_selftest *selftest, const selftest_axis *columns, uint32_t j)
 {

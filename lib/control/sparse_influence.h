@@ -10,7 +10,8 @@
 #include "pzs_control.h"
 
 /*
- * Number of arrays of a sparse influence matrix that enter the checksum of the controller's tables.
+ * Number of arrays of a sparse influence matrix; they enter the checksum of the controller's
+ * tables.
  */
 #define SPARSE_PARTS 3u
 

@@ -148,8 +148,8 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
     if (!(ticks < (pzs_real)MOST_TICKS))
         return UINT32_MAX;
     /*
-     * one tick more than a ramp of the voltage needs at its step limit (largest change in a tick),
-     * because rounding errors may shorten the changes
+     * The result is one tick more than the change of the voltage needs at its step limit (largest
+     * change in a tick), because rounding errors may shorten the changes.
      */
     return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
 }
@@ -253,10 +253,11 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     }
     core->remaining -= core->remaining > 0 ? 1u : 0u;
     pzs_control_moved(signals->control);
-    pzs_control_predict(signals->control); /* the shape is predicted already during a ramp of the
-                                              voltages, so that the first tick in which the loop
-                                              controls the voltages does not take longer than others
-                                            */
+    /*
+     * The shape is predicted already during a ramp of the voltages, so that the first tick in which
+     * the loop controls the voltages does not take longer than others.
+     */
+    pzs_control_predict(signals->control);
 }
 
 /* ---- events ------------------------------------------------------------- */
@@ -345,8 +346,9 @@ static void judge_readings(pzs_supervisor *supervisor, const pzs_loop_signals *s
 }
 
 /*
- * Change the operating mode of the supervisor after a time-out of the readings, an alarm of the
- * divergence monitor or an error of another stage of the control tick.
+ * Change the operating mode of the supervisor after one of these events: the readings are missing
+ * for too long, the divergence monitor gives an alarm, or another stage of the control tick returns
+ * an error.
  */
 static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {

@@ -216,8 +216,8 @@ static void repeat_voltages(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
     if (tables->delay == 0)
-        return; /* without delay of the sensors, the ring buffer of the static modal coordinates and
-                   readings of the last ticks has one row and no previous row */
+        return; /* Without delay of the sensors, the ring buffer of static modal coordinates and
+                   readings has only one row, so there is no previous row to copy. */
     memcpy(equilibrium_of(damper, 0), equilibrium_of(damper, 1), tables->modes * sizeof(pzs_real));
     memcpy(expected_of(damper, 0), expected_of(damper, 1), tables->sensors * sizeof(pzs_real));
 }
@@ -635,9 +635,11 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     place(damper, signals->control, tables, work_of(damper));
     (void)pzs_damper_skip(damper, (uint16_t)signals->missed);
     const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
-    if (!number_is_finite(damper->info.deviation)) { /* if damaged memory has made the state of the
-                                                        vibration modes infinite or NaN, it starts
-                                                        again in static equilibrium */
+    /*
+     * Damaged memory may make the state of the vibration modes infinite or NaN; the state then
+     * starts again in static equilibrium.
+     */
+    if (!number_is_finite(damper->info.deviation)) {
         memset(work_of(damper), 0, workspace_of(tables));
         set_initial_state(damper);
     }

@@ -32,8 +32,8 @@ void pzs_linalg_layout(pzs_envelope *matrix);
 void pzs_linalg_clear(pzs_envelope *matrix);
 
 /*
- * Initialise a symmetric matrix of `rows` rows, all entries zero, in envelope storage without zero
- * entries left out (dense).
+ * Initialise a symmetric matrix of `rows` rows as dense, that is, with all entries of the lower
+ * triangle stored. All entries are set to zero.
  *   work  [PZS_DENSE(rows)] in  memory of the entries and of the reciprocals of the pivots
  *   index                   in  memory of pzs_envelope.start, rows / PZS_TILE + 2 numbers of type
  *                               uint32_t, followed by pzs_envelope.first, `rows` numbers of type

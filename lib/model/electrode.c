@@ -30,9 +30,11 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs)
     crc = pzs_guard_crc(crc, tables->open, tables->count * sizeof *tables->open);
     crc = pzs_guard_crc(crc, tables->direct.start,
                         (tables->count + 1u) * sizeof *tables->direct.start);
-    if (entries > (uint32_t)tables->count * inputs) /* a damaged number of entries in the tables of
-                                                       the electrodes must not lead the checksum
-                                                       beyond the end of the tables */
+    /*
+     * If the number of entries in the tables of the electrodes is damaged, the checksum ends here,
+     * so that it does not read beyond the tables.
+     */
+    if (entries > (uint32_t)tables->count * inputs)
         return crc;
     crc = pzs_guard_crc(crc, tables->direct.dof, entries * sizeof *tables->direct.dof);
     return ~pzs_guard_crc(crc, tables->direct.value, entries * sizeof *tables->direct.value);
@@ -135,8 +137,8 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
 }
 
 /*
- * Return the address of the charge of one electrode per unit of one input (C/V, C/K or C/N), in the
- * matrix [electrodes][inputs] of these charges.
+ * Return the address of an entry in the matrix [electrodes][inputs] of charges: the charge of one
+ * electrode per unit of one input (C/V, C/K or C/N).
  */
 static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, uint32_t input)
 {

@@ -70,8 +70,8 @@ static bool rows_in_range(const pzs_rows *rows, uint32_t dof)
 
 /*
  * Whether the stiffness entries of an element lie inside the envelope of the stiffness matrix (its
- * stored entries): in the row of each of its free degrees of freedom, the first stored column is
- * not right of the lowest of these degrees of freedom.
+ * stored entries). Each free degree of freedom of the element has a row; in this row the first
+ * stored column must not be right of the element's lowest degree of freedom.
  */
 static bool element_in_envelope(const pzs_structure *structure, const uint16_t node[4])
 {
@@ -353,9 +353,9 @@ void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count
 }
 
 /*
- * Return the index of the free degree of freedom to which degree of freedom i of an element
- * belongs, or PZS_CONSTRAINED if a support or the last assembly of the stiffness matrix constrains
- * it.
+ * Return the number, among the free degrees of freedom of the structure, of degree of freedom i of
+ * an element. The result is PZS_CONSTRAINED if a support or the last assembly of the stiffness
+ * matrix constrains it.
  */
 static uint16_t element_dof(const pzs_model *model, uint32_t element, unsigned i)
 {

@@ -263,9 +263,9 @@ static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Turn the stress resultants of strains that were corrected for the warp and the skew of the
- * element into resultants of the uncorrected strains (the transpose of the correction of the
- * strains).
+ * Turn stress resultants that are conjugate to the strains corrected for warp and skew of the
+ * element into resultants that are conjugate to the uncorrected strains. This is the transpose of
+ * the correction of the strains.
  */
 static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4][10])
 {

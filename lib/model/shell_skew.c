@@ -33,8 +33,9 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 }
 
 /*
- * Turn stress resultants of strains that were corrected for the skew of an element (its deviation
- * from a parallelogram) into resultants of the uncorrected strains: the transpose of skew_plane.
+ * Turn stress resultants that are conjugate to the strains corrected for the skew of an element
+ * (its deviation from a parallelogram) into resultants that are conjugate to the uncorrected
+ * strains. This is the transpose of skew_plane.
  */
 static void skew_plane_back(const pzs_real skew[3], pzs_real resultant[4][10], int face)
 {

@@ -37,9 +37,9 @@ static inline bool shell_is_skewed(const pzs_element_type *type)
 void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real strain[4][10]);
 
 /*
- * Turn stress resultants of strains that were corrected for the skew of an element (its deviation
- * from a parallelogram) into resultants of the uncorrected strains: the transpose of
- * pzs_shell_skew_strains.
+ * Turn stress resultants that are conjugate to the strains corrected for the skew of an element
+ * (its deviation from a parallelogram) into resultants that are conjugate to the uncorrected
+ * strains. This is the transpose of pzs_shell_skew_strains.
  */
 void pzs_shell_skew_resultants(const pzs_real skew[3], pzs_real resultant[4][10]);
 

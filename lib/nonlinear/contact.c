@@ -110,8 +110,9 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
 /* ---- one node of the face ---------------------------------------------- */
 
 /*
- * Position of a node relative to the contact body: gap (m), gradient of the gap in global axes and
- * in the frame of the node (1), and second derivatives of the gap in the frame of the node (1/m).
+ * Position of a node relative to the contact body: gap (m), gradient of the gap in global axes
+ * (global) and in the frame of the node (normal) (1), and second derivatives of the gap in the
+ * frame of the node (1/m).
  */
 typedef struct contact_point {
     pzs_real gap, global[3], normal[3], hessian[3][3];

@@ -152,8 +152,8 @@ static body_point find_body_point(const pzs_contact *contact, const pzs_real pos
 }
 
 /*
- * Return the second derivative d'H d of the gap in the direction of a vector d, with the matrix H
- * of the second derivatives of the gap along the surface of the body.
+ * Return the second derivative d'H d of the gap along a vector d. The matrix H holds the second
+ * derivatives of the gap along the surface of the body.
  */
 static pzs_real curvature_along(const body_point *at, const pzs_real direction[3])
 {

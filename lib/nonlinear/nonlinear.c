@@ -635,8 +635,8 @@ static bool try_load_step(pzs_solver *solver, const pzs_real *value, pzs_real pa
 }
 
 /*
- * Return the error for a failed load step, such as an instability. negative_before is the number of
- * negative pivots of the tangent matrix at the last equilibrium.
+ * Return the error status that describes why a load step has failed, such as an instability.
+ * negative_before is the number of negative pivots of the tangent matrix at the last equilibrium.
  */
 static pzs_status failure_status(const pzs_solver *solver, uint32_t negative_before)
 {

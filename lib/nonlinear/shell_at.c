@@ -36,11 +36,11 @@ enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows of the array of nodal strains (strains per unit of each nodal degree of freedom) to which
- * the seventh degree of freedom q of a node contributes: the transverse displacement u3 of the
- * middle surface minus the mean of both faces, divided by the thickness. The row of strain 12, mean
- * of both faces, is one of them because the correction for warp adds transverse shear strains to
- * it.
+ * Rows of the array of nodal strains to which the seventh degree of freedom q of a node
+ * contributes. Nodal strains are strains per unit of each nodal degree of freedom. q is the
+ * transverse displacement u3 of the middle surface minus the mean of both faces, divided by the
+ * thickness. The row of strain 12, mean of both faces, is one of them because the correction for
+ * warp adds transverse shear strains to it.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
@@ -331,10 +331,11 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Collect the strains of all four strain modes (constant, linear and bilinear over the element)
- * that a unit displacement of one degree of freedom of a node causes, from its column in the array
- * of nodal strains. Strains to which the seventh degree of freedom of a node (q, displacement of
- * the middle surface minus the mean of both faces) does not contribute are zero in its columns.
+ * Collect the strains that a unit displacement of one degree of freedom of a node causes, for all
+ * four strain modes (constant, linear and bilinear over the element). They come from one column of
+ * the array of nodal strains. Strains to which the seventh degree of freedom of a node (q,
+ * displacement of the middle surface minus the mean of both faces) does not contribute are zero in
+ * its columns.
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -349,10 +350,10 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 }
 
 /*
- * Write the stress resultants that a unit displacement of one degree of freedom of `node` causes
- * into its column of the array stress_row_of [22][COLUMNS] (stresses per unit of each nodal degree
- * of freedom). Each is multiplied by the sign that its strain mode (constant, linear or bilinear
- * over the element) has at the node, so that the array contains no signs.
+ * Write the column of a degree of freedom of `node` into the array stress_row_of [22][COLUMNS]
+ * (stresses per unit of each nodal degree of freedom): the stress resultants that its unit
+ * displacement causes. Each is multiplied by the sign that its strain mode (constant, linear or
+ * bilinear over the element) has at the node, so that the array contains no signs.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
@@ -555,8 +556,9 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 }
 
 /*
- * Write the rows of one node into the packed tangent stiffness of an element, except that of its
- * seventh degree of freedom (q, displacement of the middle surface minus the mean of both faces).
+ * Write the six rows of one node into the packed tangent stiffness of an element. The row of its
+ * seventh degree of freedom q (displacement of the middle surface minus the mean of both faces) is
+ * written elsewhere.
  *   stress [ROWS + 1] in  pointers to the ROWS (10) stresses at the node per unit of each nodal
  *                         degree of freedom [COLUMNS], followed by NULL
  */
@@ -576,8 +578,9 @@ static void write_node(const pzs_element_type *type, unsigned dof_per_node, int 
 }
 
 /*
- * Write row and column of the seventh degree of freedom of one node (q, displacement of the middle
- * surface minus the mean of both faces) into the packed tangent stiffness of an element.
+ * Write the row and the column that belong to the degree of freedom q of one node into the packed
+ * tangent stiffness of an element. q, the seventh degree of freedom, is the displacement of the
+ * middle surface minus the mean of both faces.
  */
 static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
                     pzs_real *stiffness)
