@@ -139,8 +139,9 @@ static double area_below(const side *one, const side *other, double base)
     if (gap[0] * gap[1] >= 0)
         return (to - from) * lower;
     /*
-     * Where two sides of polygons cross each other, the upper boundary of the area below both of
-     * them consists of the lower end on the left, the crossing and the lower end on the right.
+     * Below two sides that cross each other, the common area is bounded above by two line segments:
+     * from the lower of both left ends to the crossing, and from the crossing to the lower of both
+     * right ends.
      */
     const double part = gap[0] / (gap[0] - gap[1]), middle = left[0] + part * (right[0] - left[0]);
     return (to - from) *

@@ -38,8 +38,8 @@ typedef enum polygon_fault {
 } polygon_fault;
 
 /*
- * Number of points for which a caller of polygon_clip must provide memory, where the polygon that
- * is clipped has `count` points.
+ * Number of points that the arrays of a caller of polygon_clip must hold if the clipped polygon has
+ * `count` points.
  */
 #define POLYGON_ROOM(count) (6 * (count) + 16)
 

@@ -199,9 +199,9 @@ static bool is_number(const cell *cell, double *value)
 }
 
 /*
- * Return whether a line of the text table contains names: none of its cells is a number or empty,
- * except the first cell if it is the empty corner above the names of the rows, and the last cell if
- * a delimiter ends the line.
+ * Return whether a line of the text table contains names: none of its cells is a number or empty.
+ * The first cell may be empty, as the corner above the names of the rows; so may the last cell,
+ * where a delimiter ends the line.
  */
 static bool holds_names(const text_reader *reader)
 {

@@ -366,11 +366,11 @@ typedef struct ply_integrals {
     double compliance; /* integral over the thickness of 1/(stiffness of the strain 33): compliance
                           of the plies against the normal stress 33 (m/Pa) */
     double length;     /* thickness of all plies of the element together (m) */
-    double narrowing[N]; /* integrals over the thickness of c_i3/c_33 (m): c_i3 is the stiffness
-                            that couples the thickness strain 33 with each of the ten strains of an
-                            element (mean and difference of both faces for the strains 11, 22, 33
-                            and 12; then the strains 13 and 23), and c_33 that of the strain 33
-                            alone */
+    double narrowing[N]; /* integrals of c_i3/c_33 over the thickness, for each of the ten strains i
+                            of an element (m). The stiffness c_i3 couples strain i with the
+                            thickness strain 33; c_33 is that of the strain 33 alone. Order of the
+                            strains: 11, 22, 33 and 12 (each mean and difference of both faces),
+                            then 13 and 23 */
 } ply_integrals;
 
 /*
@@ -800,9 +800,10 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
 
 /*
  * Correct the stress resultants that a voltage or temperature prescribes where it causes transverse
- * shear. First the strains of a free laminate are computed with its uniform shear stiffness. The
- * new resultants then are those that cause the same free strains with the stiffness that the
- * element uses for constant strains, so that element options do not change the free deformation.
+ * shear. Element options may make the element softer in shear than the laminate, but must not
+ * change the free deformation. The strains of a free laminate are therefore computed with its
+ * uniform shear stiffness; the corrected resultants cause the same free strains with the stiffness
+ * that the element uses.
  */
 static void keep_free_strains(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, free_field *field)

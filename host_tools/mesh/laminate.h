@@ -157,9 +157,10 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
                          double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute the ten stress resultants of an element, times its area (N m), that one volt across a ply
- * prescribes, or for ply < 0 a uniform temperature of 1 K (h0 [10] out; mean and difference of both
- * faces for the strains 11, 22, 33 and 12; then the strains 13 and 23).
+ * Compute the stress resultants of an element, times its area, that one volt across a ply
+ * prescribes, or for ply < 0 a uniform temperature of 1 K.
+ *   h0 [10] out  resultants (N m): mean and difference of both faces for the strains 11, 22, 33 and
+ *                12; then the strains 13 and 23
  */
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);

@@ -449,10 +449,10 @@ static int build_all_types(mesh *mesh, char *error)
 /* ---- supports of skewed corners --------------------------------------- */
 
 /*
- * Refuse a support on an edge along the surface coordinate theta1, where the edge meets the next
- * one at an angle other than 90 degrees and the support constrains displacements along or across
- * the edge alone. At such a corner the triad (local axes) of the node is aligned with the next
- * edge, not with the supported one.
+ * Refuse a support that constrains displacements along or across its edge alone, if the edge runs
+ * along the surface coordinate theta1 and meets the next edge at an angle other than 90 degrees. At
+ * such a corner the triad (local axes) of the node is aligned with the next edge, not with the
+ * supported one.
  */
 static int check_corners(const scene *scene, char *error)
 {

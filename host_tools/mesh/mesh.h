@@ -122,9 +122,9 @@ void mesh_free(mesh *mesh);
 void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
- * Rotate the triads (local axes) of the nodes of supports that give a direction, on a mesh of mesh
- * lines, and refuse other supports and loads that need another triad at these nodes. Returns 0, or
- * -1 with error filled.
+ * On a mesh of mesh lines, rotate the triads (local axes) of the nodes at supports that give a
+ * direction. Other supports and loads that need another triad at these nodes are refused. Returns
+ * 0, or -1 with error filled.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 

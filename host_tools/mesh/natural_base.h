@@ -26,9 +26,9 @@ void natural_dual_base(const natural_base *natural, double z, double dual[3][3])
 
 /*
  * Compute the matrix that maps strains E_ab in the base vectors a and b at height z to strains in
- * material axes (map [6][6] out, Voigt order 11 22 33 23 13 12, engineering shears). The strain ij
- * in material axes is the sum of B_ai B_bj E_ab over a and b, where B is the inverse of the matrix
- * of base vectors.
+ * material axes. The strain ij in material axes is the sum of B_ai B_bj E_ab over a and b, where B
+ * is the inverse of the matrix of base vectors.
+ *   map [6][6] out  the matrix, Voigt order 11 22 33 23 13 12, engineering shears
  */
 void natural_strain_map(const natural_base *natural, double z, double map[6][6]);
 

@@ -69,7 +69,8 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 
 /*
  * Make the direction of a support at a node orthogonal to the axes along which other supports hold
- * the node, and take the displacements that these axes prescribe out of its prescribed value.
+ * the node. The displacements that these axes prescribe are subtracted from the value that the
+ * support prescribes.
  *   rest  in/out  direction, afterwards a unit vector; its value is afterwards the displacement
  *                 along this vector times the returned sine
  * Returns the sine of the angle between the given direction and the held axes.

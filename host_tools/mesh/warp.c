@@ -15,8 +15,8 @@ enum { ROWS = 8, TILTS = 8 };
 
 /*
  * Linear system a c = y for the eight factors c of the warping correction of an element's membrane
- * shear strain: entry (i, k) of a is the value of strain k under tilt i of a director, and y_i is
- * the difference of the shear strain 12 between the faces under this tilt.
+ * shear strain. A director tilts in each equation: a_ik is the value of strain k under tilt i, and
+ * y_i is the difference of the shear strain 12 between the faces under this tilt.
  */
 typedef struct tilt_system {
     double matrix[TILTS][ROWS], right_side[TILTS];

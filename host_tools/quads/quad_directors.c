@@ -297,10 +297,10 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
 /* ---- free edges -------------------------------------------------------- */
 
 /*
- * Normal equations of the slopes s and r of a director (unit normal) n = n0 + s t1 + r t2 on a free
- * edge, where t1 and t2 are tangents of the surface. Every chord c (straight line) to a
- * neighbouring node with the director m contributes the equation (n + m).c = 0, which holds exactly
- * on planes, spheres and cylinders.
+ * Normal equations of the slopes s and r of a director (unit normal) on a free edge. The director
+ * is n = n0 + s t1 + r t2 with tangents t1 and t2 of the surface. Every chord c (straight line) to
+ * a neighbouring node with the director m contributes the equation (n + m).c = 0, which holds
+ * exactly on planes, spheres and cylinders.
  */
 typedef struct slopes {
     double tangent[2][3]; /* tangents t1 and t2, unit vectors along which the director (unit normal)

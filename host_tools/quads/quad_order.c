@@ -232,9 +232,9 @@ static int try_sloan(search *search, uint32_t first)
 }
 
 /*
- * Set the level of each node to its distance from the lower end of the mesh along a global axis,
- * counted in mean side lengths of the elements and at most the number of nodes. Returns the node at
- * the upper end.
+ * Set the level of each node to its distance from the lower end of the mesh along a global axis.
+ * The distance is counted in mean side lengths of the elements and limited to the number of nodes.
+ * Returns the node at the upper end.
  */
 static uint32_t measure_levels(const search *search, const quad_mesh *mesh, int axis)
 {

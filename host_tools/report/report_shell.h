@@ -134,8 +134,8 @@ typedef struct shell_body {
 } shell_body;
 
 /*
- * Find the part of a rigid body's surface that lies near the shell in the last equilibrium, so that
- * a picture can show the body that the shell may touch.
+ * Find the part of a rigid body's surface near the shell in the last equilibrium, for a picture of
+ * the body that the shell may touch.
  */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 

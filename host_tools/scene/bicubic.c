@@ -80,8 +80,8 @@ static cell_point find_cell(const bicubic *function, const double place[2])
 }
 
 /*
- * Return the index of one coefficient of the spline function, that of one of the 16 products of
- * B-splines which differ from zero in a cell.
+ * Return the index of one coefficient of the spline function. It belongs to one of the 16 products
+ * of B-splines that differ from zero in a cell.
  *   term in  number of the product, 0 to 15
  */
 static uint32_t row_of(const bicubic *function, const int cell[2], int term)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Functions of coordinates in scenes: formulas, interpolation between values at scattered points,
- * and lists of values in the order of the rows of a target. A formula consists of numbers, the
- * variables x, y, z (in space), theta1, theta2 (surface coordinates), the constant pi, the
- * operators + - * / ^, parentheses, common functions, and zernike(j, rho, phi): the Zernike
- * polynomial of Noll index j with root mean square 1 over the unit disc, which is NaN unless j is
- * an integer from 1 to 1000.
+ * and lists of values in the order of the rows of a target.
+ *
+ * A formula consists of numbers, the variables x, y, z (in space), theta1, theta2 (surface
+ * coordinates), the constant pi, the operators + - * / ^, parentheses and common functions. The
+ * function zernike(j, rho, phi) is the Zernike polynomial of Noll index j with root mean square 1
+ * over the unit disc; it is NaN unless j is an integer from 1 to 1000.
  */
 #ifndef EXPR_H
 #define EXPR_H

@@ -2,11 +2,11 @@
 /*
  * Check that the electrodes of one layer do not overlap.
  *
- * Two polygons may have a common area of a thousandth of the smaller electrode, for rounding and
- * for arcs that are drawn by straight sides; their areas are compared exactly. For an electrode
- * that is given by a formula, each element is divided into 8 x 8 squares. The electrode overlaps
- * another one where both cover the whole of one square, or where the parts of an element that they
- * cover add up to more than the element.
+ * The areas of two polygons are compared exactly. They may have a common area of a thousandth of
+ * the smaller electrode, for rounding and for arcs that are drawn by straight sides. For an
+ * electrode that is given by a formula, each element is divided into 8 x 8 squares. The electrode
+ * overlaps another one where both cover the whole of one square, or where they cover together more
+ * than an element.
  */
 #ifndef OUTLINE_OVERLAP_H
 #define OUTLINE_OVERLAP_H

@@ -155,8 +155,8 @@ static int check_place(const outline_work *work, int electrode, const electrode_
 {
     const double theta_most = 1e-9,
                  space_most = 0.05; /* largest fraction of an electrode's area that may lie outside
-                                       the surface: theta_most for outlines over the surface
-                                       coordinates theta1 and theta2, space_most for outlines in a
+                                       the surface. theta_most: for outlines over the surface
+                                       coordinates theta1 and theta2. space_most: for outlines in a
                                        plane of space, where the rim of a mesh has straight sides in
                                        place of the true curve */
     const scene_outline *outline = &work->patches->outlines->electrode[electrode];

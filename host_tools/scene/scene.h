@@ -359,10 +359,10 @@ typedef struct scene_actuator {
                        of a heater (K), where voltages are not optimised; NULL where all have the
                        value `applied` */
     bool open;      /* electrodes of a sensor: true: open circuit; false: short circuit */
-    int first, grid[2]; /* first: number of the first amplifier of an actuator, counted over all
-                           actuators of the scene, or of the first electrode of a sensor, counted
-                           over all sensors; grid: number of patches along the surface coordinates
-                           theta1 and theta2 */
+    int first, grid[2]; /* first: number of the first amplifier of an actuator among those of all
+                           actuators, or of the first electrode of a sensor among those of all
+                           sensors; grid: number of patches along the surface coordinates theta1 and
+                           theta2 */
     scene_at at;
 } scene_actuator;
 
@@ -389,12 +389,12 @@ typedef struct scene_support {
                             vector: not given */
     expr *formula[3]; /* components of the direction of an oblique support as formulas of the place
                          of the node; NULL: the direction is given by numbers */
-    unsigned fix; /* bit i set: dof i of the support's nodes is prescribed; dof 0 to 2 are the mean
-                     displacements of both faces along the node's local axes, 3 to 5 their
-                     differences, 6 is the normal displacement of the middle surface relative to the
-                     mean; higher bits are FIX_SIMPLE to FIX_ACROSS */
-    expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
-                     of the scene file); NULL: 0 */
+    unsigned fix;     /* bit i set: dof i of the support's nodes is prescribed. Bits 0 to 2: mean
+                         displacements of both faces along the local axes of the node; 3 to 5: their
+                         differences; 6: normal displacement of the middle surface relative to the
+                         mean; higher bits: FIX_SIMPLE to FIX_ACROSS */
+    expr *value; /* formula of the displacement that a support prescribes at full load (length unit
+                    of the scene file); NULL: 0 */
     unsigned move; /* bit i set: the prescribed dof i takes the value of the support; bit i not set:
                       a prescribed dof i is 0, so that a prescribed normal displacement moves both
                       faces by the same distance. The bit FIX_ALONG of an oblique support stands for
@@ -625,8 +625,8 @@ typedef struct scene_limits {
     int rows;
     int absolute_rows; /* number of limits of sums of absolute values; they are the last entries of
                           `row` */
-    scene_limit_row *row; /* [rows] limits of differences, of weighted sums and, at the end, of sums
-                             of absolute values of voltages */
+    scene_limit_row *row; /* [rows] limits of several voltages together: first those of differences
+                             and of weighted sums, then those of sums of absolute values */
     scene_at at;
 } scene_limits;
 

@@ -110,10 +110,10 @@ static int read_list_node(reader *reader, int node, void *to, const void *rule)
 
 /* Columns of a table that gives a function: one for each coordinate, and one for the value. */
 typedef struct function_columns {
-    int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* number of coordinates of a function given by a
-                                                     table, index of each among x, y, z (in space),
-                                                     theta1, theta2 (on the surface), and number of
-                                                     the table's column that holds it */
+    int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* coordinates of a function that a table gives:
+                                                     how many; index of each among x, y, z (in
+                                                     space), theta1, theta2 (on the surface); and
+                                                     number of the column that holds it */
     int value; /* number of the column that holds the values of a function given by a table */
 } function_columns;
 

@@ -260,11 +260,11 @@ static int check_oblique(reader *reader, int node, const scene_support *support)
 
 /*
  * Replace the word `rotation` of a support by the dof that it holds. With the local axes e1 and e2
- * of a node, the rotation about e1 is minus the difference of both faces' displacements along e2
- * over the thickness, and that about e2 the difference along e1. For a rotation about any other
- * axis, the axes of the nodes are turned so that e1 is this axis. A prescribed rotation also
- * prescribes the difference of the normal displacements, so that it keeps the thickness. Returns 0,
- * or -1 after an error message about the scene.
+ * of a node, differences of both faces' displacements over the thickness are rotations: the
+ * difference along e1 is the rotation about e2, and minus that along e2 is the rotation about e1.
+ * For a rotation about any other axis, the axes of the nodes are turned so that e1 is this axis. A
+ * prescribed rotation also prescribes the difference of the normal displacements, so that it keeps
+ * the thickness. Returns 0, or -1 after an error message about the scene.
  */
 static int find_rotation(reader *reader, int node, scene_support *support)
 {

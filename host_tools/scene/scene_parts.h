@@ -27,9 +27,9 @@ field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, rea
     read_set_pattern, read_vector, read_unit;
 
 /*
- * Find the k-th set, counted from 0, of those sets of nodes, edges and elements of the mesh file
- * whose names fit a pattern, in which the first * stands for any text. The name of the set is
- * copied to `name`; it stays as it is where fewer sets fit. Returns the number of the sets that
+ * Find the k-th set, counted from 0, of the sets of nodes, edges and elements of the mesh file
+ * whose names fit a pattern. The first * in the pattern stands for any text. The name of the set is
+ * copied to `name`, which stays as it is where fewer sets fit. Returns the number of the sets that
  * fit.
  */
 int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[SCENE_NAME]);
@@ -157,7 +157,7 @@ extern const form difference_form, sum_form, absolute_sum_form;
 
 /*
  * Refuse a scene file that limits sums or differences of voltages and also asks for a function of
- * the control loop that disregards such limits, for example the self-test, which moves amplifiers
+ * the control loop that disregards such limits. An example is the self-test, which moves amplifiers
  * one by one. Returns 0, or -1 with error filled.
  */
 int scene_check_rows(const scene *scene, char *error);

@@ -297,11 +297,10 @@ static void set_defaults(scene *scene)
 }
 
 /*
- * Choose the number of dof of a node where the scene file does not state it. The seventh dof is the
- * displacement of the middle surface relative to the faces. It is left out where the element option
- * lin33 (every ply thickens freely) leaves it no effect and the kinematics is not linear, because a
- * dof without effect could lose its stiffness at large rotations. The number is 7 otherwise, and
- * where a support names the seventh dof.
+ * Choose the number of dof of a node, 7 or 6, where the scene file does not state it. The seventh
+ * dof is the displacement of the middle surface relative to the faces. It is left out at large
+ * rotations if the element option lin33 is on, by which every ply thickens freely. The dof then has
+ * no effect and could lose its stiffness. A support that names the seventh dof keeps it.
  */
 static void choose_dof_per_node(scene *scene, const tree *tree)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Progress display of a long command. Where standard error is a terminal, a command that runs
- * longer than two seconds displays one line, which a timer updates twice a second and which is
- * erased before the results are printed. Otherwise nothing is displayed.
+ * Progress display of a long command. It needs a terminal as standard error; otherwise nothing is
+ * displayed. A command that runs longer than two seconds displays one line, which a timer updates
+ * twice a second. The line is erased before the results are printed.
  */
 #ifndef PROGRESS_H
 #define PROGRESS_H
