@@ -62,7 +62,10 @@ bool arc_contact_accepts(arc_contact *contact);
 void arc_contact_save(const arc_contact *contact);
 void arc_contact_restore(const arc_contact *contact);
 
-/* Copy the present contact pressures aside, or back from this copy. */
+/*
+ * arc_contact_keep copies the present contact pressures to the array contact->pressures;
+ * arc_contact_take_back copies them back.
+ */
 void arc_contact_keep(const arc_contact *contact);
 void arc_contact_take_back(const arc_contact *contact);
 

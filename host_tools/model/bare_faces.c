@@ -89,8 +89,9 @@ static void join_element(const bare_faces *bare, int layer, int element, slot_se
 }
 
 /*
- * Number the electric potentials: one for each used slot (node on an interface between layers),
- * except the first slot of each set of connected slots that is not grounded, whose potential is 0.
+ * Number the electric potentials, one for each used slot (node on an interface between layers). In
+ * a set of connected slots without an electrode at 0 V, the first slot gets no number; its
+ * potential is 0.
  */
 static void number_slots(bare_faces *bare, const slot_sets *sets, size_t slots)
 {

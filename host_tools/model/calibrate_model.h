@@ -32,9 +32,8 @@ typedef struct calibration_model {
     int faults;
     wiring_fault fault[WIRING_FAULTS]; /* faults of electrodes and cables, in the order in which
                                           they were found */
-    double *voltage; /* [pokes (shapes measured under known voltages)][amplifiers] voltages that
-                        reach the electrodes in each measurement (poke), given the faults found (V)
-                      */
+    double *voltage; /* [pokes][amplifiers] voltages that reach the electrodes in each poke (shape
+                        measured under known voltages), given the faults found (V) */
 } calibration_model;
 
 /*

@@ -92,8 +92,9 @@ static void add_driven(const transition *transition, double *row, size_t i, doub
 }
 
 /*
- * Fill the rows of a vibration mode in the transition matrix. The equilibrium moves by the change
- * of the mean voltages, and deviation e and scaled velocity p turn about it:
+ * Fill the rows of a vibration mode in the transition matrix. The equilibrium moves by `change`,
+ * the change of the mean voltages' static coordinate. Deviation e and scaled velocity p then
+ * vibrate about it, with the propagator `turn` of free vibration:
  *     e' = turn[0] (e - change) + turn[1] p
  *     p' = turn[2] (e - change) + turn[3] p
  */

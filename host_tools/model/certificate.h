@@ -93,16 +93,16 @@ typedef struct certificate_loop {
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
     double worst; /* largest distance of the shape at the end of a storm (simulation with fast jumps
-                     of the target) from the best shape within the voltage limits, over the norm of
-                     the target; if that norm is below 1/50 of the norm of the shapes that voltages
-                     can reach, over this 1/50 */
+                     of the target) from the best shape within the voltage limits; relative to the
+                     norm of the target, or to 1/50 of the norm of the shapes that voltages can
+                     reach if that is larger */
     double worst_gain, worst_frequency,
         worst_step; /* static response to voltages and natural frequencies, relative to the
                        controller's model, of the structure in the worst storm (simulation with fast
                        target jumps), and its step limit relative to the scene's */
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
-    double less_hysteresis; /* share by which the ceramic has less hysteresis than the scene file
+    double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */
     int delay;              /* age of the readings that the scene file states (ticks) */
@@ -147,8 +147,9 @@ typedef struct certificate {
     bool is_assessed;  /* true where the scene has a target and amplifiers, so that the stability of
                           the control loop was assessed; the members of this struct after this one
                           are valid only then */
-    bool assumes_measured; /* true where the loop was assessed as if every target node were
-                              measured, because some readings come from electrodes */
+    bool assumes_measured; /* true where the stability tests treat every target node as measured,
+                              because some of the scene's sensors read electrodes instead of
+                              displacements */
     int modes; /* number of vibration modes of the structure in the model that the stability tests
                   use */
     double damping;       /* damping ratio of the structure's first vibration mode */

@@ -40,8 +40,8 @@ typedef struct damper_options {
 } damper_options;
 
 /*
- * Options of the vibration damper from the tick rate and sensor delay of the scene, and from the
- * settings that the stability tests of the loop have chosen.
+ * Return the options for the tables of the vibration damper: tick rate and sensor delay of the
+ * scene, and the settings that the stability tests of the loop have chosen.
  */
 damper_options damper_options_of(const analysis *analysis);
 

@@ -12,7 +12,8 @@
 #include "modal_tables.h"
 
 typedef struct deformed {
-    linearised about;  /* tangent stiffness matrix and forces of the inputs at the equilibrium */
+    linearised about; /* tangent stiffness matrix and forces of the inputs at the equilibrium at the
+                         target shape */
     analysis analysis; /* analysis of the scene; its influence matrix [outputs][inputs] is that of
                           the structure linearised about the equilibrium at the target shape */
     vibration vibration;

@@ -162,8 +162,8 @@ static int check_limits(const limits *bounds, const char *which, char *error)
 }
 
 /*
- * Set the step limit of every amplifier (V a tick): the narrowest of the common one and those that
- * the scene file gives for the amplifier.
+ * Set the step limit of every amplifier (V a tick): the smallest of the step limit for all
+ * amplifiers and those that the scene file gives for this one.
  */
 static void build_step_limits(const design *design)
 {

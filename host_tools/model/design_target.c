@@ -119,7 +119,8 @@ static double rounding(const design *design)
 
 /*
  * Subtract from a shape [targets] its fit by the first `count` free functions of the target (shapes
- * that may be added at no cost). Weighted rows are set to 0 where only rounding errors remain.
+ * that may be added at no cost). If only rounding errors remain, the displacements that count in
+ * the shape error are set to 0.
  */
 static void remove_fit(const design *design, int count, double *shape)
 {

@@ -155,9 +155,9 @@ static void close_fit(fit *fit)
 }
 
 /*
- * Parts of the interval from 0 to s that lie in each quarter of the voltage range (V, negative for
- * s < 0), where s is a voltage minus the middle of the range.
- *   row [SLOPES] out  length of each part, with sign
+ * Split the interval from 0 to s at the borders of the quarters of the voltage range; s is a
+ * voltage minus the middle of the range (V).
+ *   row [SLOPES] out  length of the part in each quarter (V), negative for s < 0
  */
 static void fill_slopes(const fit *fit, double s, double *row)
 {

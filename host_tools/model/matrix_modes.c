@@ -20,8 +20,8 @@ enum { SWAPS = 40 };
 static const double distinct = 1e-6;
 
 /*
- * A swap of two outputs (rows of the influence matrix) counts as found if it reduces enough the
- * fraction of the matrix that the mode shapes leave unexplained. The reduction must exceed
+ * A swap of two outputs (rows of the influence matrix) counts as found if it sufficiently reduces
+ * the fraction of the matrix that the mode shapes leave unexplained. The reduction must exceed
  * `least_gain` times this fraction, and `rounding`, a multiple of the rounding error.
  */
 static const double least_gain = 0.05, rounding = 1e-9;

@@ -24,11 +24,11 @@ typedef struct matrix_modes {
     double random_rest; /* fraction of the squared norm of the influence matrix that mode shapes
                            with randomly ordered rows would leave unexplained on average; a
                            reference value for `rest` */
-    double rest; /* share of the influence matrix outside the span of the mode shapes, which no
-                    static responses explain */
-    double swapped_rest; /* share of the influence matrix outside the span of the mode shapes, after
-                            the search has swapped those rows of the matrix that seem to stand in
-                            the wrong order */
+    double rest; /* fraction of the squared entries of the influence matrix that no combination of
+                    the mode shapes represents */
+    double swapped_rest; /* fraction of the squared entries of the influence matrix that no
+                            combination of the mode shapes represents, after rows of the matrix that
+                            seem to stand in the wrong order have been swapped */
 } matrix_modes;
 
 /*

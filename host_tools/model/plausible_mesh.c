@@ -129,7 +129,8 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate, for plausibility rules on transverse
- * shear. Such a rule has one number to measure, k = 0.
+ * shear.
+ *   k    in   number of the value that the rule asks for; only k = 0 exists
  *   wave out  squared wave number of a half sine wave over the shorter side of the structure (1/m2)
  * Returns whether k is 0 and the stiffnesses could be computed.
  */

@@ -220,8 +220,8 @@ static void measure_point(const scene *scene, const scene_load *load, int direct
 }
 
 /*
- * Measure the mesh at a load on an edge: the size of the elements at right angles to the edge,
- * divided by the shortest bending length of the shell along the edge.
+ * Measure whether the mesh resolves the bending near a load on an edge: size of the elements at
+ * right angles to the edge, divided by the shortest bending length of the shell along the edge.
  */
 static void measure_edge(const scene *scene, const scene_load *load, int direction, measured *found)
 {

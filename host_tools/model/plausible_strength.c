@@ -160,8 +160,8 @@ int measure_soft_strength(const subject *of, int k, measured *found)
 }
 
 /*
- * Strength under compression over that under tension along one axis. Ceramics, glasses, concrete
- * and stones reach 5 to 40.
+ * Measure the strength of a material under compression over that under tension, along one axis.
+ * Ceramics, glasses, concrete and stones reach 5 to 40.
  */
 int measure_strength_ratio(const subject *of, int k, measured *found)
 {

@@ -300,8 +300,7 @@ typedef struct force_place {
     double director[3]; /* vector from the inner to the outer face, divided by the thickness (1) */
 } force_place;
 
-/* Compute the sum of the components of a vector in the triad (local axes) of a node, times its
- * axes. */
+/* Transform a vector from the triad (local axes) of a node to the axes x, y and z. */
 static void to_global(const surface_point *point, const double in_triad[3], double vector[3])
 {
     for (int i = 0; i < 3; i++)

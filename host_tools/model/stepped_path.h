@@ -11,9 +11,9 @@
 
 /*
  * Compute the load path from the reference state to the full load and append its points to an empty
- * path. The path ends early where the equilibrium solver finds no equilibrium, as above a limit
- * load. A contact body or a support that is moved by the load factor controls a displacement, and
- * such a path passes the maxima of the forces there.
+ * path. The path ends early where the equilibrium solver finds no equilibrium, for example above a
+ * limit load. If the load factor moves a contact body or a support, it controls a displacement; the
+ * path then continues beyond a maximum of the force.
  *   analysis in/out  with an equilibrium solver in the reference state
  *   reached  out     load factor of the last point
  * Returns 0, or -1 with error filled where memory runs out.

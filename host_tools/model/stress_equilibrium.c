@@ -236,8 +236,8 @@ static void balance(const stress_field *field, const stencil *stencil, gradient 
 }
 
 /*
- * Compute the end values and the resultants of a profile through the thickness of the two
- * transverse shear stresses 13 and 23.
+ * For a profile of the transverse shear stresses 13 and 23 over the thickness, compute the values
+ * at the outer face and the resultants.
  *   left [4] out  stresses 13 and 23 at the outer face of the laminate (Pa), then the shear forces
  *       per length that both stresses make (N/m)
  */

@@ -108,9 +108,9 @@ static bool assemble(search *search)
 }
 
 /*
- * Factor stiffness matrix + times * mass matrix, with rows scaled by the diagonal of the stiffness
- * matrix. Returns the numbers of positive and negative pivots, all zero where the stiffness matrix
- * has a zero on its diagonal.
+ * Factor the matrix K + times M, with the stiffness matrix K and the mass matrix M. The rows are
+ * scaled by the diagonal of K. Returns the numbers of positive and negative pivots, all zero where
+ * K has a zero on its diagonal.
  */
 static linalg_inertia factor(search *search, double times, int keep_scale)
 {
@@ -347,10 +347,10 @@ static void apply_to_waiting(search *search)
 }
 
 /*
- * One step of the Lanczos method: apply the operator to the next basis vector, store the products
- * with the basis as a column of the projection, and append the part of the result that is
- * orthogonal to the basis as a new basis vector. Returns 0 where no basis vector is left, otherwise
- * 1.
+ * One step of the Lanczos method. The operator is applied to the next basis vector. The products of
+ * the result with the basis become a column of the projection. The part of the result that is
+ * orthogonal to the basis becomes a new basis vector. Returns 0 where no basis vector is left,
+ * otherwise 1.
  */
 static int extend_basis(search *search)
 {

@@ -107,10 +107,10 @@ static double mean_response(const pzs_selftest_tables *tables, const double *dir
 }
 
 /*
- * Set the scale of each sensor, a factor for its readings with which the mean square of all
- * responses to 1 V is 1, and the noise above which a sensor is reported as too noisy. The scales
- * are inversely proportional to the noise of the sensors where the scene file states it, so that
- * sensors with different units can be compared.
+ * Set the scale of each sensor, a factor for its readings, and the noise above which a sensor is
+ * reported as too noisy. The mean square of all scaled responses to 1 V is 1. Where the scene file
+ * states the noise of the sensors, the scales are inversely proportional to it, so that sensors
+ * with different units can be compared.
  */
 static void set_scales(const pzs_selftest_tables *tables, const double *direct, double amplitude,
                        double *scale, double *noise)

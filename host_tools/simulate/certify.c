@@ -28,8 +28,8 @@ enum {
                           measures the growth of small vibrations */
     TICKS_MOST = 3000,
     HALVINGS = 5,   /* number of bisections with which a stability margin is determined */
-    OLDER_MOST = 4, /* largest deviation of the delay of the sensor readings from the stated delay
-                       that the stability tests try (ticks) */
+    OLDER_MOST = 4, /* largest change of the sensor readings' delay that the stability tests try
+                       (ticks) */
     OCTAVES = 5     /* octaves of tick rates that are tried on either side of the scene's rate */
 };
 
@@ -680,8 +680,8 @@ static int find_margins(trial *trial, char *error)
 }
 
 /*
- * Find the tick rate at which the control loop is stable and which is nearest, in octaves, to the
- * rate of the scene file; lower rates are tried first; 0 where none was found. Returns 0, or -1
+ * Find the stable tick rate of the control loop that is nearest, in octaves, to the rate of the
+ * scene file; lower rates are tried first. The result is 0 where none was found. Returns 0, or -1
  * with error filled.
  */
 static int find_stable_rate(trial *trial, double *rate, char *error)

@@ -35,7 +35,7 @@ typedef struct device_board {
  */
 const device_board *device_find(const char *name);
 
-/* Sizes (characters) of the text of a path and of an error message of one line about a firmware. */
+/* Sizes (characters) of two texts: the path of a firmware, and an error message of one line. */
 enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };
 
 /*

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Imperfections of amplifiers, cables, ceramic and sensors by a scene (imperfections_scene.h). */
+/*
+ * Imperfections of amplifiers, cables, ceramic and sensors as a scene states them
+ * (imperfections_scene.h).
+ */
 #include "imperfections_scene.h"
 #include <math.h>
 #include <stdio.h>

@@ -16,8 +16,8 @@ struct plant;
 typedef struct plant_motion {
     const char *name;
     /*
-     * Prepare the computation of the motion, after the vibration modes of the plant are computed;
-     * close releases its memory.
+     * open: prepare the computation of the motion, after the vibration modes of the plant have been
+     * computed. close: release the memory that `open` has allocated.
      */
     int (*open)(struct plant *plant, char *error);
     void (*close)(struct plant *plant);

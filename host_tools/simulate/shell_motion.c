@@ -30,10 +30,10 @@ enum { SOLVES_MOST = 16 };
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * balanced: size of the last increment of Newton's method in a time step, relative to the change of
- * the displacement in half the step. Below it, the residual forces make an error of the energy so
- * small that part of the last increment removes it, without another linear solve.
- * largest_correction: largest part of the last increment that may be added for this.
+ * balanced: size of the last Newton increment in a time step, relative to the change of the
+ * displacement in half the step. Below this size, the residual forces disturb the energy so little
+ * that a part of the last increment corrects it, without another linear solve. largest_correction:
+ * largest part of the last increment that may be added for this.
  */
 static const double balanced = 1e-6, largest_correction = 0.1;
 
@@ -297,8 +297,8 @@ static void subtract_internal_force(shell_motion *motion, uint32_t element, doub
 }
 
 /*
- * Extrapolate the stress resultants that act at half the time step along the last increment of
- * Newton's method, for all elements.
+ * For all elements, extrapolate the stress resultants at half the time step along the last Newton
+ * increment.
  */
 static void extrapolate(shell_motion *motion, double step)
 {
@@ -405,8 +405,8 @@ static void compute_imbalance(shell_motion *motion, double step, double *imbalan
 }
 
 /*
- * Assemble and factor the matrix of a time step at the present displacement at half the step.
- * Returns whether the matrix is regular.
+ * Assemble the matrix of a time step for the displacement at half the step, and factor it. Returns
+ * whether the matrix is regular.
  */
 static bool factor_matrix(shell_motion *motion, double step)
 {

@@ -45,8 +45,10 @@ typedef struct shell_motion {
                           state: displacement at half the time step, and stress resultants at half
                           the step that are extrapolated along the last Newton increment */
     double step_most;  /* longest time step of the motion of the shell (s) */
-    double mass_damping, viscosity; /* damping a of mass (1/s); viscosity b of which one half acts
-                                       on the stress resultants and one on the velocity (s) */
+    double mass_damping, viscosity; /* mass_damping: coefficient a of the damping force a M v, with
+                                       mass matrix M and velocity v (1/s); viscosity: b, half of
+                                       which acts on the stress resultants and half on the velocity
+                                       (s) */
     size_t modes; /* number of vibration modes that the time steps resolve, each of which is damped
                      individually */
     double *mode_damping; /* [modes] twice the damping ratio times the angular frequency of each
@@ -136,8 +138,8 @@ double shell_motion_kinetic(shell_motion *motion);
 double shell_motion_strain_energy(shell_motion *motion);
 
 /*
- * Return the potential energy (N m) that the shell has at its present displacement in the loads of
- * constant direction and in the prescribed stress resultants, under given input values.
+ * Return the potential energy (N m) of the loads of constant direction and of the prescribed stress
+ * resultants, at the present displacement of the shell and under given input values.
  */
 double shell_motion_potential(shell_motion *motion, const double *value);
 

@@ -89,8 +89,8 @@ typedef struct loop {
     double *previous_output; /* [amplifiers] output voltages of the amplifiers before the last
                                 change (V) */
     double time;             /* time since the start of the simulation (s) */
-    wave *wave; /* [loads] amplitude, frequency and time of the sinusoidal part of the factor by
-                   which each load is multiplied */
+    wave *wave; /* [loads] sinusoidal part of the factor by which each load is multiplied:
+                   amplitude, frequency, start and end */
     disturbance late, jitter, delay; /* temporary disturbances: late: voltages are set later than
                                         the tick (fraction of the tick interval); jitter: the
                                         interval between ticks varies (fraction of the tick
@@ -127,9 +127,9 @@ typedef struct loop {
                                        which the readings were taken */
     double measurement_error;    /* weighted norm of the difference between true and measured shape,
                                     relative to the weighted norm of the scene's target */
-    uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop
-                                    and of the board's twin (the firmware's C code on this computer)
-                                  */
+    uint8_t *state, *twin_state; /* [amplifiers] state of each electrode as the fault detector sees
+                                    it: that of the loop, and that of the board's twin (the
+                                    firmware's C code on this computer) */
     void *controller_memory;     /* memory that the library's control loop works in */
     double error; /* relative shape error at the start of the last tick: weighted norm of (shape
                      minus wanted shape) divided by the weighted norm of the scene's target */

@@ -89,9 +89,9 @@ typedef struct simulate_course {
 /* Phase of a simulation: the ticks from one tick at which events happen to the next such tick. */
 typedef struct simulate_phase {
     int from, until;
-    int first, events; /* first: index of the first of the scene's events at the begin of this
-                          phase; events: number of the events at the begin. A phase lasts until the
-                          next events. */
+    int first, events; /* first: index of the first of the scene's events at the beginning of this
+                          phase; events: number of these events. A phase lasts until the next
+                          events. */
     double optimum;    /* relative shape error of the best shape that the plant can reach with the
                           voltages that can act on its ceramic; NAN until it is computed */
     simulate_course course[LAWS];
