@@ -178,15 +178,15 @@ typedef struct pzs_optimiser {
     pzs_real multiplier_change; /* sum over the present round of iterations of the changes of the
                                    Lagrange multipliers in the dual active-set method (m2/V), from
                                    which rounding errors of the voltages are estimated */
-    pzs_real model_rounding;  /* rounding-error bound of the entries of model_gradient, the part of
-                                 half the gradient of the objective that depends on the voltages
-                                 (m2/V) */
+    pzs_real model_rounding;  /* rounding-error bound of each entry of model_gradient (m2/V), which
+                                 is the part of half the gradient of the objective that depends on
+                                 the voltages */
     pzs_real start_rounding;  /* rounding-error bound of each entry of start_gradient (m2/V), which
                                  is half the gradient of the objective at the start of the present
                                  round (sequence of iterations) */
-    pzs_real target_rounding; /* rounding-error bound of target_gradient, the part of half the
-                                 gradient of the objective that depends on the target shape (m2/V)
-                               */
+    pzs_real target_rounding; /* rounding-error bound of each entry of target_gradient (m2/V), which
+                                 is the part of half the gradient of the objective that depends on
+                                 the target shape */
     pzs_real target_energy;   /* scale of the objective, with which its rounding errors are compared
                                  (m2): weighted squared norm of the target shape minus the shape
                                  without voltages */
@@ -239,8 +239,9 @@ typedef struct pzs_optimiser {
  * and is padded to the length `width`.
  */
 typedef struct pzs_row_solver {
-    pzs_optimiser extended; /* state of the active-set optimiser, in whose matrices and vectors the
-                               entries of the limited sums of voltages follow those of the inputs */
+    pzs_optimiser extended; /* state of the active-set optimiser; in its matrices and vectors the
+                               entries of the inputs come first, those of the limited sums of
+                               voltages follow */
     /*
      * [width >= inputs + rows] factors of the voltages and of their limited sums. For a limited
      * sum: the reciprocal of its largest absolute coefficient, by which the optimiser multiplies
@@ -849,13 +850,13 @@ typedef struct pzs_selftest_state {
                              far (1); it begins with the value below which exchanged cables would
                              not be noticed */
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
-                                       sensor) that the self-test evaluates at present: with its own
-                                       modelled response (own), and with the modelled response of
-                                       another one that is nearest so far (nearest) */
+                                       sensor) under evaluation with two modelled responses: with
+                                       its own (own), and with the nearest one found so far
+                                       (nearest) */
     pzs_selftest_sums partner_own,
         partner_nearest; /* comparisons of the measured response of a second amplifier (or sensor),
-                            whose cable may be exchanged with that of a first one: with its own
-                            modelled response (partner_own), and with the modelled response of the
+                            whose cable may be exchanged with that of the first one, with two
+                            modelled responses: with its own (partner_own), and with that of the
                             first one (partner_nearest) */
     uint16_t worst[2];   /* index of the amplifier [0] and of the sensor [1] whose response differs
                             most from the model; PZS_WIRING_NONE: none differs */

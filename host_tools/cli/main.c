@@ -909,9 +909,9 @@ static int refuse_loaded(const design *design, char *error)
 
 /*
  * Compute everything that `pzs tables` writes as constants for a firmware. The constants for the
- * nonlinear solver contain the scene's equilibrium, and the least-squares problem of the voltages
- * where the scene has a target; those for the controller alone contain the influence matrix that
- * the simulation of the scene uses. Returns 0, or an exit code with error filled.
+ * controller alone contain the influence matrix that the simulation of the scene uses. Those for
+ * the nonlinear solver contain the scene's equilibrium and, if the scene has a target, the
+ * least-squares problem of the voltages. Returns 0, or an exit code with error filled.
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {

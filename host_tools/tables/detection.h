@@ -10,7 +10,7 @@
 #include "../text/json.h"
 #include "loop_blocks.h"
 
-/* Why the fault detector cannot find a fault of an electrode. */
+/* Whether the fault detector can find a fault of an electrode, and if not, why. */
 typedef enum detection_doubt {
     DETECTION_SURE,         /* a fault of this electrode can be found */
     DETECTION_UNOBSERVABLE, /* a fault cannot be found: the sensors cannot tell this electrode from

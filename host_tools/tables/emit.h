@@ -14,10 +14,10 @@ typedef struct emitter {
     const char *prefix;
     char upper[64]; /* start of the names of macros in the generated tables: the member `prefix`,
                        with which all other names begin, in capital letters */
-    uint32_t crc32; /* checksum of the data written so far, with reals rounded to single precision
-                     */
-    size_t reals, bytes; /* size of the data written so far: number of reals, and bytes of other
-                            data */
+    uint32_t crc32; /* checksum of the data of the tables written so far, with reals rounded to
+                       single precision */
+    size_t reals, bytes; /* size of the data of the tables written so far: number of reals, and
+                            bytes of other data */
 } emitter;
 
 /*

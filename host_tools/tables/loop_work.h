@@ -15,8 +15,8 @@
 #include <stdint.h>
 
 #define LOOP_WORK_CYCLES 2.0 /* assumed number of clock cycles per instruction of the processor */
-#define LOOP_WORK_MISSED                                                                           \
-    2 /* Number of missed ticks before a tick that the bounds of its instructions include. */
+/* Largest number of missed ticks before a tick for which the bounds of its instructions hold. */
+#define LOOP_WORK_MISSED 2
 
 /*
  * Numbers on which memory and work of the blocks (stages) of the control tick depend, such as the

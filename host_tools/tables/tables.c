@@ -171,8 +171,8 @@ static void name_or_null(const emitter *emitter, int is_written, const char *nam
 }
 
 /*
- * Return the number of entries that the factor of the stiffness matrix takes in memory if `tile`
- * rows form a panel, with the zeros that fill up the panels.
+ * Return the number of entries of the factor of the stiffness matrix in memory, if `tile` rows form
+ * a panel; the zeros that fill up the panels count.
  */
 static size_t padded_entries(const mesh *mesh, int tile)
 {

@@ -191,10 +191,10 @@ static void renew_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * After the signs chosen for some voltages have changed, compute anew what depends on them through
- * limits of sums of absolute values of voltages: the rows of these limits in the optimiser's
- * tableau (matrix that gives changes of voltages and sums from changes of multipliers) and in the
- * Cholesky factor for the active limits. Active limits stay active with their multipliers.
+ * Compute anew what depends on the signs chosen for some voltages, after these have changed: the
+ * rows that belong to limits of sums of absolute values. They are rows of the optimiser's tableau
+ * (matrix that gives changes of voltages and sums from changes of multipliers) and of the Cholesky
+ * factor for the active limits. Active limits stay active with their multipliers.
  */
 static void renew_rows(const rows_run *run)
 {

@@ -330,8 +330,9 @@ static pzs_real eliminate(const pzs_calibration *calibration, pzs_real *first, p
 }
 
 /*
- * Compute, for each diagonal entry (pivot) of the triangular factor of the information matrix (sum
- * of v v' over the recorded voltages v), the size below which it counts as zero.
+ * Compute the thresholds below which the pivots, the diagonal entries of the triangular factor,
+ * count as zero. The factor is that of the information matrix, the sum of v v' over the recorded
+ * voltages v.
  *   voltage [inputs] in  voltages of the record that is being added (V)
  */
 static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
@@ -346,9 +347,10 @@ static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
 }
 
 /*
- * Rotate each row of the triangular factor of the information matrix (sum of v v' over the recorded
- * voltages v) whose diagonal entry is 0 into the rows below it, until the whole row is 0. What the
- * row has contained about other inputs is then in the rows of these inputs.
+ * Remove the rows of the triangular factor whose diagonal entry is 0: rotate each into the rows
+ * below it, until the whole row is 0. What the row has contained about other inputs is then in the
+ * rows of these inputs. The factor is that of the information matrix, the sum of v v' over the
+ * recorded voltages v.
  */
 static void clear_open_rows(pzs_calibration *calibration)
 {
@@ -383,9 +385,10 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 }
 
 /*
- * Rotate the rows of the triangular factor of the information matrix (sum of v v' over the recorded
- * voltages v) so that its first row contains all information about one direction of the voltages.
- * Afterwards every other row has one nonzero entry to the left of the diagonal.
+ * Rotate the rows of the triangular factor so that its first row contains all information about one
+ * direction of the voltage vector. Afterwards every other row has one nonzero entry to the left of
+ * the diagonal. The factor is that of the information matrix, the sum of v v' over the recorded
+ * voltages v.
  *   direction [inputs] in/out  triangular factor times voltages in this direction; overwritten (V2)
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)

@@ -175,9 +175,10 @@ static void find_diagonal(pzs_fault_detector *detector)
 }
 
 /*
- * Compute the entries 0 to j in row j of the matrix of the least-squares estimate of electrode
- * voltages. It is B'W^2 B over the outputs that are not excluded, plus the regularisation of the
- * diagonal, with the influence matrix B and the output weights W.
+ * Compute the entries 0 to j in row j of the matrix by which the fault detector estimates electrode
+ * voltages from the measured shape (least squares). It is B'W^2 B over the outputs that are not
+ * excluded, plus the regularisation of the diagonal, with the influence matrix B and the output
+ * weights W.
  */
 static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *row)
 {

@@ -40,7 +40,7 @@ void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uin
  * On a host with AVX2, compute the Hessian from influence matrix and output weights. Each group of
  * rows of the influence matrix is read once, and only half of the products are formed. Each entry
  * is the sum of the products of pzs_control_form_row in their order, so that its bits are the same.
- * Returns whether this was done, which other processors cannot.
+ * Returns false on other processors, where nothing is computed.
  */
 static bool form_wide(const pzs_control *control)
 {

@@ -202,8 +202,8 @@ static void start_gate(pzs_loop *loop)
 
 /*
  * Initialise some blocks (stages of the control tick) of a loop, from the last of its list to the
- * first: either those that estimate the shape from the readings (PZS_PHASE_OBSERVE), or all others.
- * The block of the step limits (pzs_step_block) is left out in both cases.
+ * first: either the fault detectors, whose phase is PZS_PHASE_OBSERVE, or all others. The control
+ * step (pzs_step_block) is left out in both cases.
  *   observes in  true: the blocks of PZS_PHASE_OBSERVE; false: all others
  */
 static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool observes)
@@ -221,10 +221,10 @@ static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool ob
 }
 
 /*
- * Initialise all blocks (stages of the control tick) except pzs_step_block, from the last of the
- * list to the first, because each block must know how many readings the block after it needs. The
- * blocks of PZS_PHASE_OBSERVE, which use the readings of the sensors, come after all others, when
- * the number of readings of the loop is known.
+ * Initialise all blocks (stages of the control tick) except the control step (pzs_step_block). The
+ * order is from the last block of the list to the first, because each block must know how many
+ * readings the block after it needs. The fault detectors (PZS_PHASE_OBSERVE) need the number of
+ * readings of the whole loop and therefore come after all others.
  */
 static pzs_status init_others(pzs_loop *loop)
 {

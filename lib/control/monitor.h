@@ -21,8 +21,8 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
 void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs);
 
 /*
- * Return the amplitude of the deviation of the structure from the model above which the divergence
- * monitor counts a tick as implausible (m).
+ * Return the threshold of the divergence monitor (m). A tick counts as implausible if the amplitude
+ * by which the structure deviates from the model exceeds it.
  */
 pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables);
 

@@ -64,8 +64,9 @@
  */
 #define READING_LIMIT PZS_R(1e12)
 /*
- * Weight of the regularisation in the least-squares estimate of the voltages that electrodes seem
- * not to have received, relative to the mean diagonal entry of the normal matrix.
+ * Regularisation weight when the voltage errors of the electrodes are estimated from the readings
+ * by least squares, relative to the mean diagonal entry of the normal matrix. A voltage error is
+ * the voltage that the readings show minus the given one.
  */
 #define RIDGE PZS_R(1e-4)
 /*
@@ -97,13 +98,13 @@
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
 /*
- * Smallest voltage that an electrode must seem not to have received to be suspected of a fault,
- * relative to the height of its test pulse.
+ * Smallest voltage that an electrode must seem to lack to be suspected of a fault, relative to the
+ * height of its test pulse.
  */
 #define NOTICED PZS_R(0.05)
 /*
- * Largest part of the voltage changes that all electrodes together may seem not to have received. A
- * structure whose gain differs from the model causes such an apparent loss.
+ * Largest part of the voltage changes that may seem to be missing at all electrodes alike. Such an
+ * apparent loss occurs if the gain of the structure differs from the model.
  */
 #define COMMON_LOSS PZS_R(0.5)
 /*
@@ -910,8 +911,9 @@ static void clear_suspect(pzs_pulse_detector_state *state)
 }
 
 /*
- * Store three numbers of the suspected electrode that tell a dead from a stuck electrode: its
- * voltage, the change of its voltage, and the voltage that it seems not to have received.
+ * Store three numbers that tell whether the suspected electrode is dead or stuck: its voltage, the
+ * change of its voltage, and its voltage error (voltage that the readings show minus the given
+ * one).
  */
 static void store_loss(pzs_pulse_detector_state *state)
 {
@@ -1222,9 +1224,9 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Compute, for each electrode, the part of a voltage lost by this electrode alone that the
- * regularised least-squares estimate finds at this electrode, from 0 to 1. The estimate assigns the
- * other part to other electrodes, which move the sensors in similar ways.
+ * Compute the resolution of each electrode by the sensors (0 to 1). If this electrode alone lacks a
+ * voltage, the regularised least-squares estimate finds this part of it at the electrode. It
+ * assigns the rest to other electrodes, which move the sensors in similar ways.
  */
 static void find_resolutions(pzs_pulse_detector_state *state)
 {
@@ -1241,8 +1243,8 @@ static void find_resolutions(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute and factor the matrix of the least-squares estimate of the voltages that electrodes seem
- * not to have received. Returns whether the matrix is regular.
+ * Compute and factor the matrix by which the fault detector estimates the voltage errors of the
+ * electrodes from the readings (least squares). Returns whether the matrix is regular.
  */
 static bool factor_matrix(pzs_pulse_detector_state *state)
 {
@@ -1272,8 +1274,8 @@ static bool factor_matrix(pzs_pulse_detector_state *state)
 }
 
 /*
- * Whether a fault of electrode j can be found: the electrode has a test pulse, the readings tell a
- * voltage that it lacks from voltages that others lack, and there is another electrode whose
+ * Whether a fault of electrode j can be found. Three conditions must hold: the electrode has a test
+ * pulse, the readings show which electrode lacks a voltage, and there is another electrode whose
  * response to a test pulse differs in shape.
  */
 static bool can_be_tested(pzs_pulse_detector_state *state, uint32_t j)

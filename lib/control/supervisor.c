@@ -294,7 +294,7 @@ static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event
 
 /*
  * Return the last command to the supervisor with its command counter, after a majority vote over
- * the three copies.
+ * three copies of both.
  */
 static uint32_t command_word(const pzs_supervisor *supervisor)
 {

@@ -586,8 +586,8 @@ static uint32_t index_of_largest(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Fill a vector with numbers of alternating signs and growing size. The ratio |A^-1 b| / |b| in the
- * 1-norm is for this vector b immune to the cancellation that can mislead the estimate of the
+ * Fill a vector b with numbers of alternating signs and growing size. For this vector the ratio
+ * |A^-1 b| / |b| in the 1-norm is immune to cancellation, which can mislead the estimate of the
  * condition number of A (Higham 1988, section 3).
  */
 static void fill_alternating(pzs_real *vector, uint32_t count)

@@ -39,8 +39,8 @@
 #define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 
 /*
- * Largest accepted difference of the squared length of the axis of a contact body, a unit vector,
- * from 1.
+ * Largest accepted difference between the squared length of the axis of a contact body and 1,
+ * because the axis must be a unit vector.
  */
 #define UNIT_TOLERANCE ((pzs_real)1e-5)
 
@@ -430,9 +430,9 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
 }
 
 /*
- * Add the contact forces per unit of the input that moves the contact body. The motion of the body
- * closes the gap by its component along the normal, and turns the normal by the second derivatives
- * of the gap times the motion.
+ * Add the contact forces per unit of the input that moves the contact body. A motion of the body
+ * closes the gap by the component of the motion along the normal. It turns the normal by the second
+ * derivatives of the gap times the motion.
  */
 static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *out)

@@ -50,8 +50,9 @@ static pzs_real body_motion(const pzs_contact *contact, const pzs_solver *solver
 }
 
 /*
- * Compute the positions of `count` nodes of the shell relative to the moved contact body, for the
- * face of the shell at a given height above its middle.
+ * Compute the positions of `count` nodes of one face of the shell relative to the moved contact
+ * body.
+ *   height                  in   height of the face above the middle of the shell (m)
  *   displacement [free_dof] in   displacement (m, or 1 for differences over the thickness)
  *   value        [inputs]   in   input values
  *   position     [count][3] out  positions (m)

@@ -27,10 +27,11 @@ void pzs_face_gather(const pzs_model *model, const uint16_t *node, unsigned coun
                      const pzs_real *vector, pzs_real (*displacement)[3]);
 
 /*
- * Add forces that act on some nodes of the face at a given height to a force over the free degrees
- * of freedom.
- *   force  [count][3] in      forces in the frames of the nodes (N)
- *   vector [free_dof] in/out  sum (N and N m)
+ * Add forces that act on some nodes of one face of the shell to a force over the free degrees of
+ * freedom.
+ *   height             in      height of the face above the mean of the two faces (m)
+ *   force  [count][3]  in      forces in the frames of the nodes (N)
+ *   vector [free_dof]  in/out  sum (N and N m)
  */
 void pzs_face_scatter(const pzs_model *model, const uint16_t *node, unsigned count, pzs_real height,
                       const pzs_real (*force)[3], pzs_real *vector);
