@@ -356,7 +356,10 @@ static int relax_e33(double stiffness[N][N])
     return 0;
 }
 
-/* Integrals over the thickness of the plies that are present in an element. */
+/*
+ * Stiffnesses and compliances of the plies of an element, integrated over the thickness, from which
+ * the stiffness of the element follows with and without free thickening of the plies.
+ */
 typedef struct ply_integrals {
     double stiffness[N][N]; /* stiffness for the ten strains of an element (mean and difference of
                                both faces for the strains 11, 22, 33 and 12; then the strains 13 and

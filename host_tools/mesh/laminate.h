@@ -128,8 +128,8 @@ typedef enum laminate_axis {
  */
 typedef struct laminate_field {
     int ply;
-    double temperature[2]; /* used if the field is a temperature of all plies (member ply < 0):
-                              temperature of the inner and of the outer face of the laminate (K) */
+    double temperature[2]; /* temperature of the inner and of the outer face of the laminate (K),
+                              for a field that is a temperature of all plies (member ply < 0) */
     int axis;        /* type of the field in one ply (member ply >= 0), a value of laminate_axis:
                         temperature, voltage, or electric field along the surface */
     double along[2]; /* electric field along the surface at the inner and at the outer face of the

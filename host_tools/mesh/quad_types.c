@@ -243,8 +243,10 @@ static void add_to_report(quad_report *report, const quad_rule *rule, const quad
 }
 
 /*
- * List the numbers of the first elements that are too stiff in bending (named [NAMED] in) as a
- * text.
+ * Write the numbers of the first elements that are too stiff in bending as a text, for an error
+ * message.
+ *   named [NAMED] in  numbers of these elements
+ *   count         in  number of all elements that are too stiff, which may be above NAMED
  */
 static void name_elements(const int *named, int count, char *text, size_t size)
 {

@@ -477,8 +477,8 @@ static int check_loads(const scene *scene, char *error)
 /* ---- bare faces ---- */
 
 /*
- * Check neighbouring layers of which both have bare faces (without electrodes): the face between
- * them is either bare for both layers, or an electrode at 0 V for both.
+ * Check neighbouring layers that both have bare faces (without electrodes). The face between them
+ * must be bare for both layers, or an electrode at 0 V for both.
  */
 static int check_bare_faces(const scene *scene, char *error)
 {

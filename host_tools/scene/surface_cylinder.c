@@ -14,10 +14,13 @@ static void set(double vector[3], double x, double y, double z)
 }
 
 /*
- * Return the point of a cylinder over a plane curve at the polar angle phi, where the curve has the
- * given radius, which grows by `rise` per radian. The surface coordinate along the axis is theta1
- * (axis = 0: along x, with phi = 0 at the top and +y at 90 degrees) or theta2 (axis = 1: along z,
- * with phi = 0 at +x and +y at 90 degrees).
+ * Return the point of a cylinder over a plane curve.
+ *   axis   in  surface coordinate along the axis: 0: theta1, along x; 1: theta2, along z
+ *   along  in  coordinate along the axis
+ *   phi    in  polar angle: along x, 0 at the top and +y at 90 degrees; along z, 0 at +x and +y at
+ *              90 degrees
+ *   radius in  radius of the curve at phi
+ *   rise   in  derivative of the radius, per radian
  */
 static surface_point round_at(int axis, double along, double phi, double radius, double rise)
 {
