@@ -73,15 +73,15 @@ typedef struct analysis {
                             loaded equilibrium where the scene asks for it, filled by
                             analysis_influence */
     double *recovered;   /* [nodes of all outputs, in the order of design.place_node] values of the
-                            outputs of strains and stresses in the last solution of analysis_solve
-                            or analysis_continue; NULL where the scene has no such outputs */
+                            scene's outputs of strain and stress, for the last displacement of
+                            analysis_solve or analysis_continue; NULL where the scene has none */
     reactions reactions; /* forces of the supports on the shell in the last solution of
                             analysis_solve or analysis_continue */
     pzs_status status;   /* status that the last computation of a nonlinear equilibrium returned */
     struct {
         double assemble, factor, solve;
-    } seconds; /* durations of assembling the stiffness matrix, of factoring it, and of the last
-                  computation of a displacement (s) */
+    } seconds; /* durations (s): assembling the stiffness matrix, factoring it, and computing the
+                  last displacement */
     certificate certificate; /* certificate: result of the stability tests of the control loop,
                                 filled by certificate_make */
     bool is_compact;   /* whether to leave out of the tables what the device can compute: stiffness

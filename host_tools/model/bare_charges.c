@@ -7,8 +7,9 @@
 #include "load_forces.h"
 
 /*
- * Return the address of one entry of the matrix of charges: charge of an electrode, or at a node
- * with an electric potential, per unit of an input; `row` is the row of the electrode or potential.
+ * Return the address of one entry of the matrix of charges: the charge of an electrode, or at a
+ * potential, per unit of an input.
+ *   row in  row of the electrode or potential in the matrix
  */
 static double *entry_of(const design *design, double *dense, int row, int input)
 {
@@ -59,8 +60,8 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
 }
 
 /*
- * Add the charges that a temperature load or heater causes at the potentials of one layer of an
- * element to the column of this input in the matrix of charges.
+ * Add the charges at the potentials of one layer of an element to the matrix of charges, in the
+ * column of a temperature input (temperature load or heater).
  *   factor in  temperature of the layer per kelvin of the input
  */
 static void add_temperature(const design *design, int layer, int element,

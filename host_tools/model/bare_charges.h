@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Charges at the electric potentials of bare faces (without electrodes), as rows of the matrix of
- * the charges per unit of the inputs. In this matrix the rows of the potentials follow those of the
- * electrodes of amplifiers and sensors.
+ * Charges at the electric potentials of bare faces (without electrodes). They are rows of the
+ * matrix of charges, which holds charges per unit of each input. The first rows of this matrix are
+ * those of the electrodes of amplifiers and sensors; the rows of the potentials follow.
  */
 #ifndef BARE_CHARGES_H
 #define BARE_CHARGES_H
@@ -18,9 +18,10 @@
 void bare_charges_add(const design *design, int element, double *dense);
 
 /*
- * Add the capacitances between an electrode and the bare faces (without electrodes) of one element
- * to the matrix of charges, at zero strain: the charges at the potentials of the element's nodes
- * per volt of the electrode, and the charge of the electrode per volt of each potential.
+ * Add the capacitances between an electrode and the potentials of one element on bare faces
+ * (without electrodes) to the matrix of charges, at zero strain. Both directions are added: charges
+ * at the potentials per volt of the electrode, and charge of the electrode per volt of each
+ * potential.
  *   ply    in     ply on which the electrode lies
  *   factor in     voltage across the ply per volt of the electrode, times the part of the element
  *       that the electrode covers

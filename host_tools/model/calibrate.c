@@ -29,9 +29,9 @@ typedef struct spectrum {
     double *rotated;  /* [measurements][outputs] product of Q' and the residuals (measured minus
                          predicted shapes), with Q the eigenvectors of V V' and V
                          [measurements][actuators] the voltages of all measured shapes */
-    double *inverse;  /* [measurements] reciprocals 1/(eigenvalue + q) for each eigenvalue of V V',
-                         with the voltages V of all measured shapes and the ratio q of the variances
-                         of noise and model error; 0 where the eigenvalue counts as 0 */
+    double *inverse;  /* [measurements] 1/(eigenvalue + q) for each eigenvalue of V V', or 0 where
+                         the eigenvalue counts as 0. V holds the voltages of all measured shapes; q
+                         is the variance of the noise over that of the model error */
 } spectrum;
 
 static int out_of_memory(char *error)
@@ -131,8 +131,8 @@ static int rank_of(const spectrum *spectrum)
 
 /*
  * Compute 1/(eigenvalue + ratio) for the eigenvalues of V V', where V holds the voltages of all
- * measured shapes and `ratio` is that of the variances of noise and model error. The result is 0
- * where the eigenvalue is negligible and the ratio is 0.
+ * measured shapes. `ratio` is the variance of the noise over that of the model error. The result is
+ * 0 where the eigenvalue is negligible and the ratio is 0.
  */
 static void invert(spectrum *spectrum, double ratio)
 {

@@ -80,8 +80,9 @@ static void add_command(const transition *transition, double *row, size_t i, dou
 }
 
 /*
- * Add to a row of the transition matrix a multiple of the coordinate of vibration mode i in
- * equilibrium under the mean output voltages of the amplifiers in the coming tick interval.
+ * Add to a row of the transition matrix a multiple of the static coordinate of vibration mode i. It
+ * is that in equilibrium under the mean output voltages of the amplifiers in the coming tick
+ * interval.
  */
 static void add_driven(const transition *transition, double *row, size_t i, double factor)
 {

@@ -53,12 +53,12 @@ typedef struct certificate_target {
                        with no voltage at its limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
-    int older, newer;   /* number of ticks, 0 or 1, by which all sensor readings may be older, or
-                           newer, than stated; the shape then still settles after fast jumps of the
-                           target on the structure deformed to its target */
-    double worst; /* largest distance of the shape, at the end of a storm (simulation with fast
-                     target jumps), from the shape at which the loop should come to rest, relative
-                     to the norm of the target */
+    int older, newer; /* largest number of ticks, 0 or 1, by which all sensor readings may be older,
+                         or newer, than stated while the shape settles after fast jumps of the
+                         target, on the structure deformed to its target */
+    double worst;     /* largest distance of the shape, at the end of a storm (simulation with fast
+                         target jumps), from the one at which the loop should come to rest; relative
+                         to the norm of the target */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
                                      to the deformed structure, of the worst simulated structure:
                                      the one whose storm (simulation with fast target jumps) ended

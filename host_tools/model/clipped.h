@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Clipped least squares, computed for comparison with the optimum within the voltage limits: the
+ * Clipped least squares, for comparison with the optimum within the voltage limits: the
  * least-squares voltages without limits are computed, then each voltage is clipped to its limits.
  * The Tikhonov-regularised variant minimises |W (B v - wanted)|^2 + (r + lambda s) |v - v0|^2 over
- * the voltages v before clipping, where B is the influence matrix, W the weights, r the scene's
- * regularisation, v0 the reference voltages and s = trace(B'W^2 B) divided by the number of
+ * the voltages v before clipping. B is the influence matrix, W the weights, r the scene's
+ * regularisation, and v0 the reference voltages; s is trace(B'W^2 B) divided by the number of
  * amplifiers. A larger lambda gives smaller voltages, of which fewer are clipped.
  */
 #ifndef CLIPPED_H

@@ -167,9 +167,9 @@ static double add_change(doubling *doubling, const double *next)
 }
 
 /*
- * One iteration of the structured doubling for the discrete Riccati equation, whose solution is the
- * limit of h: with w = (1 + g h)^-1, the matrices h, g and a become h + a' h w a, g + a w g a' and
- * a w a, where ' is the transpose. Before the first iteration a is the transposed transition
+ * One iteration of the structured doubling that solves the discrete Riccati equation. With w = (1 +
+ * g h)^-1, the matrices h, g and a become h + a' h w a, g + a w g a' and a w a, where ' is the
+ * transpose; h converges to the solution. Before the first iteration a is the transposed transition
  * matrix, g the information of the measurement and h the process noise. Returns the relative change
  * of h, or NAN where a matrix is singular.
  */

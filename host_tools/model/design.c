@@ -397,9 +397,9 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
 }
 
 /*
- * Append one column of nodal forces per unit of input (1 V or 1 K) for each amplifier of an
- * actuator, or for each electrode of a sensor. The column is the sum over all patches that the
- * amplifier drives, each times the factor of that patch.
+ * Append columns of nodal forces per unit of input (1 V or 1 K): one for each amplifier of an
+ * actuator, or for each electrode of a sensor. A column is the sum over all patches that the
+ * amplifier drives, each multiplied by its factor.
  */
 static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_builder *columns,
                           double *dense)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Design: the numerical model that is built from a scene (description of a structure and its task
- * in a file). Its inputs are columns of nodal forces, its outputs rows of weights of the dof and,
- * once the influence matrix is known, it contains the voltage optimisation problem (least squares
- * for the voltages within their limits). All arrays are in double precision.
+ * in a file). Its inputs are columns of nodal forces, its outputs rows of weights of the dof. Once
+ * the influence matrix is known, the design contains the voltage optimisation problem (least
+ * squares for the voltages within their limits). All arrays are in double precision.
  */
 #ifndef DESIGN_H
 #define DESIGN_H
@@ -93,8 +93,8 @@ typedef struct design {
                          displacement) */
     int *named_first; /* [scene outputs + 1] index of the first output row of each named output of
                          the scene */
-    int *place_first; /* [scene outputs + 1] index in place_node, the list of mesh nodes, of the
-                         first node of each named output of the scene */
+    int *place_first; /* [scene outputs + 1] for each named output of the scene, index of its first
+                         node in the list place_node */
     int *place_node;  /* nodes of the mesh at which the outputs of the scene are read, one output
                          after the other; an output that is not read at nodes, such as a charge, has
                          no entry */
@@ -151,8 +151,8 @@ typedef struct design {
     const scene_spring *spring;     /* [springs] springs of the structure */
     const scene_load *load;         /* [loads] loads of the scene */
     const scene_output *output;     /* [outputs] named outputs of the scene */
-    const scene_compare *compare;   /* [compares] voltages that the scene file gives for comparison,
-                                       whose shape error is computed beside that of the optimum */
+    const scene_compare *compare;   /* [compares] voltages that the scene file gives for comparison
+                                       with the optimum */
     const scene_quads *quads; /* mesh of quadrilaterals that was read from a mesh file, or NULL */
     scene_contact contact;
     scene_limits limits;
@@ -319,9 +319,9 @@ void design_applied(const design *design, double *voltage);
 void design_shape(const design *design, const double *displacement, double *shape);
 
 /*
- * Squared weighted norm |W P (shape - wanted)|^2, or |W P shape|^2 where `wanted` is NULL, with the
- * weights W and the projector P that removes the free functions (shapes that may be added to the
- * target at no cost).
+ * Squared weighted norm |W P (shape - wanted)|^2, or |W P shape|^2 where `wanted` is NULL. W holds
+ * the weights; the projector P removes the free functions (shapes that may be added to the target
+ * at no cost).
  *   shape, wanted [targets] in  reached and wanted displacements
  */
 double design_squares(const design *design, const double *shape, const double *wanted);
@@ -345,9 +345,9 @@ double design_misfit(const design *design, const double *shape, const double *wa
 void design_take_free(const design *design, double *shape);
 
 /*
- * Influence matrix for the least-squares problem of the voltages: the part along the free functions
- * (shapes that may be added to the target at no cost) is removed, and rows on constrained dof are
- * set to 0.
+ * Make the influence matrix for the least-squares problem of the voltages. The part along the free
+ * functions (shapes that may be added to the target at no cost) is removed, and rows on constrained
+ * dof are set to 0.
  *   influence [outputs][stride]     in   influence matrix, the amplifiers' columns first
  *   column    [targets]             out  work array
  *   out [targets][amplifiers] out influence matrix for the least-squares problem

@@ -17,8 +17,8 @@ static double largest_of_column(const design *design, size_t k)
 }
 
 /*
- * Set the small entries of column k of the influence matrix to zero, and add to each output the
- * largest displacement that is left out: the absolute value of the entry times the largest absolute
+ * Set the small entries of column k of the influence matrix to zero. For each output, add the
+ * largest displacement that is lost by this: absolute value of the entry times largest absolute
  * voltage.
  *   error [targets] in/out  displacements that are left out (length unit)
  */

@@ -108,9 +108,8 @@ static double weighted_squares(const design *design, const double *shape)
 }
 
 /*
- * Bound of the rounding errors that remain after the target's free functions (shapes that may be
- * added to the target at no cost) have been removed from a vector: weighted norm of the errors over
- * weighted norm of the vector.
+ * Bound of the rounding errors in a vector from which the free functions (shapes that may be added
+ * to the target at no cost) have been removed: weighted norm of the errors over that of the vector.
  */
 static double rounding(const design *design)
 {

@@ -60,7 +60,7 @@ void equilibrium_contact_force(const equilibrium *equilibrium, int node, double 
 
 /*
  * Value of an output that is a quantity of contact: a component of the force on some nodes (N), the
- * number of these nodes that are in contact, or the pressure at the first of them (N/m2).
+ * number of these nodes in contact, or the pressure at the first of them (N/m2).
  *   output       in  quantity of contact, not CONTACT_NONE
  *   node [count] in  mesh nodes; count = 0: all nodes of the shell, not possible for a pressure
  */

@@ -199,9 +199,9 @@ static void form_covariance(estimation *estimation)
 /* ---- eigenvalues ------------------------------------------------------ */
 
 /*
- * Compute eigenvalues and eigenvectors of the covariance of the readings, scaled by the noise of
- * the sensors, for the gains of the shape estimator. The eigenvalues replace the diagonal of the
- * matrix `square`; the eigenvectors are stored in `eigenvector`.
+ * Compute eigenvalues and eigenvectors of the covariance of the sensor readings, each reading
+ * divided by the noise of its sensor. The eigenvalues replace the diagonal of the matrix `square`;
+ * the eigenvectors are stored in `eigenvector`.
  */
 static void diagonalise(estimation *estimation)
 {

@@ -26,11 +26,10 @@ typedef struct estimator {
                          under the disturbances (loads and voltage errors), before estimation */
     double remaining; /* expected root mean square of the error of the estimated shape, weighted
                          with the target weights */
-    double worst_disturbed; /* expected root mean square of the combination of displacements
-                               (`worst`) whose estimate has the largest error, under the
-                               disturbances (loads and voltage errors): of the combination itself
-                               (worst_disturbed) and of its estimation error (worst_remaining),
-                               weighted with the target weights */
+    double worst_disturbed; /* expected root mean square, under the disturbances (loads and voltage
+                               errors), of that combination of the displacements (`worst`) whose
+                               estimate has the largest error; worst_remaining is that of the
+                               estimation error */
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */

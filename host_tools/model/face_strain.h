@@ -35,8 +35,8 @@ bool face_strains_find(const mesh *mesh, const double *displacement, bool is_lin
                        face_strains *found);
 
 /*
- * Green's strain of the line through the thickness of the shell, mean of the four corners of an
- * element.
+ * Green's strain along the line through the thickness of the shell, as the mean over the four
+ * corners of an element.
  *   displacement [free_dof] in  displacement vector of the structure
  */
 double face_strain_of_thickness(const mesh *mesh, const double *displacement, int element);

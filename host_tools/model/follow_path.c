@@ -22,9 +22,9 @@
 /*
  * State of the arc-length method, which follows the load path (curve of equilibria) step by step.
  * All vectors have `entries` entries: the free dof of the displacement, then the voltages of the
- * open electrodes. A point of the load path consists of such a vector and a load factor;
- * `direction` is the increment of the vector in the last step, by which the forward direction on
- * the path is known.
+ * open electrodes. A point of the load path consists of such a vector and a load factor. The
+ * increment of the vector in the last step, `direction`, tells which direction on the path is
+ * forward.
  */
 typedef struct arc_search {
     pzs_solver *solver;
@@ -392,8 +392,8 @@ static void accept_point(arc_search *arc_search)
 /* ---- critical points -------------------------------------------------- */
 
 /*
- * Quantities that are compared at two points of the load path to find critical points between them:
- * the sign of the change of the load factor, and the number of negative pivots of the tangent
+ * Two quantities whose change between two points of the load path reveals a critical point: the
+ * sign of the load factor's change along the path, and the number of negative pivots of the tangent
  * stiffness.
  */
 typedef struct signature {
@@ -476,9 +476,7 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
 
 /* ---- path ------------------------------------------------------------- */
 
-/*
- * Control of the length of the steps on a load path by the number of iterations of the last steps.
- */
+/* Step length control of the load path, by the number of iterations of the last steps. */
 typedef struct step_control {
     double arc;     /* length of the next step on a load path */
     double longest; /* largest length of a step on a load path: norm of the change of displacement

@@ -42,10 +42,10 @@ static const double likeness = 0.05;
 /*
  * Bounded least-squares problem that fits the hysteresis and creep model of an actuator to its
  * measured positions under known voltages. One row for each measured position compares it with the
- * model; one row for each play operator (element with backlash) and each pair of neighbouring creep
- * time constants keeps two unknowns alike. The unknowns are the slopes of a piecewise linear
- * function of the voltage, the weights of the play operators above and below the middle of the
- * voltage range, the creep amplitude of each time constant, and a constant.
+ * model. Further rows keep two unknowns alike: one row for each play operator (element with
+ * backlash) and for each pair of neighbouring creep time constants. The unknowns are the slopes of
+ * a piecewise linear function of the voltage, the weights of the play operators above and below the
+ * middle of the voltage range, the creep amplitudes, and a constant.
  */
 typedef struct fit {
     const sweep *sweep;
@@ -169,9 +169,9 @@ static void fill_slopes(const fit *fit, double s, double *row)
 }
 
 /*
- * Fill the row of the least-squares matrix for each measured position of the actuator: entry j is
- * the effect (equivalent voltage without hysteresis, V) at the time of the sample if unknown j were
- * 1 and all others 0.
+ * Fill the row of the least-squares matrix for each measured position of the actuator. Entry j is
+ * the effect (equivalent voltage without hysteresis, V) at the time of the sample, if unknown j is
+ * 1 and all others are 0.
  */
 static void fill_samples(fit *fit)
 {
@@ -225,10 +225,10 @@ static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 }
 
 /*
- * Fill the rows of the least-squares problem that penalise the difference between the two weights
- * of each play operator (above and below the middle of the voltage range), and between the creep
- * amplitudes of neighbouring time constants. A time constant that is too long to be seen in the
- * measurement thus gets the creep amplitude of its shorter neighbour.
+ * Fill the rows of the least-squares problem that keep unknowns alike: the two weights of each play
+ * operator (above and below the middle of the voltage range), and the creep amplitudes of
+ * neighbouring time constants. A time constant that is too long to be seen in the measurement thus
+ * gets the creep amplitude of its shorter neighbour.
  */
 static void fill_likeness(fit *fit)
 {

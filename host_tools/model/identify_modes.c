@@ -22,8 +22,8 @@ enum {
     LEAST_ROWS = 40, /* smallest number of samples of all channels (weighted sums of the readings)
                         together in a vector of delayed samples */
     LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
-    SKIPPED = 4, /* number of samples left out at the beginning of an interval of constant voltages,
-                    because the voltages may act with a delay of up to so many samples */
+    SKIPPED = 4,        /* number of samples left out where an interval of constant voltages begins,
+                           because the voltages may act with a delay of up to so many samples */
     SWEEPS = 12, /* number of sweeps of Jacobi's method, which computes the eigenvalues of the
                     covariance of the signals */
     SUBSPACE_ROUNDS = 20,
@@ -49,8 +49,8 @@ static const double two_pi = 6.283185307179586, largest_damping = 0.3;
 static const double significant = 10, largest_error = 0.01;
 
 typedef struct interval {
-    size_t first, count; /* index of the first sample of an interval of constant voltages, and
-                            number of samples in the interval */
+    size_t first, count; /* an interval of constant voltages: index of its first sample, and number
+                            of its samples */
 } interval;
 
 /*
@@ -361,8 +361,8 @@ static void add_signal(const fit *fit, size_t count, const double *left,
 }
 
 /*
- * Add the energy of each vibration mode in one signal in an interval of constant voltages, computed
- * from the coefficients of the cosine and sine of the mode.
+ * Add the energy of each vibration mode in one signal and one interval of constant voltages,
+ * computed from the mode's coefficients of cosine and sine.
  */
 static void add_energy(const fit *fit, size_t count, const double coefficient[BASIS],
                        normal *normal)
@@ -733,8 +733,8 @@ static void sort_modes(fit *fit)
 }
 
 /*
- * Fit the readings of every output, and store the coefficients of the decaying cosine and sine of
- * every vibration mode in every interval of constant voltages.
+ * Fit the readings of every output, and store the coefficients of the vibration modes' decaying
+ * cosines and sines in every interval of constant voltages.
  *   part [modes][outputs][2 intervals] out  coefficients (unit of the readings)
  */
 static void fill_parts(const fit *fit, double *part)

@@ -302,8 +302,8 @@ static void plane_stress(const laminate_ply *ply, const double bent[6], double z
 }
 
 /*
- * Compute the gradient of the in-plane stresses that a unit gradient of one force or moment of the
- * laminate causes along the direction of this force or moment.
+ * Compute the gradient of the in-plane stresses under a unit gradient of one force or moment of the
+ * laminate, along the direction of this force or moment.
  *   flex [6][6]  in  membrane strains and curvatures of the laminate per unit of force and moment
  *   pattern      in  0 or 1: normal force 11 or 22; 2 or 3: bending moment 11 or 22
  */

@@ -2,8 +2,8 @@
 /*
  * Values at nodes from values of elements. Each node has one or more averaging points. The value at
  * a point is the mean over the elements of the point, weighted with their areas. Elements at the
- * same node belong to different points if their plies or voltages differ or a fold separates them,
- * so that a node on the border of a patch has a point for each side.
+ * same node belong to different points if their plies or voltages differ or a fold separates them.
+ * A node on the border of a patch therefore has a point for each side.
  */
 #ifndef STRESS_POINTS_H
 #define STRESS_POINTS_H

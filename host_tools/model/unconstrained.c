@@ -124,8 +124,8 @@ void unconstrained_factor(unconstrained *solver, double regularisation)
 
 /*
  * Compute the negative gradient of half the objective at the present voltages v: B'W^2 (e - B v) +
- * r (v0 - v), with influence matrix B, weights W, target error e, regularisation r and reference
- * voltages v0.
+ * r (v0 - v). B is the influence matrix, W the weights, e the target error, r the regularisation
+ * and v0 the reference voltages.
  */
 static void renew_gradient(unconstrained *solver, const double *error, const double *voltage)
 {

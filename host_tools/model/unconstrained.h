@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Weighted least squares without voltage limits, computed for comparison with the optimum within
- * the limits. The voltages v minimise |W (B v - e)|^2 + r |v - v0|^2 with weights W, influence
- * matrix B, error e to be corrected, regularisation r and reference voltages v0, so that (B'W^2 B +
- * r I) v = B'W^2 e + r v0. These normal equations are factored by Cholesky's method with pivoting,
- * and the solution is refined with residuals computed from B itself. A voltage whose column of B
- * depends linearly on others stays at 0 V.
+ * the limits. The voltages v minimise |W (B v - e)|^2 + r |v - v0|^2, so that (B'W^2 B + r I) v =
+ * B'W^2 e + r v0. W holds the weights, B is the influence matrix, e the error to be corrected, r
+ * the regularisation and v0 the reference voltages. These normal equations are factored by
+ * Cholesky's method with pivoting, and the solution is refined with residuals computed from B
+ * itself. A voltage whose column of B depends linearly on others stays at 0 V.
  */
 #ifndef UNCONSTRAINED_H
 #define UNCONSTRAINED_H

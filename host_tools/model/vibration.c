@@ -27,8 +27,8 @@
 enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 
 /*
- * Largest number of basis vectors to which the operator of the Lanczos method is applied at once,
- * so that the factors of the stiffness matrix are read from memory once for all of them.
+ * Largest number of vectors to which the operator of the Lanczos method is applied at once. The
+ * factors of the stiffness matrix are then read from memory only once for all these vectors.
  */
 enum { BATCH = BLOCK_LOOSE };
 

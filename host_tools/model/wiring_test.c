@@ -35,8 +35,8 @@ static const double noise_margin = 5;
 
 /*
  * Smallest noise above which the self-test reports a sensor as too noisy, relative to the root mean
- * square response of all sensors to a test pulse; needed where the scene file states little or no
- * noise.
+ * square response of all sensors to a test pulse. This bound is needed where the scene file states
+ * little or no noise.
  */
 static const double least_noise = 0.02;
 

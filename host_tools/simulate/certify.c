@@ -417,8 +417,8 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
 
 /*
  * Return a score for how well a loop tolerates a change of the readings' delay by one tick: 2 if it
- * is stable with a longer delay on every simulated structure, plus 1 if with a shorter one. Longer
- * delays count more, because filters and queues that the model does not contain lengthen the delay.
+ * is stable with a longer delay on every simulated structure, plus 1 if it is stable with a shorter
+ * one. Longer delays count more, because filters and queues outside the model lengthen the delay.
  */
 static int tolerance_of(const certificate_loop *loop)
 {
@@ -491,9 +491,9 @@ static double mean_diagonal(const design *design)
 }
 
 /*
- * Find for a loop that is not stable a regularisation with which small vibrations decay and the
- * first ten storms (simulations with fast jumps of the target) settle, with the default settings of
- * the vibration damper. Returns 0, or -1 with error filled.
+ * For a loop that is not stable, find a regularisation with which small vibrations decay and the
+ * first ten storms (simulations with fast jumps of the target) settle. The vibration damper has its
+ * default settings. Returns 0, or -1 with error filled.
  */
 static int find_cure(trial *trial, certificate_loop *loop, char *error)
 {

@@ -47,9 +47,9 @@ void law_close(law *law);
 extern const pzs_block_type law_clipped_block;
 
 /*
- * Block of a control tick for the leaky integrator of adaptive optics: the new voltages are (1 -
- * leak) times the old ones plus gain times the least-squares voltages for target minus measured
- * shape, then clipped.
+ * Block of a control tick for the leaky integrator of adaptive optics. The new voltages are (1 -
+ * leak) times the old ones plus gain times the least-squares voltages for (target - measured
+ * shape). They are then clipped to the limits.
  */
 extern const pzs_block_type law_leaky_block;
 

@@ -38,9 +38,9 @@ static const double tolerance = 1e-7, least_change = 1e-3;
 static const double balanced = 1e-6, largest_correction = 0.1;
 
 /*
- * Newton's method uses the factors of its matrix again for the next linear solve of a time step if
- * the relative increment is below small_increment and has decreased to at most slow_decrease times
- * the increment before.
+ * Newton's method uses the factors of its matrix again for the next linear solve of a time step on
+ * two conditions: the relative increment is below small_increment, and it has decreased to at most
+ * slow_decrease times the one before.
  */
 static const double small_increment = 1e-3, slow_decrease = 0.2;
 
@@ -357,8 +357,8 @@ static void subtract_load_tangent(shell_motion *motion)
 }
 
 /*
- * Subtract the forces of inertia, of mass-proportional damping and of the individually damped
- * vibration modes from the force imbalance of a time step. The matrix of the step does not contain
+ * Subtract three forces from the force imbalance of a time step: inertia, mass-proportional
+ * damping, and the damping of individual vibration modes. The matrix of the step does not contain
  * the damped modes, because they would make it dense. In Newton's method, errors in these modes
  * therefore decrease in each iteration only by a factor of about their damping ratio.
  */

@@ -593,8 +593,9 @@ int loop_active(const loop *loop)
 /* ---- one tick of the loop --------------------------------------------- */
 
 /*
- * Return why the supervisor has ended control, and what to do about it, as the end of an error
- * message; empty where the supervisor runs in a firmware on a board or has not ended control.
+ * Return the end of an error message: why the supervisor has ended control, and what the user can
+ * do. The text is empty where the supervisor runs in a firmware on a board or has not ended
+ * control.
  */
 static const char *latch_cause(const loop *loop)
 {

@@ -33,8 +33,8 @@ typedef struct disturbance {
 /*
  * Tables of the block (stage of the control tick) with which the simulation replaces the library's
  * step block, which computes the voltages. The first member is the least-squares problem for the
- * voltages, because the library takes a pointer to the tables for a pointer to this problem; the
- * second is the simulated loop in which the block runs.
+ * voltages, because the library takes a pointer to the tables for a pointer to this problem. The
+ * second member is the simulated loop in which the block runs.
  */
 typedef struct law_tables {
     pzs_problem problem;
@@ -170,10 +170,10 @@ int loop_selftest(loop *loop, char *error);
 int loop_tick(loop *loop, int tick, char *error);
 
 /*
- * Return the number of limits of differences and sums of voltages that voltages [amplifiers]
- * violate by more than the rounding error of a sum. The rounding error is that of 32 or 64 bits,
- * the precision in which the voltages were computed. A limit is left out if an amplifier in it is
- * held at a fixed voltage.
+ * Return how many limits on a difference or sum of voltages are violated by more than rounding
+ * errors. A limit does not count if one of its amplifiers is held at a fixed voltage.
+ *   voltage [amplifiers] in  voltages
+ *   bits                 in  32 or 64: precision in which the voltages were computed
  */
 int loop_beyond_rows(const loop *loop, const double *voltage, int bits);
 

@@ -102,9 +102,9 @@ static void fill_limits(storm_rig *rig)
 }
 
 /*
- * Shape errors are measured relative to the norm of the target, but at least relative to this
- * fraction of the norm of the shape that half the voltage range of all amplifiers, with random
- * signs, causes.
+ * Smallest unit for shape errors, which are measured relative to the norm of the target where that
+ * is larger. It is this fraction of the norm of a shape: that under half the voltage range of all
+ * amplifiers, with random signs.
  */
 static const double least_scale = 0.02;
 
@@ -816,8 +816,8 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 
 /*
  * Return the size of a vibration under control as one number: the root of the sum of two squared
- * norms, weighted with the target weights. One is the norm of the vibration displacements of the
- * structure, the other that of the displacements by the last change of the voltages.
+ * norms, weighted with the target weights. One norm is that of the vibration displacements. The
+ * other is that of the displacements by the last change of the voltages.
  */
 static double amplitude(storm *storm)
 {

@@ -9,9 +9,9 @@
 #include "vtk_file.h"
 
 /*
- * Indices of the arrays of a VTK file that hold the values of one layer in each cell: stress (from
- * 0) and strain at each height of the layer, whether the layer is present, electric field, electric
- * displacement, and, if the scene states strengths, the reserve factor.
+ * Indices of the arrays that hold the values of one layer in each cell of a VTK file: stress (from
+ * 0) and strain at each height of the layer, presence of the layer, electric field and electric
+ * displacement. The last one, the reserve factor, exists only if the scene states strengths.
  */
 enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESERVE, LAYER_ARRAYS };
 
