@@ -20,8 +20,8 @@ struct pzs_absolute_row_calls;
 struct pzs_sparse_calls;
 
 /*
- * Value of pzs_problem.dual_method for a number of inputs (voltages): the optimiser's method for
- * many inputs, the dual active-set method, from PZS_DUAL_INPUTS inputs on, else NULL.
+ * Value of pzs_problem.dual_method for a number of inputs (voltages). From PZS_DUAL_INPUTS inputs
+ * on it is the dual active-set method, the optimiser's method for many inputs, else NULL.
  */
 #define PZS_DUAL_METHOD(inputs) ((size_t)(inputs) >= PZS_DUAL_INPUTS ? &pzs_dual_method : NULL)
 

@@ -75,10 +75,10 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser);
 bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser);
 
 /*
- * Move the voltages, after a round (sequence of iterations) of the optimiser, back on the straight
- * line to those at its start, to the minimum of the objective on this line. Returns whether they
- * have moved; the gradient must then be computed anew. The arrays scratch and direction of the
- * optimiser are overwritten.
+ * Shorten a round (sequence of iterations) of the optimiser: move the voltages to the minimum of
+ * the objective on the straight line from the voltages at the start of the round to the present
+ * ones. Returns whether they have moved; the gradient must then be computed anew. The arrays
+ * scratch and direction of the optimiser are overwritten.
  */
 bool pzs_boxls_shorten(pzs_optimiser *optimiser);
 

@@ -498,7 +498,8 @@ static int32_t bad_limit(const pzs_problem *problem)
 }
 
 /*
- * Check the influence matrix in the controller's tables after the checksum of the tables.
+ * Check the influence matrix of a controller. The checksum of the controller's tables must have
+ * been checked before.
  *   influence [outputs][inputs] in  full influence matrix that is used (m/V); NULL: the sparse one
  *   bad                         in  index of the first number of the tables that is not finite, or
  *                                   -1

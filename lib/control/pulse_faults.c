@@ -985,9 +985,9 @@ static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fau
 }
 
 /*
- * Return whether the suspected electrode is dead, stuck or reversed, from its gain (measured
- * divided by modelled response) and from the voltage that it seemed not to have received before its
- * test.
+ * Return whether the suspected electrode is dead, stuck or reversed. This follows from its gain
+ * (measured divided by modelled response) and from its voltage error before the test, which is the
+ * voltage that the readings showed minus the given one.
  */
 static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state,
                                     const pulse_response *response)
@@ -1293,8 +1293,9 @@ static bool can_be_tested(pzs_pulse_detector_state *state, uint32_t j)
 }
 
 /*
- * Find the electrodes whose faults cannot be found. Of all other electrodes, find the smallest sum
- * of the squared weighted output changes that a full test pulse causes.
+ * Mark the electrodes whose faults cannot be found. For all others compute the sum of the squared
+ * weighted output changes that a full test pulse causes, and keep the smallest sum: smaller changes
+ * of the target shape count as no motion.
  */
 static void find_unobservable(pzs_pulse_detector *detector)
 {

@@ -364,11 +364,11 @@ static bool search_line(facet_search *search, pzs_real along)
 }
 
 /*
- * Search a facet of the shell for its smallest gap to the contact body: bisection over the first
- * coordinate for the point where the derivative of the gap is zero, with a search of the line of
- * constant first coordinate in each step. On a flat facet this is the smallest gap of all points,
- * because the gap is a convex function. Returns whether a point has penetrated or passed through
- * the body.
+ * Search a facet of the shell for its smallest gap to the contact body. Bisection over the first
+ * facet coordinate finds the point where the derivative of the gap is zero; each step searches the
+ * line on which this coordinate is constant. On a flat facet this is the smallest gap of all
+ * points, because the gap is a convex function. Returns whether a point has penetrated or passed
+ * through the body.
  */
 static bool search_facet_points(facet_search *search)
 {

@@ -140,9 +140,9 @@ void pzs_nonlinear_attach(pzs_solver *solver, pzs_solver_option *option,
 void pzs_nonlinear_set_prescribed(pzs_solver *solver);
 
 /*
- * Add the force per unit of an input, at the present displacement, to force [free_dof]: the force
- * vector of a load of constant direction, the force of the prescribed stress resultants of an
- * actuation, or the force of a solver option such as a follower load.
+ * Add the force per unit of an input, at the present displacement, to force [free_dof]. For a load
+ * of constant direction it is the force vector of the input. For an actuation it is the force of
+ * the prescribed stress resultants. A solver option, such as a follower load, adds its own force.
  */
 void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *force);
 
