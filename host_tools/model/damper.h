@@ -35,7 +35,7 @@ typedef struct damper {
  */
 typedef struct damper_options {
     double rate; /* rate of the control tick that damps vibration (1/s) */
-    int delay;   /* age of the readings of the sensors (ticks) */
+    int delay;   /* delay of the sensor readings between measurement and use (ticks) */
     damper_settings settings;
 } damper_options;
 

@@ -54,8 +54,8 @@ int matrix_modes_basis(const scene_influence *measured, double *basis, double *t
 }
 
 /*
- * Scalar product of one vector of the orthonormal basis of the mode shapes with one column of the
- * influence matrix.
+ * Scalar product of one mode shape vector of the orthonormal basis with one column of the influence
+ * matrix.
  *   vector [outputs] in  vector of the basis
  */
 static double along_basis(const scene_influence *measured, size_t amplifiers, size_t amplifier,
@@ -172,10 +172,10 @@ static double find_rest(const comparison *c)
 }
 
 /*
- * Return by how much the share of the influence matrix B that the mode shapes explain grows if rows
- * i and j of the matrix are swapped. With the orthonormal basis Q [modes][outputs] of the mode
- * shapes and the difference b of row j and row i, the product Q B grows by the difference of the
- * columns i and j of Q times b.
+ * Return by how much the fraction of B's squared entries that the mode shapes explain grows if rows
+ * i and j of the influence matrix B are swapped. Let Q [modes][outputs] be the orthonormal basis of
+ * the mode shapes. The swap adds (column i - column j of Q) times (row j - row i of B) to the
+ * product Q B.
  */
 static double gain_of_swap(const comparison *c, size_t i, size_t j)
 {
@@ -255,9 +255,10 @@ static void sum_up(const double *value, size_t count, size_t stride, double *sum
 }
 
 /*
- * Mean share of the influence matrix that the mode shapes would not explain if their outputs were
- * in random order. For vectors x and y of n entries the mean of the squared product of x and of y
- * in random order is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
+ * Fraction of the squared entries of the influence matrix that mode shapes with randomly ordered
+ * outputs would leave unexplained on average. For vectors x and y of n entries, with y in random
+ * order, the mean of their squared product is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 -
+ * |y|^2)/(n (n - 1)).
  */
 static double random_rest(const comparison *c)
 {

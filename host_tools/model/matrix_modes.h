@@ -11,9 +11,9 @@
 #include "../scene/scene.h"
 
 typedef struct matrix_modes {
-    double share;    /* fraction of the sum of all squared entries of the influence matrix that the
-                        static parts of all vibration modes (shape times static responses) explain;
-                        negative where responses have a wrong unit */
+    double share; /* fraction of the influence matrix's squared entries that the static parts of all
+                     modes (shape times static responses) explain; negative where responses have a
+                     wrong unit */
     double *of_mode; /* [modes] share of the influence matrix (sum of the squares of its entries)
                         that each vibration mode explains by its static part: its shape times its
                         displacement under constant voltages */
@@ -26,9 +26,9 @@ typedef struct matrix_modes {
                            reference value for `rest` */
     double rest; /* fraction of the squared entries of the influence matrix that no combination of
                     the mode shapes represents */
-    double swapped_rest; /* fraction of the squared entries of the influence matrix that no
-                            combination of the mode shapes represents, after rows of the matrix that
-                            seem to stand in the wrong order have been swapped */
+    double swapped_rest; /* the fraction `rest` (squared entries of the influence matrix that the
+                            mode shapes cannot represent) after rows in the wrong order have been
+                            swapped */
 } matrix_modes;
 
 /*
@@ -48,9 +48,9 @@ enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle);
 
 /*
- * Compute the displacements of all vibration modes under 1 V at one amplifier: those that the scene
- * file gives, or else the least-squares fit of all mode shapes to the amplifier's column of the
- * influence matrix.
+ * Compute the displacements of all vibration modes under 1 V at one amplifier. They are those that
+ * the scene file gives, or else those of a least-squares fit of all mode shapes to the amplifier's
+ * column of the influence matrix.
  *   basis     [modes][outputs] in  orthonormal basis of the mode shapes, from matrix_modes_basis
  *   triangle  [modes][modes]   in  mode shapes in this basis
  *   response  [modes] out  displacements, multiples of the mode shapes per volt

@@ -4,12 +4,12 @@
 #include <stdio.h>
 
 /*
- * Green's strain in a face of the shell below which the material is taken to have softened: Hooke's
- * law for Green's strains makes the stress linear in these strains, so that the force under a
+ * Green's strain in a face of the shell below which the material counts as softened. Hooke's law
+ * for Green's strains makes the stress linear in these strains, so that the force under a
  * compression has a maximum. Under uniform compression the force is largest at the strain -1/3. A
  * strip of one material carries its largest bending moment where its inner face is strained by
- * -0.35. Strains are known at the centres of elements alone, where they are smaller, so that the
- * number is somewhat above these.
+ * -0.35. Only the smaller strains at the centres of elements are known, so that the number is
+ * somewhat above these.
  */
 static const double soft_strain = -0.3;
 
@@ -56,8 +56,8 @@ static void name_tilt(const load_path_point *point, int index, const mesh *mesh,
 }
 
 /*
- * Write the strongest compression of the shell at a point of the load path as the cause of its end
- * or of its critical points.
+ * Write the strongest compression of the shell at a point of the load path into a text, as the
+ * cause of the path's end or critical points.
  *   index  in  index of the point
  */
 static void name_compression(const load_path_point *point, int index, const mesh *mesh, char *text)
@@ -73,8 +73,8 @@ static void name_compression(const load_path_point *point, int index, const mesh
 }
 
 /*
- * Write the sharpest bend of the shell within an element, at a point of the load path, as the cause
- * of its end or of its critical points.
+ * Write the sharpest bend of the shell within an element at a point of the load path into a text,
+ * as the cause of the path's end or critical points.
  *   index  in  index of the point
  */
 static void name_bend(const load_path_point *point, int index, const mesh *mesh, char *text)

@@ -25,10 +25,10 @@ static bool wants_reactions(const design *design)
 }
 
 /*
- * Store three numbers in a point of the load path: the largest angle by which the shell has bent
- * within an element (degrees), the largest angle by which it has turned from its undeformed normal
- * (degrees), and the lowest principal strain of its faces. Where memory runs out the strain stays
- * zero.
+ * Store three numbers in a point of the load path. They are the largest angle by which the shell
+ * has bent within an element (degrees), the largest angle by which it has turned from its
+ * undeformed normal (degrees), and the lowest principal strain of its faces. Where memory runs out
+ * the strain stays zero.
  */
 static void measure_shape(const mesh *mesh, const double *displacement, load_path_point *point)
 {

@@ -99,10 +99,10 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
 void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded);
 
 /*
- * Warn about a stable control loop with a vibration model in three cases: the noise of its sensors
- * is as large as its target; the loop becomes unstable if the sensor readings are one tick older
- * than the scene file states; or the target displaces the structure by so many thicknesses that the
- * linear vibration model may be wrong.
+ * Warn about a stable control loop with a vibration model in three cases. First, the noise of its
+ * sensors is as large as its target. Second, the loop becomes unstable if the sensor readings are
+ * one tick older than the scene file states. Third, the target displaces the structure by so many
+ * thicknesses that the linear vibration model may be wrong.
  *   older     in  largest additional age of the sensor readings (ticks) with which the loop is
  *       stable
  *   amplitude in  largest displacement of the target divided by the thickness of the structure

@@ -206,7 +206,8 @@ int measure_wave_speed(const subject *of, int k, measured *found)
  */
 int measure_dense_wave_speed(const subject *of, int k, measured *found)
 {
-    static const double densest_polymer = 2150; /* largest density of a filled polymer (kg/m3) */
+    static const double densest_polymer = 2150; /* largest density of a filled polymer (kg/m3); a
+                                                   denser material is a metal, glass or ceramic */
     if (!has_material(of, k, found))
         return 0;
     const scene_material *material = &of->scene->material[k];
@@ -222,7 +223,8 @@ int measure_dense_wave_speed(const subject *of, int k, measured *found)
  */
 int measure_ply_wave_speed(const subject *of, int k, measured *found)
 {
-    static const double densest_wood = 1000; /* largest density of wood (kg/m3) */
+    static const double densest_wood = 1000; /* largest density of wood (kg/m3); a denser material
+                                                may be a ply with fibres */
     if (!has_material(of, k, found))
         return 0;
     const scene_material *material = &of->scene->material[k];
@@ -276,7 +278,8 @@ int measure_piezo_coupling(const subject *of, int k, measured *found)
 int measure_soft_piezo(const subject *of, int k, measured *found)
 {
     static const double strongest_polymer = 6e-11; /* largest constant d31 of a piezoelectric
-                                                      polymer (m/V) */
+                                                      polymer (m/V); larger ones are those of
+                                                      ceramics and crystals */
     if (!has_material(of, k, found))
         return 0;
     const scene_material *material = &of->scene->material[k];

@@ -137,8 +137,8 @@ static int ascending(const void *x, const void *y)
 }
 
 /*
- * Return the median of the effects of all actuators, the norms of their columns of the influence
- * matrix; 0 where there are fewer than three or more than COMPARED actuators.
+ * Return the median norm of the columns of the influence matrix, one for each actuator; 0 where
+ * there are fewer than three or more than COMPARED actuators.
  */
 static double median_column(const scene *scene)
 {

@@ -20,7 +20,8 @@ static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
 static bool is_strong(const scene *scene, const scene_material *material)
 {
     static const double strongest_polymer = 6e-11; /* largest piezoelectric constant of a polymer
-                                                      (m/V) */
+                                                      (m/V); a material with a larger one is strong
+                                                    */
     const double stiff = fmax(material->e[0], fmax(material->e[1], material->e[2]));
     const double strain = fmax(fabs(material->d31), fabs(material->d32));
     const double stress = fmax(fabs(material->piezo_e[0]), fabs(material->piezo_e[1]));

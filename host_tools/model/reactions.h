@@ -18,10 +18,10 @@
 #include "design.h"
 #include "equilibrium.h"
 
-/* Sum of forces, and of their moments about a point, in components along x, y and z. */
+/* Resultant of several forces, and its moment about a point that the user of this type chooses. */
 typedef struct total_force {
-    double force[3];  /* sum of forces along x, y and z (N) */
-    double moment[3]; /* sum of moments (N m) */
+    double force[3];  /* components of the resultant force along x, y and z (N) */
+    double moment[3]; /* components of the resultant moment about x, y and z (N m) */
 } total_force;
 
 /* Reaction of the supports of one name. */
@@ -50,8 +50,8 @@ typedef struct reactions {
                             about the origin (N m) */
     total_force sum; /* sum of the forces of supports, loads, springs and contact body, and of their
                         moments, which vanishes at equilibrium */
-    double internal; /* sum of the magnitudes of the internal forces of all elements at their
-                        corners (N), a measure of the rounding error of `sum` */
+    double internal; /* sum of the magnitudes of all elements' internal forces at their corners (N),
+                        a measure of the rounding error of `sum` */
 } reactions;
 
 /* Solved structure: displacement, and the input values under which it was computed. */

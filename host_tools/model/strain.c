@@ -62,8 +62,8 @@ void strain_of_element(const mesh *mesh, int element, const double *displacement
 
 /*
  * Return the height above the reference surface at which an output of the scene measures strain or
- * stress (m): in the layer that the output names, or in the whole laminate if the output names no
- * layer.
+ * stress (m). It lies in the layer that the output names, or in the whole laminate if the output
+ * names no layer.
  */
 static double height_of(const mesh *mesh, const scene_output *output)
 {

@@ -43,7 +43,7 @@ double strain_of_output(const mesh *mesh, const scene_output *output, int elemen
                         const double strain[10]);
 
 /*
- * Return whether an element contributes to an output that is a strain or stress at a node: the node
+ * Return whether an element contributes to an output that is a strain or stress at a node. The node
  * must be a corner of the element, and the layer of the output must be present in the element.
  */
 bool strain_is_in(const mesh *mesh, const scene_output *output, int element, int node);

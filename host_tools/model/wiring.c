@@ -54,8 +54,8 @@ typedef struct wiring {
                         */
     double squares;    /* sum of the squares of all displacements in the shapes measured under known
                           voltages */
-    double entries;    /* number of displacements in all measured shapes together */
-    double variance;   /* estimated variance of the measurement noise */
+    double entries;    /* number of all measured displacements: outputs times measured shapes */
+    double variance;   /* estimated variance of the measurement noise of one displacement */
 } wiring;
 
 /* ---- sums ------------------------------------------------------------- */

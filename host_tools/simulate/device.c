@@ -257,7 +257,8 @@ void device_stop(device *device)
 {
     if (device->process > 0) {
         char rest;
-        close(device->to); /* A working firmware ends when its input is closed. */
+        close(device->to); /* Closing its input makes the firmware end; only a hanging firmware must
+                              be killed. */
         if (receive(device, &rest, 1) < 0 && errno == ETIMEDOUT)
             kill((pid_t)device->process, SIGKILL);
         close(device->from);

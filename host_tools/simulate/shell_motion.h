@@ -71,7 +71,7 @@ typedef struct shell_motion {
                                to keep the energy of the motion right */
     double *end; /* [free_dof] displacement of the shell at the end of the time step: translations
                     (m) and dimensionless dof */
-    double *scratch;               /* [free_dof] work array of the computation of the motion */
+    double *scratch; /* [free_dof] work array, for example for nodal forces of the loads */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element, times its area,
                                       at the start of the time step (N m) */
     double work;        /* work of the force imbalance left in a time step over the change of the

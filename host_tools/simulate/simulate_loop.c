@@ -515,7 +515,10 @@ static int run_controller(loop *loop, int tick, char *error)
 
 /* ---- amplifiers ------------------------------------------------------- */
 
-/* Compute the output voltages of all amplifiers. */
+/*
+ * Compute the output voltages of all amplifiers from the commanded voltages: the amplifiers limit
+ * the voltages and their changes, round them, and ignore small changes.
+ */
 static void set_outputs(loop *loop)
 {
     const design *design = loop->design;

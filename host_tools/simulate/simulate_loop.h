@@ -130,7 +130,7 @@ typedef struct loop {
     uint8_t *state, *twin_state; /* [amplifiers] state of each electrode as the fault detector sees
                                     it: that of the loop, and that of the board's twin (the
                                     firmware's C code on this computer) */
-    void *controller_memory;     /* memory that the library's control loop works in */
+    void *controller_memory;     /* workspace of the library's control loop */
     double error; /* relative shape error at the start of the last tick: weighted norm of (shape
                      minus wanted shape) divided by the weighted norm of the scene's target */
     pzs_status status; /* status that the controller returned in the last tick */

@@ -10,7 +10,7 @@
 
 /* ---- preparation of the sensors --------------------------------------- */
 
-/* Set the standard deviation of the noise of every sensor. */
+/* Set the standard deviation of the noise of every sensor from the scene file. */
 static void take_noise(loop *loop)
 {
     const simulation *simulation = loop->simulation;
