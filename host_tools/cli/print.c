@@ -83,6 +83,29 @@ static void json_sensors(json *json, const analysis *analysis)
     estimator_close(&estimator);
 }
 
+/* Print how many nodes of a mesh file belong to no element, and the numbers of the first ones. */
+static void print_loose(const quad_loose *loose)
+{
+    if (loose->count == 0)
+        return;
+    printf("  %zu node%s of the file without element%s, left out:", loose->count,
+           loose->count > 1 ? "s" : "", loose->count > 1 ? "s" : "");
+    for (size_t i = 0; i < loose->count && i < QUAD_LOOSE; i++)
+        printf(" %lld", (long long)loose->label[i]);
+    puts(loose->count > QUAD_LOOSE ? " ..." : "");
+}
+
+static void json_loose(json *json, const quad_loose *loose)
+{
+    json_open(json, "nodes_without_element", '{');
+    json_number(json, "count", (double)loose->count);
+    json_open(json, "first", '[');
+    for (size_t i = 0; i < loose->count && i < QUAD_LOOSE; i++)
+        json_number(json, NULL, (double)loose->label[i]);
+    json_close(json, ']');
+    json_close(json, '}');
+}
+
 /* Print the size of the mesh, the element type and the condition number of the stiffness matrix. */
 static void print_structure(const analysis *analysis)
 {
@@ -94,6 +117,8 @@ static void print_structure(const analysis *analysis)
         printf("  %d x %d elements", design->mesh.line[0].elements, design->mesh.line[1].elements);
     printf(" of %d element type%s, %d nodes, %d free dof, half bandwidth %d\n", mesh->types,
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
+    if (design->quads)
+        print_loose(&design->quads->warnings.loose);
     if (mesh->quads)
         printf("  envelope of the factor: %.0f numbers, %.0f a row after renumbering\n",
                mesh_envelope(mesh), mesh_envelope(mesh) / mesh->free_dof);
@@ -132,6 +157,8 @@ static void json_structure(json *json, const analysis *analysis)
     }
     json_number(json, "element_types", mesh->types);
     json_number(json, "nodes", mesh->nodes);
+    if (analysis->design.quads)
+        json_loose(json, &analysis->design.quads->warnings.loose);
     json_number(json, "dof", mesh->free_dof);
     json_number(json, "half_bandwidth", mesh_half_bandwidth(mesh));
     json_string(json, "kinematics_of_element",

@@ -155,6 +155,18 @@ static int copy_nodes(collection *collection, const quad_options *options)
     return 0;
 }
 
+/* List the nodes of the mesh file that belong to no quadrilateral. */
+static void find_loose(const collection *collection, quad_loose *loose)
+{
+    for (size_t i = 0; i < collection->raw->nodes; i++) {
+        if (collection->node_of[collection->node[i].index] != unused)
+            continue;
+        if (loose->count < QUAD_LOOSE)
+            loose->label[loose->count] = collection->node[i].label;
+        loose->count++;
+    }
+}
+
 /* ---- elements ---------------------------------------------------------- */
 
 /*
@@ -275,27 +287,67 @@ static int check_labels(const collection *collection, numbered *entry)
 
 /* ---- sets -------------------------------------------------------------- */
 
-/*
- * Copy a set of the mesh file; its members become indices of the mesh, ascending and without
- * repetition. Returns 0, or -1 after writing an error message about the mesh file.
- */
-static int copy_set(const collection *collection, const quad_raw_set *from, quad_set *to)
+static uint32_t index_of_node(const collection *collection, int64_t label)
+{
+    const size_t node = find_node(collection, label);
+    return node == unused ? unused : collection->node_of[node];
+}
+
+/* Copy a set of elements. Returns 0, or -1 after writing an error message about the mesh file. */
+static int copy_element_set(const collection *collection, const quad_raw_set *from, quad_set *to)
 {
     if (!quad_set_begin(to, from->name, from->count))
         return refuse_memory(collection);
     for (size_t i = 0; i < from->count; i++) {
-        uint32_t index;
-        if (from->corners == 0) {
-            const size_t node = find_node(collection, from->item[i]);
-            index = node == unused ? unused : collection->node_of[node];
-        } else {
-            index = collection->element_of[from->item[i]];
-        }
+        const uint32_t index = collection->element_of[from->item[i]];
         if (index != unused)
             to->index[to->count++] = index;
     }
     quad_set_sort(to);
     return 0;
+}
+
+/* List nodes without elements, whose numbers in the mesh file are given in any order. */
+static void list_loose(int64_t *label, size_t count, quad_loose *loose)
+{
+    qsort(label, count, sizeof *label, by_number);
+    for (size_t i = 0; i < count; i++) {
+        if (i > 0 && label[i] == label[i - 1])
+            continue;
+        if (loose->count < QUAD_LOOSE)
+            loose->label[loose->count] = label[i];
+        loose->count++;
+    }
+}
+
+/*
+ * Copy a set of nodes; those without elements are listed apart.
+ *   loose  [from->count + 1] out  work array
+ */
+static void copy_nodes_of_set(const collection *collection, const quad_raw_set *from, quad_set *to,
+                              int64_t *loose)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < from->count; i++) {
+        const uint32_t index = index_of_node(collection, from->item[i]);
+        if (index == unused)
+            loose[count++] = from->item[i];
+        else
+            to->index[to->count++] = index;
+    }
+    quad_set_sort(to);
+    list_loose(loose, count, &to->loose);
+}
+
+/* Copy a set of nodes. Returns 0, or -1 after writing an error message about the mesh file. */
+static int copy_node_set(const collection *collection, const quad_raw_set *from, quad_set *to)
+{
+    int64_t *loose = calloc(from->count + 1, sizeof *loose);
+    const bool has_memory = loose && quad_set_begin(to, from->name, from->count);
+    if (has_memory)
+        copy_nodes_of_set(collection, from, to, loose);
+    free(loose);
+    return has_memory ? 0 : refuse_memory(collection);
 }
 
 static int copy_sets(collection *collection)
@@ -309,9 +361,9 @@ static int copy_sets(collection *collection)
         const quad_raw_set *from = &collection->raw->set[i];
         int status = 0;
         if (from->corners == 0)
-            status = copy_set(collection, from, &mesh->node_set[mesh->node_sets++]);
+            status = copy_node_set(collection, from, &mesh->node_set[mesh->node_sets++]);
         else if (from->corners == 4)
-            status = copy_set(collection, from, &mesh->element_set[mesh->element_sets++]);
+            status = copy_element_set(collection, from, &mesh->element_set[mesh->element_sets++]);
         if (status < 0)
             return -1;
     }
@@ -348,13 +400,15 @@ static int collect_all(collection *collection, const quad_options *options)
 }
 
 int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
-                 const quad_options *options)
+                 const quad_options *options, quad_warnings *warnings)
 {
     collection collection = {.mesh = mesh, .origin = origin, .raw = raw, .file = origin->file};
     collection.node = calloc(raw->nodes + 1, sizeof *collection.node);
     collection.node_of = calloc(raw->nodes + 1, sizeof *collection.node_of);
     collection.element_of = calloc(raw->cells + 1, sizeof *collection.element_of);
     const int status = collect_all(&collection, options);
+    if (status == 0)
+        find_loose(&collection, &warnings->loose);
     free(collection.node);
     free(collection.node_of);
     free(collection.element_of);

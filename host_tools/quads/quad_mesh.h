@@ -14,16 +14,25 @@
 /* Largest number of dof of a node of the shell. */
 enum { QUAD_DOF = 7 };
 
+/* Nodes of a mesh file that belong to no quadrilateral; the mesh does without them. */
+enum { QUAD_LOOSE = 4 };
+typedef struct quad_loose {
+    size_t count;
+    int64_t label[QUAD_LOOSE]; /* numbers of the first ones in the mesh file, ascending */
+} quad_loose;
+
 /*
  * Named set of nodes, elements or edges. An edge is the number 4 element + side, where a side s
  * joins the corners s and (s + 1) % 4 of the element.
  */
 typedef struct quad_set {
-    char *name;      /* name of the set of nodes, elements or edges, as the mesh file or the mesh
-                        generator gives it */
-    size_t count;    /* number of nodes, elements or edges in this named set of the mesh */
-    uint32_t *index; /* [count] numbers of the nodes, elements or edges, ascending, without
-                        repetition */
+    char *name;       /* name of the set of nodes, elements or edges, as the mesh file or the mesh
+                         generator gives it */
+    size_t count;     /* number of nodes, elements or edges in this named set of the mesh */
+    uint32_t *index;  /* [count] numbers of the nodes, elements or edges, ascending, without
+                         repetition */
+    quad_loose loose; /* nodes that the mesh file lists in this set and that belong to no
+                         quadrilateral; none in a set of edges or elements */
 } quad_set;
 
 /* Properties that the elements of a region of the mesh have in common: plies and material axis. */

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "quad_mesh.h"
 
 typedef struct quad_options {
     double unit; /* unit of length of the mesh file, given as its size in the unit of length of the
@@ -23,6 +24,7 @@ typedef struct quad_warnings {
     size_t slits;       /* number of pairs of nodes that lie at one place without being joined */
     int64_t slit[2];    /* numbers of the first two nodes that lie at one place without being joined
                            (that are not the same node of the mesh) */
+    quad_loose loose;   /* nodes of the file that belong to no quadrilateral */
 } quad_warnings;
 
 #endif

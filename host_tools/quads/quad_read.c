@@ -39,7 +39,7 @@ static int build(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options, quad_warnings *warnings)
 {
     quad_topology topology = {NULL};
-    int status = quad_collect(mesh, origin, raw, options);
+    int status = quad_collect(mesh, origin, raw, options, warnings);
     if (status == 0)
         status = quad_connect(mesh, origin, raw, options, &topology);
     if (status == 0)

@@ -24,11 +24,11 @@ long long quad_node_label(const quad_mesh *mesh, size_t node);
 
 /*
  * Replace the numbers of nodes and elements in the mesh file by indices: fill the nodes, the
- * elements and the sets of nodes and elements of the mesh. Returns 0, or -1 after writing an error
- * message about the mesh file.
+ * elements and the sets of nodes and elements of the mesh, and list the nodes without elements
+ * among the warnings. Returns 0, or -1 after writing an error message about the mesh file.
  */
 int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
-                 const quad_options *options);
+                 const quad_options *options, quad_warnings *warnings);
 
 /*
  * Neighbours of all elements of a mesh across their sides; the value QUAD_FREE marks a side without

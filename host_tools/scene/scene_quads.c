@@ -296,6 +296,41 @@ static int read_set_name(reader *reader, int node, scene_where *where, const voi
     return 0;
 }
 
+/*
+ * Refuse a set of nodes, some of which belong to no element. Returns -1 after writing the error
+ * message of the YAML tree.
+ */
+static int refuse_loose(reader *reader, int node, const quad_set *set)
+{
+    const quad_loose *loose = &set->loose;
+    const size_t listed = loose->count < QUAD_LOOSE ? loose->count : QUAD_LOOSE;
+    char list[LIST] = "";
+    for (size_t i = 0; i < listed; i++) {
+        const size_t length = strlen(list);
+        snprintf(list + length, LIST - length, "%s%lld", i > 0 ? ", " : "",
+                 (long long)loose->label[i]);
+    }
+    return tree_fault(reader->t, node,
+                      "set '%.40s' of the mesh file has %zu node%s without element: %s%s; take %s "
+                      "out of the set, or put the point into the surface (in Gmsh Point{n} In "
+                      "Surface{m};)",
+                      set->name, loose->count, loose->count > 1 ? "s" : "", list,
+                      loose->count > listed ? " ..." : "", loose->count > 1 ? "them" : "it");
+}
+
+/*
+ * Check that every node of the sets of nodes whose names fit a name or a pattern with * belongs to
+ * an element. Returns 0, or -1 after writing the error message of the YAML tree.
+ */
+static int require_elements(reader *reader, int node, const char *pattern)
+{
+    const quad_mesh *mesh = &reader->s->quads->mesh;
+    for (size_t i = 0; i < mesh->node_sets; i++)
+        if (mesh->node_set[i].loose.count > 0 && fits(pattern, mesh->node_set[i].name))
+            return refuse_loose(reader, node, &mesh->node_set[i]);
+    return 0;
+}
+
 int read_set(reader *reader, int node, void *to, const void *rule)
 {
     scene_where *where = to;
@@ -308,7 +343,7 @@ int read_set(reader *reader, int node, void *to, const void *rule)
         !quad_set_find(mesh->edge_set, mesh->edge_sets, where->set) &&
         !quad_set_find(mesh->element_set, mesh->element_sets, where->set))
         return refuse_set(reader, node, where->set, false);
-    return 0;
+    return require_elements(reader, node, where->set);
 }
 
 int read_set_pattern(reader *reader, int node, void *to, const void *rule)
@@ -320,7 +355,7 @@ int read_set_pattern(reader *reader, int node, void *to, const void *rule)
     if (read_set_name(reader, node, where, rule) != 0)
         return -1;
     return scene_fitting_set(reader->s, where->set, 0, first) > 0
-               ? 0
+               ? require_elements(reader, node, where->set)
                : refuse_set(reader, node, where->set, false);
 }
 

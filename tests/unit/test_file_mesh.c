@@ -465,6 +465,39 @@ static void test_refused_scenes(void **state)
     }
 }
 
+/*
+ * Law: a node without element stops a scene that names its set, with or without *, and no other
+ * scene.
+ */
+static void test_loose_node(void **state)
+{
+    (void)state;
+    static const char *const places[3] = {"supports: [{set: ref, fix: clamped}]\n",
+                                          "supports: [{set: r*, fix: clamped}]\n",
+                                          "outputs: [{name: w, z: middle, at: {set: ref}}]\n"};
+    FILE *file = fopen(mesh_path, "wb");
+    assert_non_null(file);
+    fputs("*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n70, 5, 5, 5\n"
+          "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n*NSET, NSET=ref\n70, 2\n*NSET, NSET=end\n1, 4\n",
+          file);
+    fclose(file);
+    for (int k = 0; k < 3; k++) {
+        char body[200];
+        scene_run r;
+        snprintf(body, sizeof body, "mesh: {file: grid.msh}\n%s", places[k]);
+        write_scene(body, LAYERS);
+        if (scene_run_open(&r, scene_path, "") == 0 ||
+            !strstr(r.error, "set 'ref' of the mesh file has 1 node without element: 70; take it"))
+            fail_msg("case %d: '%s'", k, r.error);
+        scene_run_close(&r);
+    }
+    scene_run r = run_scene("mesh: {file: grid.msh}\nsupports: [{set: end, fix: clamped}]\n"
+                            "loads: [{face: outer, z: 1}]\n",
+                            LAYERS);
+    assert_int_equal(r.scene.quads->warnings.loose.count, 1);
+    scene_run_close(&r);
+}
+
 /* Law: the hash of a scene changes with the bytes of its mesh file. */
 static void test_hash(void **state)
 {
@@ -498,7 +531,8 @@ int main(void)
         cmocka_unit_test(test_dish_directors), cmocka_unit_test(test_symmetry),
         cmocka_unit_test(test_plane_support),  cmocka_unit_test(test_support_pattern),
         cmocka_unit_test(test_layer_sets),     cmocka_unit_test(test_direction),
-        cmocka_unit_test(test_refused_scenes), cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_refused_scenes), cmocka_unit_test(test_loose_node),
+        cmocka_unit_test(test_hash),
     };
     if (!mkdtemp(folder))
         return 1;

@@ -376,19 +376,47 @@ static void test_refused_surfaces(void **state)
     refuse(strip, "the surface has one side alone, as a Moebius strip");
 }
 
-/* Law: nodes without elements do not count; two nodes at one place are named. */
+/*
+ * Law: nodes without elements do not count, and are named: those of the file, in ascending order,
+ * and those of each set of nodes, once each.
+ */
 static void test_loose_nodes(void **state)
 {
     (void)state;
-    write_text(SQUARE2 "$Elements\n1\n1 3 2 0 1 1 2 3 4\n$EndElements\n");
-    quad_mesh mesh = read_valid();
-    assert_int_equal(mesh.nodes, 4);
-    quad_mesh_free(&mesh);
+    static const char *const files[2] = {
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n7\n9 5 5 0\n1 0 0 0\n2 1 0 0\n3 1 1 0\n"
+        "4 0 1 0\n8 2 0 0\n7 2 1 0\n$EndNodes\n$Elements\n4\n1 3 2 0 1 1 2 3 4\n"
+        "2 15 2 6 1 9\n3 15 2 6 2 2\n4 15 2 6 3 7\n$EndElements\n",
+        "*NODE\n9, 5, 5, 0\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n8, 2, 0, 0\n"
+        "7, 2, 1, 0\n*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n*NSET, NSET=6\n9, 2, 9, 7\n"};
+    for (int k = 0; k < 2; k++) {
+        static const int64_t all[3] = {7, 8, 9};
+        write_text(files[k]);
+        result r = read_with(&plain);
+        assert_int_equal(r.status, 0);
+        assert_int_equal(r.mesh.nodes, 4);
+        assert_int_equal(r.warnings.loose.count, 3);
+        assert_memory_equal(r.warnings.loose.label, all, sizeof all);
+        const quad_set *set = quad_set_find(r.mesh.node_set, r.mesh.node_sets, "6");
+        assert_non_null(set);
+        assert_int_equal(set->count, 1);
+        assert_int_equal(set->loose.count, 2);
+        assert_int_equal(set->loose.label[0], 7);
+        assert_int_equal(set->loose.label[1], 9);
+        quad_mesh_free(&r.mesh);
+    }
+}
+
+/* Law: two nodes at one place that are not joined are named. */
+static void test_slit(void **state)
+{
+    (void)state;
     write_text(HEAD2 "$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n7 0 2 0\n"
                      "8 1 2 0\n9 2 2 0\n10 1 0 0\n$EndNodes\n$Elements\n4\n1 3 2 0 1 1 2 5 4\n"
                      "2 3 2 0 1 10 3 6 5\n3 3 2 0 1 4 5 8 7\n4 3 2 0 1 5 6 9 8\n$EndElements\n");
     result r = read_with(&plain);
     assert_int_equal(r.status, 0);
+    assert_int_equal(r.warnings.loose.count, 0);
     assert_int_equal(r.warnings.slits, 1);
     assert_int_equal(r.warnings.slit[0], 2);
     assert_int_equal(r.warnings.slit[1], 10);
@@ -746,6 +774,7 @@ int main(void)
         cmocka_unit_test(test_flip),
         cmocka_unit_test(test_refused_surfaces),
         cmocka_unit_test(test_loose_nodes),
+        cmocka_unit_test(test_slit),
         cmocka_unit_test(test_cylinder_directors),
         cmocka_unit_test(test_sphere_directors),
         cmocka_unit_test(test_sharp_edge),
