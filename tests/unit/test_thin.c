@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "pzs.h"
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -261,6 +262,86 @@ static void test_matrix(void **state)
 }
 
 /*
+ * Formulas of theta1 = t and theta2 for the global components of the outer normal of a stored case:
+ * cylinder along x, angle from the pole of a sphere, hyperboloid r = sqrt(1 + slope t^2), z = -t.
+ */
+static const char *const normal[3][3] = {
+    {"0", "sin(theta2)", "cos(theta2)"},
+    {"sin(theta1)*cos(theta2)", "sin(theta1)*sin(theta2)", "cos(theta1)"},
+    {"cos(theta2)*sqrt((1+theta1^2)/(1+2*theta1^2))",
+     "sin(theta2)*sqrt((1+theta1^2)/(1+2*theta1^2))", "theta1/sqrt(1+2*theta1^2)"}};
+
+static int surface_of(const testdata *t)
+{
+    const char *word = testdata_word(t, "surface");
+    if (strcmp(word, "cylinder") == 0)
+        return 0;
+    return strcmp(word, "sphere") == 0 ? 1 : 2;
+}
+
+/*
+ * Describe a stored case with its pressure as three loads along the global axes, whose values at
+ * the nodes are interpolated over each element: the load of the stored ratios.
+ */
+static void describe_components(const testdata *t, char *changes, size_t size)
+{
+    static const char *const axis[3] = {"x", "y", "z"};
+    char loads[600] = "loads=[";
+    for (int i = 0; i < 3; i++) {
+        const size_t length = strlen(loads);
+        snprintf(loads + length, sizeof loads - length, "%s{face: middle, %s: cos(%d*theta2)*%s}",
+                 i > 0 ? ", " : "", axis[i], (int)testdata_values(t, "harmonic")[0],
+                 normal[surface_of(t)][i]);
+    }
+    strcat(loads, "];");
+    describe(t, loads, changes, size);
+}
+
+/*
+ * Largest difference of the compliance of a stored case from that of the second program, over 4, 8
+ * and 16 elements a side.
+ */
+static double second_program_error(const testdata *t)
+{
+    const double *known = testdata_values(t, "improved"), h = testdata_values(t, "h")[0];
+    double worst = 0;
+    for (int k = 0; k < 3; k++) {
+        char changes[1024];
+        scene_run r;
+        describe_components(t, changes, sizeof changes);
+        solve_thin(&r, changes, h, (int)known[2 * k], (int)known[2 * k]);
+        const double ratio = compliance(&r) / testdata_values(t, "compliance")[0];
+        worst = fmax(worst, fabs(ratio / known[2 * k + 1] - 1));
+        scene_run_close(&r);
+    }
+    return worst;
+}
+
+/*
+ * Law: the compliances are those of a second program of this element, in numpy, with the same
+ * loads. A strain is a difference of displacements that are larger by up to 1/h: it keeps eps/h.
+ */
+static void test_second_program(void **state)
+{
+    (void)state;
+    FILE *file = fopen(DATA "/thin.txt", "r");
+    testdata t;
+    int cases = 0;
+    assert_non_null(file);
+    for (; testdata_next(file, &t); testdata_free(&t)) {
+        const double h = testdata_values(&t, "h")[0];
+        if (!is_wanted(h, testdata_word(&t, "theta1+")))
+            continue;
+        const double error = second_program_error(&t);
+        if (!(error <= 4 * DBL_EPSILON / h))
+            fail_msg("%s: off by %.1e", t.name, error);
+        cases++;
+    }
+    fclose(file);
+    assert_int_equal(cases, HARD ? 38 : 22);
+}
+
+/*
  * Law: a free cylinder bends without stretching, w = 12 (1 - nu^2) cos 2 theta/(9 h^3), less what
  * its ends do over a length of sqrt(R h); on a mesh alike at every thickness.
  */
@@ -287,6 +368,7 @@ int main(void)
         cmocka_unit_test(test_waves),
         cmocka_unit_test(test_torsion),
         cmocka_unit_test(test_matrix),
+        cmocka_unit_test(test_second_program),
         cmocka_unit_test(test_bending),
     };
     return cmocka_run_group_tests_name("thin", tests, NULL, NULL);
