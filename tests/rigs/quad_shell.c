@@ -356,7 +356,7 @@ pzs_status quad_shell_solve(quad_shell *shell)
     return status;
 }
 
-pzs_status quad_shell_equilibrium(quad_shell *shell, uint32_t *linear_solves)
+pzs_status quad_shell_equilibrium(quad_shell *shell)
 {
     const size_t bytes = model_bytes(&shell->mesh),
                  solver_bytes = PZS_SOLVER_BYTES(shell->mesh.free_dof, shell->mesh.elements, 1);
@@ -375,7 +375,8 @@ pzs_status quad_shell_equilibrium(quad_shell *shell, uint32_t *linear_solves)
     if (!PZS_IS_ERROR(status)) {
         status = pzs_equilibrium(&solver, &one);
         keep_displacement(shell, solver.info.displacement);
-        *linear_solves = solver.info.linear_solves;
+        shell->load_steps = solver.info.load_steps;
+        shell->linear_solves = solver.info.linear_solves;
     }
     unload_shell(&loaded);
     free(work);

@@ -19,8 +19,9 @@ typedef struct quad_shell {
     quad_mesh quads;
     mesh mesh;
     bool is_built, accept_irregular;
-    double (*force)[7]; /* [nodes] nodal forces on the seven degrees of freedom */
-    double (*u)[7];     /* [nodes] displacement in the seven degrees of freedom */
+    double (*force)[7];                 /* [nodes] nodal forces on the seven degrees of freedom */
+    double (*u)[7];                     /* [nodes] displacement in the seven degrees of freedom */
+    uint32_t load_steps, linear_solves; /* of the last equilibrium */
     char error[SCENE_ERROR];
 } quad_shell;
 
@@ -86,10 +87,10 @@ void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double posi
 pzs_status quad_shell_solve(quad_shell *shell);
 
 /*
- * Compute the equilibrium under the force at large rotation. Returns the status of the library.
- *   linear_solves out  number of linear solves
+ * Compute the equilibrium under the force at large rotation, and count its load steps and linear
+ * solves. Returns the status of the library.
  */
-pzs_status quad_shell_equilibrium(quad_shell *shell, uint32_t *linear_solves);
+pzs_status quad_shell_equilibrium(quad_shell *shell);
 
 /* Cartesian displacement of the reference surface at a node. */
 void quad_shell_displacement(const quad_shell *shell, int node, double displacement[3]);

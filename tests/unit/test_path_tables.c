@@ -422,6 +422,39 @@ static void test_improved_errors(void **state)
     }
 }
 
+typedef struct count_row {
+    const char *scene, *mesh;
+    uint32_t load_steps, linear_solves; /* at most */
+} count_row;
+
+static const count_row counts[] = {
+    {"annular-plate", MESH(4, 16), 1, 68},     {"annular-plate", MESH(8, 24), 1, 68},
+    {"hyperboloid-soft", MESH(8, 8), 2, 15},   {"hyperboloid-soft", MESH(16, 16), 2, 38},
+    {"hyperboloid-soft", MESH(28, 28), 3, 64}, {"cantilever", MESH(16, 1), 1, 10},
+    {"hyperboloid", MESH(16, 16), 1, 8},       {"hemisphere", MESH(4, 4), 1, 8},
+};
+
+/*
+ * Law: the improved element needs no more load steps and linear solves than a second program, also
+ * on meshes where the first iterations go far astray.
+ */
+static void test_improved_counts(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < COUNT(counts); i++) {
+        char changes[256];
+        scene_run r;
+        snprintf(changes, sizeof changes, IMPROVED "%s", counts[i].mesh);
+        solve_run(&r, counts[i].scene, changes);
+        const pzs_solver_info *info = &path_of(&r)->info;
+        print_message("%s %s: %u load steps, %u linear solves\n", counts[i].scene, counts[i].mesh,
+                      (unsigned)info->load_steps, (unsigned)info->linear_solves);
+        assert_true(info->load_steps <= counts[i].load_steps);
+        assert_true(info->linear_solves <= counts[i].linear_solves);
+        scene_run_close(&r);
+    }
+}
+
 /* Law: the improved element on the same shells. */
 static void test_improved_tables(void **state)
 {
@@ -668,19 +701,13 @@ static void test_published_voltages(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_improved_tables),
-        cmocka_unit_test(test_improved_errors),
-        cmocka_unit_test(test_contact_tables),
-        cmocka_unit_test(test_flat_base),
-        cmocka_unit_test(test_torus_tables),
-        cmocka_unit_test(test_pressed_torus),
-        cmocka_unit_test(test_isotropic_torus),
-        cmocka_unit_test(test_tyre_section),
-        cmocka_unit_test(test_actuator_beam),
-        cmocka_unit_test(test_pressed_torus_is_stable),
-        cmocka_unit_test(test_plate_targets),
-        cmocka_unit_test(test_published_voltages),
+        cmocka_unit_test(test_tables),          cmocka_unit_test(test_improved_tables),
+        cmocka_unit_test(test_improved_errors), cmocka_unit_test(test_improved_counts),
+        cmocka_unit_test(test_contact_tables),  cmocka_unit_test(test_flat_base),
+        cmocka_unit_test(test_torus_tables),    cmocka_unit_test(test_pressed_torus),
+        cmocka_unit_test(test_isotropic_torus), cmocka_unit_test(test_tyre_section),
+        cmocka_unit_test(test_actuator_beam),   cmocka_unit_test(test_pressed_torus_is_stable),
+        cmocka_unit_test(test_plate_targets),   cmocka_unit_test(test_published_voltages),
     };
     return cmocka_run_group_tests_name("path_tables", tests, NULL, NULL);
 }
