@@ -187,6 +187,31 @@ static void add_path(arrays *arrays, const load_path *path)
     add_array(arrays, "path", "", points, columns, table);
 }
 
+/*
+ * Append the values of the outputs to the arrays that are written to files.
+ *   value        in  [rows of all outputs] values of the outputs that are displacements or strains
+ *   output_unit  [outputs] out  units, texts to which the arrays refer until they are written
+ */
+static void add_outputs(arrays *arrays, const analysis *analysis, const double *value,
+                        char (*output_unit)[WORDS_UNIT])
+{
+    const design *design = &analysis->design;
+    size_t count = 0;
+    for (int k = 0; k < design->outputs; k++)
+        count += (size_t)analysis_outputs(analysis, k);
+    double *entry = allocate_array(arrays, count);
+    for (int k = 0; k < design->outputs && entry; k++) {
+        const int rows = analysis_outputs(analysis, k);
+        char name[NAMED_ARRAY_NAME];
+        for (int i = 0; i < rows; i++)
+            entry[i] = analysis_output(analysis, k, i, value);
+        snprintf(name, sizeof name, "output_%d", k + 1);
+        words_unit(&design->units, words_of_output(&design->output[k]), output_unit[k]);
+        add_array(arrays, name, output_unit[k], (size_t)rows, 0, entry);
+        entry += rows;
+    }
+}
+
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
                  const double *value, const stress_field *stress)
 {
@@ -201,21 +226,18 @@ int export_solve(const options *options, const analysis *analysis, const double 
     if (vector)
         design_vectors(&design->mesh, displacement, vector);
     add_array(&arrays, "displacement", design->units.length, nodes, 3, vector);
-    for (int k = 0; k < design->outputs; k++) {
-        const size_t first = (size_t)design->named_first[k],
-                     rows = (size_t)design->named_first[k + 1] - first;
-        char name[NAMED_ARRAY_NAME];
-        snprintf(name, sizeof name, "output_%d", k + 1);
-        add_array(&arrays, name,
-                  design->output[k].recovered == RECOVERED_NONE ? design->units.length : "", rows,
-                  0, value + first);
-    }
+    char(*output_unit)[WORDS_UNIT] = calloc((size_t)design->outputs + 1, sizeof *output_unit);
+    arrays.is_full |= !output_unit;
+    if (output_unit)
+        add_outputs(&arrays, analysis, value, output_unit);
     add_array(&arrays, "reaction", "", (size_t)analysis->reactions.nodes, 6,
               analysis->reactions.nodes > 0 ? analysis->reactions.node[0] : NULL);
     add_path(&arrays, &analysis->load_path);
     if (stress)
         add_stress(&arrays, stress, unit);
-    return write_arrays(options, &arrays);
+    const int status = write_arrays(options, &arrays);
+    free(output_unit);
+    return status;
 }
 
 /*

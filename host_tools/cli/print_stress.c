@@ -90,6 +90,8 @@ void print_stress(const stress_field *field)
                                      : "small strains");
     puts("  (larger at clamps and under point loads: refine there before relying on a reserve)");
     puts("  stresses 13, 23 and 33 from equilibrium through the thickness");
+    if (stress_is_zero(&summary))
+        puts("  every stress is 0: nothing loads the structure, so there are no reserves");
     print_components(field, &summary, unit);
     putchar('\n');
     for (int layer = 0; layer < field->layers; layer++)

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum { NAMED_ARRAY_NAME = 64, NAMED_ARRAY_MOST = 64 };
+enum { NAMED_ARRAY_NAME = 64, NAMED_ARRAY_MOST = 256 };
 
 /* Named array of numbers: a matrix, or a vector if `columns` is 0. */
 typedef struct named_array {

@@ -114,8 +114,27 @@ static int read_coarser(scene *coarse, const scene *fine, const int elements[2],
 }
 
 /*
+ * Check that the results on a coarser mesh are those on the mesh of the scene: as many, with the
+ * same names in the same order. Returns 0, or -1 with error filled.
+ */
+static int compare_names(const mesh_values *fine, const mesh_values *coarse, char *error)
+{
+    if (coarse->count != fine->count) {
+        snprintf(error, SCENE_ERROR, "it has %d results instead of %d", coarse->count, fine->count);
+        return -1;
+    }
+    for (int k = 0; k < fine->count; k++)
+        if (strcmp(coarse->item[k].name, fine->item[k].name) != 0) {
+            snprintf(error, SCENE_ERROR, "its result %d is '%.80s' instead of '%.80s'", k + 1,
+                     coarse->item[k].name, fine->item[k].name);
+            return -1;
+        }
+    return 0;
+}
+
+/*
  * Compute, on one coarser mesh, the results whose discretisation error is estimated, and check that
- * they are as many as on the mesh of the scene. Returns 0, or -1 with error filled.
+ * they are those of the mesh of the scene. Returns 0, or -1 with error filled.
  */
 static int measure_coarser(const mesh_error *result, const scene *fine, const int elements[2],
                            mesh_measure *measure, const void *context, mesh_values *values,
@@ -129,11 +148,8 @@ static int measure_coarser(const mesh_error *result, const scene *fine, const in
         failed = measure(&coarse, context, values, cause);
         scene_free(&coarse);
     }
-    if (!failed && values->count != result->values.count) {
-        snprintf(cause, sizeof cause, "it has %d results instead of %d", values->count,
-                 result->values.count);
-        failed = -1;
-    }
+    if (!failed)
+        failed = compare_names(&result->values, values, cause);
     if (failed)
         snprintf(error, SCENE_ERROR, "no coarser mesh of %d x %d elements: %.300s", elements[0],
                  elements[1], cause);

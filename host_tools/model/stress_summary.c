@@ -36,6 +36,14 @@ double stress_field_reserve(const design *design, int layer, double field)
     return limit > 0 && against > 0 ? limit / against : (double)INFINITY;
 }
 
+bool stress_is_zero(const stress_summary *summary)
+{
+    for (int i = 0; i < STRESS_COMPONENTS; i++)
+        if (fabs(summary->stress[i].value) > 0)
+            return false;
+    return true;
+}
+
 bool stress_load(const stress_field *field, double *value)
 {
     const design *design = field->state.design;
@@ -100,8 +108,9 @@ static void add_layer(const stress_field *field, int element, int layer, stress_
             keep_larger(&summary->strain[i], result.at[height].strain[i], place);
         }
         keep(&summary->mises[layer], 1, stress_mises(stress), place);
-        if (strength->given)
-            keep(&summary->reserve[layer], -1, stress_reserve(strength, stress), place);
+        const double reserve = strength->given ? stress_reserve(strength, stress) : HUGE_VAL;
+        if (isfinite(reserve))
+            keep(&summary->reserve[layer], -1, reserve, place);
     }
     const stress_extreme middle = {0, element, layer, 1};
     const double reserve = stress_field_reserve(design, layer, result.field);

@@ -41,6 +41,9 @@ typedef struct stress_summary {
  */
 void stress_summarise(const stress_field *field, stress_summary *summary);
 
+/* Return whether every stress is 0, as in a structure that nothing loads. */
+bool stress_is_zero(const stress_summary *summary);
+
 /*
  * Return the von Mises stress of six stress components in Voigt order, a measure of the load on
  * layers of isotropic material (Pa).

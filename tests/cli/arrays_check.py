@@ -4,8 +4,10 @@
 
   arrays_check.py FILE.npz FOLDER        each CSV file of the folder is the array of the same name; shapes are the
                                          influence times the voltages, misfits the shapes less the target, without piston
+  arrays_check.py FILE.npz FILE.json outputs   output_k of solve is the k-th output of --json
   arrays_check.py FILE.npz FILE.csv ticks   time, error and voltages of simulate are the columns of --csv
 """
+import json
 import os
 import sys
 import numpy as np
@@ -44,9 +46,24 @@ def check_ticks(arrays, path):
     assert np.array_equal(table[:, -amplifiers:], arrays['voltage'])
 
 
+def check_outputs(arrays, path):
+    with open(path, encoding='utf-8') as file:
+        outputs = json.load(file)['outputs']
+    units = dict(text.decode().split(': ') for text in arrays['units'])
+    assert outputs
+    for k, (name, value) in enumerate(outputs.items()):
+        values = np.atleast_1d(np.array(value, dtype=float))
+        assert np.array_equal(values, arrays[f'output_{k + 1}']), name
+    return [units[f'output_{k + 1}'] for k in range(len(outputs))]
+
+
 def main():
     arrays = np.load(sys.argv[1])
-    (check_ticks if len(sys.argv) > 3 else check_shapes)(arrays, sys.argv[2])
+    what = sys.argv[3] if len(sys.argv) > 3 else ''
+    if what == 'outputs':
+        print(*check_outputs(arrays, sys.argv[2]))
+    else:
+        (check_ticks if what else check_shapes)(arrays, sys.argv[2])
 
 
 main()

@@ -171,6 +171,9 @@ run 0 shape "$dir/measured.yaml" --limit 60 --limit 30 --npz "$dir/a.npz" --csv-
 check 'the report of a measured matrix is well-formed' $?
 run 0 simulate "$dir/measured.yaml" --npz "$dir/s.npz" --csv "$dir/s.csv" && /usr/bin/python3 tests/cli/arrays_check.py "$dir/s.npz" "$dir/s.csv" ticks
 check 'the ticks in .npz are those of --csv' $?
+run 0 solve bimorph-sensor --json --npz "$dir/b.npz" && cp "$dir/out" "$dir/b.json" &&
+    [ "$(/usr/bin/python3 tests/cli/arrays_check.py "$dir/b.npz" "$dir/b.json" outputs)" = 'm V V V V V C' ]
+check 'the outputs in .npz are those of --json, voltages and charges too' $?
 run 0 new poke-voltages && mv "$dir/out" "$dir/voltages.csv" && run 0 new poke-shapes && mv "$dir/out" "$dir/shapes.csv" &&
     run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" -o "$dir/matrix.csv" && grep -qF 'fault: e4 is dead' "$dir/out" &&
     run 0 check "$dir/measured.yaml" --set influence.file=matrix.csv --set influence.scale=1; check 'calibrate names a dead actuator and writes a matrix' $?

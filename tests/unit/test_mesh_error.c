@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 #include <cmocka.h>
 #include <float.h>
 #include <math.h>
@@ -109,12 +110,55 @@ static void test_rounding(void **state)
     }
 }
 
+/* Name and number of the results on a coarser mesh in the test below. */
+typedef struct other_results {
+    const char *name;
+    int count;
+} other_results;
+
+static int measure_other(const scene *scene, const void *context, mesh_values *values, char *error)
+{
+    const other_results *other = context;
+    (void)scene;
+    (void)error;
+    for (int k = 0; k < other->count; k++)
+        mesh_values_add(values, other->name, 1);
+    return 0;
+}
+
+/* Results of a coarser mesh with other names, or another number of results, are not compared. */
+static void test_other_results(void **state)
+{
+    (void)state;
+    static const struct {
+        other_results other;
+        const char *says;
+    } row[] = {{{"w", 1}, NULL},
+               {{"v", 1}, "its result 1 is 'v' instead of 'w'"},
+               {{"w", 2}, "it has 2 results instead of 1"}};
+    char error[SCENE_ERROR];
+    scene scene;
+    if (scene_read(&scene, SCENE_FOLDER "/scordelis-lo.yaml", NULL, 0, error) < 0)
+        fail_msg("%s", error);
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        mesh_values fine = {.count = 0};
+        mesh_error result;
+        mesh_values_add(&fine, "w", 1);
+        const int status =
+            mesh_error_make(&result, &scene, &fine, measure_other, &row[k].other, error);
+        assert_int_equal(status, row[k].says ? -1 : 0);
+        assert_true(!row[k].says || strstr(error, row[k].says));
+    }
+    scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_second_order_is_exact), cmocka_unit_test(test_limit_lies_inside),
         cmocka_unit_test(test_interval_is_useful),    cmocka_unit_test(test_limit_after_turn),
         cmocka_unit_test(test_no_convergence),        cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_other_results),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

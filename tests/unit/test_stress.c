@@ -525,6 +525,26 @@ static void test_reserve(void **state)
                 1 / sqrt(0.25 + 30 * 40 / 3600.0 + 0.25 + 0.5625), 1e-14);
 }
 
+/* Law: a structure that nothing loads has no stress and no reserve factor; a load gives it both. */
+static void test_unloaded(void **state)
+{
+    (void)state;
+    static const char *const changes[2] = {"loads=[];", ""};
+    for (int is_loaded = 0; is_loaded < 2; is_loaded++) {
+        char all[200];
+        scene_run run;
+        stress_summary summary;
+        snprintf(all, sizeof all,
+                 "%smaterials.concrete={E: 4.32e8, nu: 0, strength: {tension: 1e6}}",
+                 changes[is_loaded]);
+        stress_field field = solved(&run, "scordelis-lo", all);
+        stress_summarise(&field, &summary);
+        assert_int_equal(stress_is_zero(&summary), !is_loaded);
+        assert_int_equal(summary.reserve[0].element >= 0, is_loaded);
+        close_both(&field, &run);
+    }
+}
+
 /*
  * Law: averages at nodes do not mix patches of different voltages: the voltages of the elements,
  * averaged at the points, are those of the elements, and a node between two patches has two points.
@@ -702,14 +722,15 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_patch),         cmocka_unit_test(test_tension),
-        cmocka_unit_test(test_free_piezo),    cmocka_unit_test(test_bimorph),
-        cmocka_unit_test(test_charge),        cmocka_unit_test(test_resultants),
-        cmocka_unit_test(test_rotation),      cmocka_unit_test(test_exact),
-        cmocka_unit_test(test_order),         cmocka_unit_test(test_reserve),
-        cmocka_unit_test(test_borders),       cmocka_unit_test(test_outputs),
-        cmocka_unit_test(test_turned_stress), cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_gauges),        cmocka_unit_test(test_roll),
+        cmocka_unit_test(test_patch),      cmocka_unit_test(test_tension),
+        cmocka_unit_test(test_free_piezo), cmocka_unit_test(test_bimorph),
+        cmocka_unit_test(test_charge),     cmocka_unit_test(test_resultants),
+        cmocka_unit_test(test_rotation),   cmocka_unit_test(test_exact),
+        cmocka_unit_test(test_order),      cmocka_unit_test(test_reserve),
+        cmocka_unit_test(test_unloaded),   cmocka_unit_test(test_borders),
+        cmocka_unit_test(test_outputs),    cmocka_unit_test(test_turned_stress),
+        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_gauges),
+        cmocka_unit_test(test_roll),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
