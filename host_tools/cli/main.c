@@ -998,6 +998,8 @@ static int command_fmu(const options *options, analysis *analysis)
     fmu_summary summary;
     char error[SCENE_ERROR], name[FMU_IDENTIFIER], path[OPTIONS_PATH];
     const fmu_kind kind = options->wants_plant ? FMU_PLANT : FMU_CONTROLLER;
+    if (fmu_check(&analysis->design, error) < 0)
+        return complain(error, OPTIONS_WRONG);
     analysis->quasi_static = options->quasi_static;
     progress_stage("tables");
     if (kind == FMU_PLANT && analysis_influence(analysis, error) < 0)

@@ -121,9 +121,6 @@ static void close_fmu(fmu *fmu)
 static int fill(fmu *fmu, fmu_summary *summary, char *error)
 {
     const design *design = fmu->design;
-    if (!(design->control.rate > 0))
-        return scene_fault(design->limits.at, error,
-                           "an FMU needs a tick rate: add control: {rate: ...} in ticks a second");
     if ((fmu->kind == FMU_PLANT ? fmu_fill_plant(fmu, summary, error)
                                 : fmu_fill_controller(fmu, error)) < 0)
         return -1;
@@ -141,6 +138,14 @@ static void summarise(const fmu *fmu, fmu_summary *summary)
         summary->outputs += fmu->variable[i].role == FMU_OUTPUT;
     }
     summary->period = 1 / fmu->design->control.rate;
+}
+
+int fmu_check(const design *design, char *error)
+{
+    if (design->control.rate > 0)
+        return 0;
+    return scene_fault(design->limits.at, error,
+                       "an FMU needs a tick rate: add control: {rate: ...} in ticks a second");
 }
 
 int fmu_write(FILE *file, const analysis *nominal, fmu_kind kind, bool builds, fmu_summary *summary,
