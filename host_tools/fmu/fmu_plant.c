@@ -216,7 +216,7 @@ static void write_sizes(const plant *plant, const plant_rows *rows, FILE *file)
         "#define PLANT_AMPLIFIERS %d\n#define PLANT_LOADS %d\n#define PLANT_SENSORS %d\n"
         "#define PLANT_TARGETS %d\n#define PLANT_ROWS %d\n#define PLANT_FIRST_SENSOR %d\n"
         "#define PLANT_MODES %zu\n"
-        "/* age of the readings (ticks) */\n#define PLANT_DELAY %d\n"
+        "/* age of a sensor reading when a tick uses it (ticks) */\n#define PLANT_DELAY %d\n"
         "/* resolution of the amplifiers (V); dead band of the amplifiers (V) */\n"
         "#define PLANT_RESOLUTION %.17g\n#define PLANT_DEAD_BAND %.17g\n",
         design->amplifiers, design->loads, rows->sensors, design->targets, rows->count,

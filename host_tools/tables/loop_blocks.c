@@ -314,8 +314,10 @@ static void write_selftest(emitter *emitter, const loop_blocks *blocks)
 
 static void write_pulse_detection(emitter *emitter, const loop_blocks *blocks)
 {
-    emit_comment(emitter, "test pulses of the fault detector: number of amplifiers, number of "
-                          "readings, age of the readings (ticks), duration of a pulse (ticks)");
+    emit_comment(emitter,
+                 "test pulses of the fault detector: number of amplifiers, number of "
+                 "readings, age of a reading when a tick uses it (ticks), duration of a pulse "
+                 "(ticks)");
     write_pulses(emitter, &blocks->pulses->tables, "pulse_detection");
 }
 
@@ -324,8 +326,9 @@ static void write_delay(emitter *emitter, const loop_blocks *blocks)
     const pzs_reading_delay *tables = &blocks->delay;
     const uint16_t counts[3] = {tables->inputs, tables->sensors, tables->delay};
     const size_t entries = tables->direct ? (size_t)tables->sensors * tables->inputs : 0;
-    emit_comment(emitter, "late readings: number of amplifiers, number of readings, age of the "
-                          "readings (ticks), readings per volt");
+    emit_comment(emitter,
+                 "late readings: number of amplifiers, number of readings, age of a reading "
+                 "when a tick uses it (ticks), readings per volt");
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, entries);
     emit_begin(emitter, "reading_delay", "reading_delay", tables->scene, tables->crc);
@@ -487,7 +490,8 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
     emit_comment_end(emitter);
     fprintf(emitter->file, "#define %s_MODES %u\n", emitter->upper, tables->modes);
     emit_comment(emitter,
-                 "age of the readings that the tables of the vibration block assume (ticks)");
+                 "age of a sensor reading when a tick uses it (ticks), as the vibration block "
+                 "expects it");
     fprintf(emitter->file, "#define %s_DAMPER_DELAY %u\n", emitter->upper, tables->delay);
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_damper_arrays(emitter, tables);
@@ -828,13 +832,12 @@ static void write_list(const emitter *emitter, const loop_blocks *blocks)
     loop_bounds bounds;
     loop_blocks_bound(blocks, &loop_processor_table[0], &bounds);
     fprintf(emitter->file,
-            "    /* %s: at most %.0f instructions in a tick, of which %.0f outside the blocks "
-            "(stages of the tick) */\n",
+            "    /* %s: at most %.0f instructions in a tick, %.0f of them outside the blocks */\n",
             loop_processor_table[0].name, bounds.all, bounds.rest);
     for (int k = 0, i = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].is_present(blocks))
             fprintf(emitter->file,
-                    "    {&pzs_%s_block, &%s_%s}, /* at most %.0f instructions of this stage in a "
+                    "    {&pzs_%s_block, &%s_%s}, /* at most %.0f instructions of this block in a "
                     "tick */\n",
                     block_types[k].type_name, emitter->prefix, block_types[k].tables_name,
                     bounds.block[i++].most);

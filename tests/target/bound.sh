@@ -25,8 +25,8 @@ count() {
 
 # Bounds as lines `name number`, on a Cortex-M4F from the comments of the tables, on another processor from `pzs check --json`.
 bounds_of_tables() {
-    sed -n 's|^    /\* .*: at most \([0-9]*\) instructions in a tick, of which \([0-9]*\) .*|all \1\nloop \2|p
-        s|^    {&pzs_\([a-z_]*\)_block, .*}, /\* at most \([0-9]*\) instructions of this stage in a tick \*/|\1 \2|p' "$scratch/tables.h" >"$scratch/bounds"
+    sed -n 's|^    /\* .*: at most \([0-9]*\) instructions in a tick, \([0-9]*\) of them .*|all \1\nloop \2|p
+        s|^    {&pzs_\([a-z_]*\)_block, .*}, /\* at most \([0-9]*\) instructions of this block in a tick \*/|\1 \2|p' "$scratch/tables.h" >"$scratch/bounds"
 }
 bounds_of_check() {
     "$B/pzs" check "$@" --json 2>/dev/null | "$PYTHON" -c '
