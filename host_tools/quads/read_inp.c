@@ -124,8 +124,10 @@ static piece value_of(piece one, const char *name)
 
 static int refuse_piece(const inp *in, piece one, const char *what)
 {
-    return quad_fault_at(in->file, (size_t)(one.text - in->file->text),
-                         "'%.*s' stands where %s is expected",
+    const size_t at = (size_t)(one.text - in->file->text);
+    if (one.length == 0)
+        return quad_fault_at(in->file, at, "nothing stands where %s is expected", what);
+    return quad_fault_at(in->file, at, "'%.*s' stands where %s is expected",
                          one.length < 20 ? (int)one.length : 20, one.text, what);
 }
 
@@ -530,9 +532,12 @@ static int read_lines(inp *in)
             return -1;
         }
     } while (quad_next_line(file));
-    if (in->raw->nodes == 0 || in->raw->cells == 0)
-        return quad_fault(file, "the file has no %s; export the mesh again",
-                          in->raw->nodes == 0 ? "*NODE" : "*ELEMENT");
+    if (in->raw->nodes == 0)
+        return quad_fault(file, "the file defines no node: no numbers follow a line *NODE; export "
+                                "the mesh again, with its nodes");
+    if (in->raw->cells == 0)
+        return quad_fault(file, "the file defines no element: no numbers follow a line *ELEMENT; "
+                                "export the mesh again, with its elements");
     return collect_kind(in, false) < 0 ? -1 : collect_kind(in, true);
 }
 

@@ -249,7 +249,9 @@ static const struct {
     {NODES_INP "*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n*NSET\n1\n", "a set needs a name"},
     {"*INCLUDE, INPUT=a.inp\n", "*INCLUDE is not followed"},
     {"*PART, NAME=a\n*END PART\n*PART, NAME=b\n", ":3: there are two parts"},
-    {"*NODE\n1, 0, 0, 0\n", "the file has no *ELEMENT"},
+    {"*NODE\n1, 0, 0, 0\n", "the file defines no element: no numbers follow"},
+    {"*NODE\n\n\n*NODE\n", ":5: the file defines no node: no numbers follow a line *NODE"},
+    {"*NODE\n,\n", ":2: nothing stands where the number of a node is expected"},
 };
 
 /* Law: what cannot be used is refused with the place in the file and the cure. */
