@@ -97,21 +97,40 @@ static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int 
 }
 
 /*
- * Set the height and the director (unit normal) of a node of the disc whose position in the plane
- * is known.
+ * Set the height and the director (unit normal) of a node of a dome, the part of a sphere, whose
+ * position in the plane is known.
  */
-static void lift_node(const quad_disc *disc, double x[3], double director[3])
+static void lift_to_sphere(const quad_disc *disc, double x[3], double director[3])
 {
-    const double sphere = disc->sphere, upward[3] = {0, 0, 1};
-    memcpy(director, upward, sizeof upward);
-    if (!(sphere > 0))
-        return;
-    const double square = x[0] * x[0] + x[1] * x[1];
+    const double sphere = disc->sphere, square = x[0] * x[0] + x[1] * x[1];
     const double height = sqrt(sphere * sphere - square);
     x[2] = height - sqrt(sphere * sphere - disc->radius * disc->radius);
     director[0] = x[0] / sphere;
     director[1] = x[1] / sphere;
     director[2] = height / sphere;
+}
+
+/*
+ * Set the height and the director (unit normal) of a node of a dish, the paraboloid
+ * z = (x^2 + y^2)/(4 focal), whose position in the plane is known.
+ */
+static void lift_to_paraboloid(const quad_disc *disc, double x[3], double director[3])
+{
+    const double slope[2] = {x[0] / (2 * disc->focal), x[1] / (2 * disc->focal)};
+    const double length = sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+    x[2] = (x[0] * slope[0] + x[1] * slope[1]) / 2;
+    director[0] = -slope[0] / length;
+    director[1] = -slope[1] / length;
+    director[2] = 1 / length;
+}
+
+static void lift_node(const quad_disc *disc, double x[3], double director[3])
+{
+    director[2] = 1;
+    if (disc->sphere > 0)
+        lift_to_sphere(disc, x, director);
+    else if (disc->focal > 0)
+        lift_to_paraboloid(disc, x, director);
 }
 
 static void fill_nodes(const disc_plan *plan, quad_mesh *mesh)

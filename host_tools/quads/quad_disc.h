@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh of a disc without a hole, flat or part of a sphere: a block of quadrilaterals around the
- * centre and rings of quadrilaterals around the block, so that no element is a triangle.
+ * Mesh of a disc without a hole, flat or part of a sphere or of a paraboloid: a block of
+ * quadrilaterals around the centre and rings of quadrilaterals around the block, so that no element
+ * is a triangle.
  */
 #ifndef QUAD_DISC_H
 #define QUAD_DISC_H
@@ -13,7 +14,10 @@ enum { QUAD_RINGS = 16 };
 typedef struct quad_disc {
     double radius; /* radius of the disc's rim (m) */
     double sphere; /* radius of the sphere of which the disc is a part, with the centre below the
-                      disc (m); 0: flat disc */
+                      disc (m); 0: no sphere */
+    double focal;  /* focal length of the paraboloid of which the disc is a part, with the focus
+                      above  the disc (m); 0: no paraboloid. A disc without sphere and paraboloid is
+                      flat */
     double ring[QUAD_RINGS]; /* [rings] radii of circles on the disc that no element crosses,
                                 ascending, without the rim (m) */
     int rings;    /* number of circles on the disc, besides the rim, that no element crosses */
@@ -26,7 +30,7 @@ typedef struct quad_disc {
 
 /*
  * Make the mesh of a disc around the z axis. A flat disc lies in the plane z = 0, a dome has its
- * rim there; the outer face looks along +z.
+ * rim there, a paraboloid its lowest point; the outer face looks along +z.
  * Sets: nodes `centre`; edges `rim`; elements `ring1` inside the first circle, then `ring2` and so
  * on to the rim, or with sectors `ring2-1`, `ring2-2` and so on, the first of which begins at the x
  * axis. The numbers in `disc` must be in their ranges. Returns 0, or -1 with the mesh empty when

@@ -41,6 +41,9 @@ static const field disc_fields[] = {
      .help = "Radius of the rim."},
     {"sphere", read_real, offsetof(quad_disc, sphere), &above_zero, .of = OF_LENGTH,
      .help = "Radius of the sphere of which the disc is a part, its middle up; default: flat."},
+    {"focal", read_real, offsetof(quad_disc, focal), &above_zero, .of = OF_LENGTH,
+     .help = "Focal length of the paraboloid z = (x^2+y^2)/(4 focal) of which the disc is a part, "
+             "in place of 'sphere'."},
     {"rings", read_rings, 0, .of = OF_LENGTH, .form = &rings_form,
      .help = "Radii of circles between which patches may end, from the inside outwards."},
     {"elements", read_int, offsetof(quad_disc, elements), &even_elements, .required = 1,
@@ -70,6 +73,15 @@ static int check_disc(reader *reader, int node, const quad_disc *disc)
                           "the radius %g of the rim is more than 0.95 of the sphere's %g; use a "
                           "flatter part of the sphere",
                           disc->radius, disc->sphere);
+    if (disc->focal > 0 && disc->sphere > 0)
+        return tree_fault(
+            reader->t, tree_find(reader->t, node, "focal"),
+            "a disc is part of a sphere or of a paraboloid; give 'sphere' or 'focal'");
+    if (disc->focal > 0 && !(disc->radius <= 6 * disc->focal))
+        return tree_fault(reader->t, tree_find(reader->t, node, "focal"),
+                          "the radius %g of the rim is more than 6 focal lengths of %g; use a "
+                          "flatter part of the paraboloid",
+                          disc->radius, disc->focal);
     return 0;
 }
 

@@ -81,36 +81,68 @@ static void test_sectors(void **state)
     quad_mesh_free(&mesh);
 }
 
+/* A disc of radius 1, its area, and the unit normal of its surface at a point. */
+typedef struct disc_shape {
+    double sphere, focal;
+} disc_shape;
+
+static double exact_area(const disc_shape *shape)
+{
+    const double s = shape->sphere, f = shape->focal;
+    if (s > 0)
+        return 2 * pi * s * (s - sqrt(s * s - 1));
+    return f > 0 ? 8 * pi * f * f / 3 * (pow(1 + 1 / (4 * f * f), 1.5) - 1) : pi;
+}
+
+static void exact_normal(const disc_shape *shape, const double x[3], double normal[3])
+{
+    const double s = shape->sphere, f = shape->focal;
+    const double slope = f > 0 ? -1 / (2 * f) : s > 0;
+    normal[0] = slope * x[0];
+    normal[1] = slope * x[1];
+    normal[2] = s > 0 ? x[2] + sqrt(s * s - 1) : 1;
+    vector_normalise(normal);
+}
+
+static void check_directors(const quad_mesh *mesh, const disc_shape *shape)
+{
+    for (size_t n = 0; n < mesh->nodes; n++) {
+        const double *x = mesh->position[n];
+        double normal[3];
+        exact_normal(shape, x, normal);
+        for (int i = 0; i < 3; i++)
+            assert_true(fabs(normal[i] - mesh->director[n][i]) < 1e-14);
+        if (shape->focal > 0)
+            assert_true(fabs(4 * shape->focal * x[2] - x[0] * x[0] - x[1] * x[1]) < 1e-14);
+    }
+}
+
 /*
- * Law: the area of a disc and of a cap is exact up to the polygon of the rim, whose error falls by
- * four when the elements are halved; directors are normal to the sphere; nothing is refused or
- * reported at a thickness of a thousandth of the radius.
+ * Law: the area of a disc, of a cap and of a paraboloid is exact up to the polygon of the rim,
+ * whose error falls by four when the elements are halved; directors are normal to the surface;
+ * nothing is refused or reported at a thickness of a thousandth of the radius.
  */
 static void test_area(void **state)
 {
     (void)state;
-    for (int curved = 0; curved < 2; curved++) {
-        const double sphere = curved ? 1.5 : 0, rise = curved ? 1.5 - sqrt(1.25) : 0;
-        const double exact = curved ? 2 * pi * sphere * rise : pi;
+    static const disc_shape shape[3] = {{0, 0}, {1.5, 0}, {0, 0.6}};
+    for (size_t k = 0; k < sizeof shape / sizeof *shape; k++) {
         double error[2];
         for (int fine = 0; fine < 2; fine++) {
-            const quad_disc disc = {
-                .radius = 1, .sphere = sphere, .elements = 8 << fine, .sectors = 1};
+            const quad_disc disc = {.radius = 1,
+                                    .sphere = shape[k].sphere,
+                                    .focal = shape[k].focal,
+                                    .elements = 8 << fine,
+                                    .sectors = 1};
             quad_shell shell;
             double area = 0;
             open_disc(&shell, &disc, 1e-3);
             for (int e = 0; e < shell.mesh.elements; e++)
                 area += shell.mesh.place[shell.mesh.element_type[e]].area;
-            for (size_t n = 0; n < shell.quads.nodes && curved; n++) {
-                double from[3];
-                memcpy(from, shell.quads.position[n], sizeof from);
-                from[2] += sphere - rise;
-                for (int i = 0; i < 3; i++)
-                    assert_true(fabs(from[i] / sphere - shell.quads.director[n][i]) < 1e-14);
-            }
+            check_directors(&shell.quads, &shape[k]);
             assert_int_equal(shell.mesh.quad_report.locking, 0);
             assert_int_equal(shell.mesh.quad_report.narrow, 0);
-            error[fine] = 1 - area / exact;
+            error[fine] = 1 - area / exact_area(&shape[k]);
             quad_shell_close(&shell);
         }
         print_message("area %.4f %% and %.4f %% too small\n", 100 * error[0], 100 * error[1]);
@@ -170,6 +202,8 @@ static void test_refusals(void **state)
         {"mesh.disc.rings=[9 mm, 8 mm]", "the radius 0.008 follows 0.009"},
         {"mesh.disc.rings=[9 mm, 26 mm]", "outside the rim of radius 0.025"},
         {"mesh.disc.sphere=25 mm", "more than 0.95 of the sphere's"},
+        {"mesh.disc.focal=4 mm", "more than 6 focal lengths of 0.004"},
+        {"mesh.disc.focal=4 mm;mesh.disc.sphere=90 mm", "give 'sphere' or 'focal'"},
         {"mesh.disc.radius=0", "radius"},
         {"mesh.disc.elements=60;mesh.disc.radius=1", "use fewer elements"},
         {"surface={type: plate}", "a disc brings its own surface"},
