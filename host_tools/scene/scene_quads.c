@@ -297,8 +297,8 @@ static int read_set_name(reader *reader, int node, scene_where *where, const voi
 }
 
 /*
- * Refuse a set of nodes, some of which belong to no element. Returns -1 after writing the error
- * message of the YAML tree.
+ * Refuse a set of nodes, some of which belong to no element. Returns -1 after writing an error
+ * message about the scene file.
  */
 static int refuse_loose(reader *reader, int node, const quad_set *set)
 {
@@ -320,7 +320,7 @@ static int refuse_loose(reader *reader, int node, const quad_set *set)
 
 /*
  * Check that every node of the sets of nodes whose names fit a name or a pattern with * belongs to
- * an element. Returns 0, or -1 after writing the error message of the YAML tree.
+ * an element. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int require_elements(reader *reader, int node, const char *pattern)
 {
