@@ -264,9 +264,9 @@ typedef struct pzs_row_solver {
      */
     pzs_real last_gap;
     /*
-     * relative shift of the diagonal of the Hessian (1), with which the optimiser makes a nearly
-     * singular Hessian regular: regularisation weight plus the number added to each diagonal entry,
-     * divided by the largest diagonal entry; 0: no shift
+     * shift of the diagonal of a nearly singular Hessian, which makes it regular (1):
+     * (regularisation weight + number added to each diagonal entry) / largest diagonal entry; 0: no
+     * shift
      */
     pzs_real least_curvature;
     pzs_real least_rounding; /* rounding-error bound of a violation of the optimality (KKT)

@@ -688,10 +688,10 @@ typedef struct pzs_damper_info {
      */
     pzs_real deviation;
     pzs_real innovation; /* RMS over the sensors of reading minus predicted reading in the last tick
-                            (m), 0 where no reading was usable. If every target node is measured,
-                            the observer estimates vibration modes, and parts of the target shape
-                            are free (may take any size, such as a rigid motion), only the part of
-                            these modes counts */
+                            (m), 0 where no reading was usable. Only the part of the vibration modes
+                            counts if such modes are observed, every target node is measured, and
+                            parts of the target shape are free (may take any size, such as a rigid
+                            motion) */
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
 } pzs_damper_info;

@@ -169,9 +169,9 @@ double loop_work_row_step(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the amplifiers' converter steps. If rounded voltages violate
- * the limit of a sum of voltages, the changes of the voltages in this sum are taken back, after
- * which this limit holds. Then all sums are computed again, for each such limit.
+ * Upper bound of the instructions of the amplifiers' converter steps. Where rounded voltages
+ * violate the limit of a sum of voltages, the changes of the voltages in this sum are taken back,
+ * after which this limit holds. All sums are computed again for each such limit.
  */
 double loop_work_amplifier(const block_counts *of, const loop_processor *on)
 {

@@ -1294,8 +1294,8 @@ static bool can_be_tested(pzs_pulse_detector_state *state, uint32_t j)
 
 /*
  * Mark the electrodes whose faults cannot be found. For all others compute the sum of the squared
- * weighted output changes that a full test pulse causes, and keep the smallest sum: smaller changes
- * of the target shape count as no motion.
+ * weighted output changes that a full test pulse causes, and keep the smallest sum. A change of the
+ * target shape much smaller than this counts as no motion.
  */
 static void find_unobservable(pzs_pulse_detector *detector)
 {

@@ -72,10 +72,10 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
 }
 
 /*
- * Compute the scalar products of the measured and of the modelled responses to a test pulse. A
- * further equation expects the gain (measured divided by modelled response) 1 of the electrodes
- * without a pulse. Without it the fit could be undetermined, because their response may be a
- * combination of those of the two electrodes with a pulse.
+ * Compute the scalar products of the measured and of the modelled responses to a test pulse. One
+ * equation is added: the gain (measured divided by modelled response) of the electrodes without a
+ * pulse is expected to be 1. Without it the fit could be undetermined, because their response may
+ * be a combination of those of the two electrodes with a pulse.
  */
 static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 {

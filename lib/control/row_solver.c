@@ -87,14 +87,14 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Shift of the diagonal of a Hessian that is singular or nearly so, as the smallest diagonal entry
- * after the shift, divided by the largest one. A Hessian whose pivots all exceed this fraction of
- * its largest diagonal entry is not shifted.
+ * Shift of the diagonal of a Hessian that is singular or nearly so, stated as the smallest diagonal
+ * entry after the shift, divided by the largest one. A Hessian whose pivots all exceed this
+ * fraction of its largest diagonal entry is not shifted.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
- * Largest shift of the diagonal of the Hessian after iterations that failed, as the smallest
- * diagonal entry after the shift, divided by the largest one.
+ * Largest shift of the diagonal of the Hessian, to which the optimiser may go after iterations that
+ * failed. A shift is stated as the smallest diagonal entry after it, divided by the largest one.
  */
 #define MOST_CURVATURE PZS_BY_BITS(PZS_R(3e-1), PZS_R(1e-5))
 /*

@@ -165,8 +165,9 @@ static contact_point find_point(const pzs_contact *contact, const pzs_solver *so
 
 /*
  * Return the stiffness of the shell at a node, per area (N/m3), from the diagonal of the stiffness
- * matrix: that along the normal e3 of the shell or, if this degree of freedom is not free, that
- * along e1 or e2. Returns 0 where the face has no free degree of freedom.
+ * matrix. It is the stiffness along the normal e3 of the shell if a degree of freedom in this
+ * direction is free, otherwise that along e1 or e2. Returns 0 where the face has no free degree of
+ * freedom.
  */
 static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                     uint16_t node)
