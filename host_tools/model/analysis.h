@@ -174,9 +174,10 @@ pzs_status analysis_electrodes(analysis *analysis, const double *value);
 int analysis_ended_early(const analysis *analysis);
 
 /*
- * Value of the scene's output with index k at the i-th of the nodes or electrodes to which this
- * output belongs.
- *   value in values of all outputs of the scene, output after output
+ * Value of one output of the scene at one of its nodes or electrodes.
+ *   value in  values of all outputs of the scene, output after output
+ *   k     in  index of the output
+ *   i     in  index among the nodes or electrodes of this output
  */
 double analysis_output(const analysis *analysis, int k, int i, const double *value);
 /*

@@ -208,8 +208,9 @@ double certificate_first(const certificate *certificate);
 
 /* Conditions under which the spectral radius of a control loop is computed. */
 typedef struct certificate_conditions {
-    double gain;     /* static response of the structure to voltages, relative to the model */
-    int delay;       /* delay of the sensor readings between measurement and use (ticks) */
+    double gain; /* static response of the structure to voltages, divided by that of the model (1)
+                  */
+    int delay;   /* delay of the sensor readings between measurement and use (ticks) */
     double interval; /* time between ticks (s) */
     double lag;      /* time constant of the first-order lag of the amplifiers (s); 0: none */
 } certificate_conditions;

@@ -5,7 +5,9 @@
 #include <string.h>
 #include "../../lib/control/hysteresis.h"
 
-/* Tick rate that is assumed where the scene file gives none, as in simulations (1/s). */
+/*
+ * Tick rate (1/s) that is assumed where the scene file gives none; simulations assume the same one.
+ */
 static const double usual_rate = 1000;
 
 static void copy(double *to, const scene_short_list *from)

@@ -45,7 +45,7 @@ typedef struct builder {
     damper_settings settings;
     damper_model model;
     double interval; /* time between two control ticks (s) */
-    int delay; /* age of the readings of the sensors when the controller receives them (ticks) */
+    int delay;       /* delay of the sensor readings between measurement and use (ticks) */
     size_t targets, sensors, amplifiers;
     size_t *mode; /* [modes] index of each vibration mode that the control tick observes, among the
                      computed vibration modes */

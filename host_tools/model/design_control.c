@@ -176,9 +176,9 @@ static void build_step_limits(const design *design)
 }
 
 /*
- * Compute the voltage limits from the scene file: those that it gives for the amplifier itself, or
- * else those common to all amplifiers, narrowed by the depolarisation fields. Returns 0, or -1 with
- * error filled.
+ * Compute the voltage limits from the scene file. An amplifier has its own limits, or else those
+ * common to all amplifiers. The depolarisation fields of its patches narrow these limits. Returns
+ * 0, or -1 with error filled.
  */
 static int build_limits(const design *design, char *error)
 {

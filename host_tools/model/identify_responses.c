@@ -147,8 +147,8 @@ static double static_values(const steps *steps, size_t mode, double delay, doubl
 }
 
 /*
- * Fit the static responses of one vibration mode to the voltages by least squares to the changes of
- * its modal coordinate in equilibrium in all voltage steps.
+ * Fit the static responses of one vibration mode to the voltages by least squares. Fitted are the
+ * changes of the mode's static coordinate in all voltage steps.
  *   response [actuators] out  static responses (multiples of the mode's shape per volt)
  * Returns the sum of the squares that the fit leaves.
  */

@@ -36,8 +36,9 @@ enum { BATCH = BLOCK_LOOSE };
 static const double converged_at = 1e-8;
 
 /*
- * Bounds for squared frequencies near 0, relative to the shift of the Lanczos method: their error,
- * and the size below which a vibration mode counts as a rigid motion.
+ * Two bounds for squared frequencies near 0, as fractions of the shift of the Lanczos method.
+ * known_to: error of a computed squared frequency; rigid_below: size below which a vibration mode
+ * counts as a rigid motion.
  */
 static const double known_to = 1e-6, rigid_below = 1e-8;
 

@@ -116,8 +116,8 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* the function that computes the voltage limits has already written the error
-                      message */
+        return -1; /* the error message has already been written, by the function that computes the
+                      voltage limits */
     return scene_fault(analysis->design.limits.at, error, "%s", pzs_status_text(status));
 }
 
@@ -230,7 +230,7 @@ static void measure_misfit(const design *design, const double *misfit, double sq
 }
 
 /*
- * From the displacement vector of a result, compute its shape (controlled displacements), the
+ * Compute three results from the displacement vector: the shape (controlled displacements), the
  * target with the best fit of its free functions (shapes that may be added at no cost), and the
  * shape errors.
  */

@@ -591,8 +591,8 @@ static int bisect(const trial *trial, bool is_gain, double end, double *margin, 
 }
 
 /*
- * Find the number of ticks by which readings may be older or newer than the scene file states.
- * Returns 0, or -1 with error filled.
+ * Find by how many ticks the sensor readings may be older, and by how many newer, than the scene
+ * file states while the control loop passes its tests. Returns 0, or -1 with error filled.
  */
 static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 {

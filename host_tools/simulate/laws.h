@@ -41,8 +41,8 @@ bool law_open(law *law, const pzs_problem *problem, double regularisation);
 void law_close(law *law);
 
 /*
- * Block of a control tick for clipped least squares: unconstrained least-squares voltages for
- * target minus last measured disturbance, then clipped.
+ * Block of a control tick for clipped least squares: least-squares voltages without limits for
+ * (target - last measured disturbance), then clipped to their limits.
  */
 extern const pzs_block_type law_clipped_block;
 

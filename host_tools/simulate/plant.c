@@ -65,8 +65,8 @@ static void scale_matrix(scene *scene)
     const size_t amplifiers = (size_t)scene->amplifiers;
     uint32_t state = (uint32_t)simulate->seed + 1;
     for (size_t i = 0; i < (size_t)scene->influence.outputs * amplifiers; i++) {
-        double error = -6; /* minus six, because the sum of twelve random numbers, uniform from 0 to
-                              1, has the mean 6 and the variance 1 */
+        double error = -6; /* minus six makes the mean 0: the sum of twelve random numbers, uniform
+                              from 0 to 1, has the mean 6 and the variance 1 */
         for (int k = 0; k < 12; k++)
             error += random_number(&state);
         scene->influence.matrix[i] *=

@@ -66,8 +66,8 @@ typedef struct storm_rig {
                                    displacements) are measured */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
-    int delay; /* age of the sensor readings when the control loop receives them, as the scene file
-                  states it (ticks) */
+    int delay; /* delay of the sensor readings between measurement and use, as the scene file states
+                  it (ticks) */
     double interval;  /* time between control ticks (s) */
     double bandwidth; /* corner frequency of the first-order lag of the amplifiers (Hz); 0: no lag
                        */
