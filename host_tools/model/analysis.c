@@ -549,6 +549,7 @@ int analysis_linearise(analysis *analysis, char *error)
                            "structure has buckled; lower the loads, or add an imperfection",
                            solver->info.negative_pivots);
     linearised_free(&analysis->about);
+    kept_modes_free(analysis->modes);
     if (linearised_take(&analysis->about, &analysis->design, solver))
         return 0;
     return analysis_explain(analysis, PZS_E_WORKSPACE, error);
@@ -607,32 +608,20 @@ static bool is_loaded(const design *design)
            design->kinematics != KINEMATICS_LINEAR;
 }
 
-/*
- * Compute the lowest vibration modes about the reference state, or copy them where as many were
- * computed before.
- */
-static int reference_modes(const analysis *analysis, vibration *result, int number, char *error)
+int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error)
 {
     const design *design = &analysis->design;
     const int most = vibration_most(design), wanted = number < most ? number : most;
-    vibration *kept = analysis->modes;
-    if (kept && wanted > 0 && kept->count == wanted && vibration_copy(result, kept, design))
+    kept_modes *kept = analysis->modes;
+    if (kept && kept_modes_copy(kept, design, wanted, vibration))
         return 0;
-    if (vibration_solve(result, design, number, MASS_LUMPED, error) < 0)
-        return -1;
-    if (kept && result->count > kept->count) {
-        vibration_free(kept);
-        vibration_copy(kept, result, design);
-    }
-    return 0;
-}
-
-int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error)
-{
-    return analysis->about.tangent
-               ? vibration_solve_at(vibration, &analysis->design, &analysis->about, number,
-                                    MASS_LUMPED, error)
-               : reference_modes(analysis, vibration, number, error);
+    const int failed =
+        analysis->about.tangent
+            ? vibration_solve_at(vibration, design, &analysis->about, number, MASS_LUMPED, error)
+            : vibration_solve(vibration, design, number, MASS_LUMPED, error);
+    if (!failed && kept)
+        kept_modes_add(kept, design, vibration);
+    return failed;
 }
 
 int analysis_influence(analysis *analysis, char *error)
@@ -738,7 +727,7 @@ void analysis_free(analysis *analysis)
     reactions_free(&analysis->reactions);
     linearised_free(&analysis->about);
     if (analysis->modes)
-        vibration_free(analysis->modes);
+        kept_modes_free(analysis->modes);
     free(analysis->modes);
     memset(analysis, 0, sizeof *analysis);
 }

@@ -9,6 +9,7 @@
 
 #include "certificate.h"
 #include "equilibrium.h"
+#include "kept_modes.h"
 #include "load_path.h"
 #include "mesh_error.h"
 #include "plausible.h"
@@ -60,21 +61,21 @@ typedef struct analysis {
     void *electric_work;
     double *input_value; /* [inputs] values of the inputs that cause the last computed displacement;
                             for open electrodes, the computed voltages */
-    double *charge;   /* [electrodes] charge of each electrode at the last computed displacement (C)
-                       */
-    vibration *modes; /* vibration modes about the reference state that were computed last, kept
-                         because several stability tests ask for the same modes; empty before */
-    linearised about; /* tangent stiffness matrix and forces of the inputs about the equilibrium to
-                         which influence matrix and vibration modes belong; empty: they belong to
-                         the reference state */
-    bool is_nonlinear;   /* whether displacements are computed by the nonlinear equilibrium solver;
-                            the initial value is that of the scene */
-    double *influence;   /* [outputs][inputs] influence matrix in the reference state, or about the
-                            loaded equilibrium where the scene asks for it, filled by
-                            analysis_influence */
-    double *recovered;   /* [nodes of all outputs, in the order of design.place_node] values of the
-                            scene's outputs of strain and stress, for the last displacement of
-                            analysis_solve or analysis_continue; NULL where the scene has none */
+    double *charge; /* [electrodes] charge of each electrode at the last computed displacement (C)
+                     */
+    kept_modes *modes; /* vibration modes that were computed before, about the reference state or,
+                          if `about` is filled, about the equilibrium there */
+    linearised about;  /* tangent stiffness matrix and forces of the inputs about the equilibrium to
+                          which influence matrix and vibration modes belong; empty: they belong to
+                          the reference state */
+    bool is_nonlinear; /* whether displacements are computed by the nonlinear equilibrium solver;
+                          the initial value is that of the scene */
+    double *influence; /* [outputs][inputs] influence matrix in the reference state, or about the
+                          loaded equilibrium where the scene asks for it, filled by
+                          analysis_influence */
+    double *recovered; /* [nodes of all outputs, in the order of design.place_node] values of the
+                          scene's outputs of strain and stress, for the last displacement of
+                          analysis_solve or analysis_continue; NULL where the scene has none */
     reactions reactions; /* forces of the supports on the shell in the last solution of
                             analysis_solve or analysis_continue */
     pzs_status status;   /* status that the last computation of a nonlinear equilibrium returned */
