@@ -145,6 +145,39 @@ static bool take_memory(storm_rig *rig)
     return true;
 }
 
+static void close_ticks(storm_rig *rig)
+{
+    tick_matrix_close(&rig->static_shape);
+    tick_matrix_close(&rig->static_reading);
+    tick_matrix_close(&rig->vibration_shape);
+    tick_matrix_close(&rig->vibration_reading);
+    free(rig->mode_response);
+    rig->mode_response = NULL;
+}
+
+/*
+ * Fill the matrices that every tick of a storm uses, from the static responses and the vibration
+ * modes. Returns whether memory sufficed.
+ */
+static bool fill_ticks(storm_rig *rig)
+{
+    const modal *modal = &rig->modal;
+    const size_t targets = rig->targets, sensors = rig->sensors, amplifiers = rig->amplifiers,
+                 modes = modal->modes;
+    close_ticks(rig);
+    rig->mode_response = malloc((amplifiers * modes + 1) * sizeof *rig->mode_response);
+    for (size_t i = 0; i < modes && rig->mode_response; i++)
+        for (size_t k = 0; k < amplifiers; k++)
+            rig->mode_response[k * modes + i] = modal->response[i * modal->inputs + k];
+    return rig->mode_response &&
+           tick_matrix_open(&rig->static_shape, rig->influence, amplifiers, NULL, targets,
+                            amplifiers) &&
+           tick_matrix_open(&rig->static_reading, rig->direct, amplifiers, NULL, sensors,
+                            amplifiers) &&
+           tick_matrix_open(&rig->vibration_shape, modal->shape, modes, NULL, targets, modes) &&
+           tick_matrix_open(&rig->vibration_reading, modal->shape, modes, rig->row, sensors, modes);
+}
+
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay)
 {
     rig->blocks = 0;
@@ -173,7 +206,7 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     list_rows(rig);
     fill_static(rig, analysis->influence);
     fill_limits(rig);
-    if (!fill_scale(rig))
+    if (!fill_ticks(rig) || !fill_scale(rig))
         return no_memory(analysis, error);
     compensation_fill(&rig->ceramic, &design->hysteresis, &design->problem, design->control.rate);
     return 0;
@@ -184,11 +217,12 @@ bool storm_deform(storm_rig *rig, const deformed *deformed)
     fill_static(rig, deformed->analysis.influence);
     rig->offset = deformed->offset;
     modal_close(&rig->modal);
-    return modal_copy(&rig->modal, &deformed->modal);
+    return modal_copy(&rig->modal, &deformed->modal) && fill_ticks(rig);
 }
 
 void storm_close(storm_rig *rig)
 {
+    close_ticks(rig);
     modal_close(&rig->modal);
     vibration_free(&rig->vibration);
     free(rig->memory);
@@ -209,6 +243,11 @@ typedef struct storm {
     pzs_loop loop;
     void *work;
     inertia inertia;
+    double *mode_response; /* [amplifiers][modes] coordinate of each vibration mode of the simulated
+                              structure in equilibrium per volt of each amplifier */
+    double *change; /* [amplifiers] changes of the voltages that act on the ceramic and that differ
+                       from those of the tick before (V) */
+    uint16_t *changed; /* [amplifiers] amplifiers of these changes */
     uint64_t random;
     int tick, history_ticks; /* number of the present tick; number of ticks whose readings are
                                 stored */
@@ -247,8 +286,9 @@ typedef struct storm {
                             simulated structure */
     double *shape;       /* [targets] shape of the simulated structure in the present tick */
     double *part; /* [targets] work array for the displacements of the target nodes by vibration */
-    double *sensed;  /* [sensors] readings that the control loop receives in the present tick */
-    double *reading; /* [history_ticks][sensors] noise-free readings of the last ticks */
+    double *sensed;    /* [sensors] readings that the control loop receives in the present tick */
+    double *vibrating; /* [sensors] work array for the readings that the present vibration causes */
+    double *reading;   /* [history_ticks][sensors] noise-free readings of the last ticks */
 } storm;
 
 static bool take_run_memory(storm *storm)
@@ -256,10 +296,14 @@ static bool take_run_memory(storm *storm)
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets,
                  k = storm->rig->sensors;
     const size_t kept = (size_t)storm->history_ticks;
-    double *at = storm->memory = calloc((10 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers +
-                                            5 * targets + k + kept * k + 1,
+    double *at = storm->memory = calloc((11 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers +
+                                            5 * targets + 2 * k + kept * k + 1,
                                         sizeof *storm->memory);
-    if (!at || !inertia_open(&storm->inertia, &storm->rig->modal))
+    storm->mode_response =
+        malloc((amplifiers * storm->rig->modal.modes + 1) * sizeof *storm->mode_response);
+    storm->changed = malloc((amplifiers + 1) * sizeof *storm->changed);
+    if (!at || !storm->mode_response || !storm->changed ||
+        !inertia_open(&storm->inertia, &storm->rig->modal))
         return false;
     storm->limits = at, at += 3 * amplifiers;
     storm->voltage = at, at += amplifiers;
@@ -267,6 +311,7 @@ static bool take_run_memory(storm *storm)
     storm->output = at, at += amplifiers;
     storm->driven = at, at += amplifiers;
     storm->acting = at, at += amplifiers;
+    storm->change = at, at += amplifiers;
     storm->stroke = at, at += 2 * amplifiers;
     storm->play = at, at += PZS_PLAY_LIMIT * amplifiers;
     storm->creep = at, at += PZS_CREEP_LIMIT * amplifiers;
@@ -276,6 +321,7 @@ static bool take_run_memory(storm *storm)
     storm->shape = at, at += targets;
     storm->part = at, at += targets;
     storm->sensed = at, at += k;
+    storm->vibrating = at, at += k;
     storm->reading = at;
     return true;
 }
@@ -559,6 +605,8 @@ static int explain(const storm *run, pzs_status status, char *error)
 static void close_storm(storm *storm)
 {
     inertia_close(&storm->inertia);
+    free(storm->mode_response);
+    free(storm->changed);
     free(storm->memory);
     free(storm->work);
 }
@@ -572,6 +620,14 @@ static double weighted_distance(const storm *storm, const double *first, const d
     return sqrt(design_squares(&storm->rig->analysis->design, first, second));
 }
 
+/* Fill the static responses of the vibration modes of the simulated structure. */
+static void scale_responses(storm *storm)
+{
+    const storm_rig *rig = storm->rig;
+    for (size_t i = 0; i < rig->amplifiers * rig->modal.modes; i++)
+        storm->mode_response[i] = storm->plant->gain * rig->mode_response[i];
+}
+
 static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *plant, char *error)
 {
     memset(storm, 0, sizeof *storm);
@@ -581,6 +637,7 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     storm->history_ticks = rig->delay + (plant->more_delay > 0 ? plant->more_delay : 0) + 1;
     if (!take_run_memory(storm))
         return no_memory(rig->analysis, error);
+    scale_responses(storm);
     storm->inertia.gain = plant->gain;
     storm->inertia.stretch = plant->frequency;
     set_tables(storm);
@@ -618,7 +675,7 @@ static double *ring_entry(const storm *storm, double *ring, int tick, size_t len
 static void observe_vibration(storm *storm)
 {
     if (!storm->has_vibration)
-        inertia_observe(&storm->inertia, 0, storm->rig->targets, storm->part);
+        tick_matrix_multiply(&storm->rig->vibration_shape, storm->inertia.deviation, storm->part);
     storm->has_vibration = true;
 }
 
@@ -629,11 +686,11 @@ static void compute_shape(storm *storm)
     if (storm->has_shape)
         return;
     storm->has_shape = true;
-    multiply(storm->shape, rig->influence, storm->acting, rig->targets, rig->amplifiers,
-             storm->plant->gain);
+    tick_matrix_multiply(&rig->static_shape, storm->acting, storm->shape);
     observe_vibration(storm);
     for (size_t i = 0; i < rig->targets; i++)
-        storm->shape[i] += storm->part[i] + offset_of(storm, i);
+        storm->shape[i] =
+            storm->shape[i] * storm->plant->gain + (storm->part[i] + offset_of(storm, i));
 }
 
 /*
@@ -643,19 +700,17 @@ static void compute_shape(storm *storm)
 static void store_readings(storm *storm)
 {
     const storm_rig *rig = storm->rig;
-    const size_t amplifiers = rig->amplifiers;
     double *reading = ring_entry(storm, storm->reading, storm->tick, rig->sensors);
     if (!rig->estimator) {
         compute_shape(storm);
         memcpy(reading, storm->shape, rig->sensors * sizeof *reading);
         return;
     }
-    multiply(reading, rig->direct, storm->acting, rig->sensors, amplifiers, storm->plant->gain);
-    for (size_t i = 0; i < rig->sensors; i++) {
-        double vibrating;
-        inertia_observe(&storm->inertia, rig->row[i], 1, &vibrating);
-        reading[i] += vibrating + offset_of(storm, rig->row[i]);
-    }
+    tick_matrix_multiply(&rig->static_reading, storm->acting, reading);
+    tick_matrix_multiply(&rig->vibration_reading, storm->inertia.deviation, storm->vibrating);
+    for (size_t i = 0; i < rig->sensors; i++)
+        reading[i] =
+            reading[i] * storm->plant->gain + (storm->vibrating[i] + offset_of(storm, rig->row[i]));
 }
 
 /*
@@ -695,6 +750,26 @@ static pzs_status choose_voltages(storm *storm)
 }
 
 /*
+ * Move the equilibrium of the vibration modes to that under the present voltages on the ceramic, as
+ * inertia_jump does.
+ */
+static void jump(storm *storm)
+{
+    const size_t modes = storm->inertia.modal->modes;
+    size_t count = 0;
+    for (size_t k = 0; k < storm->rig->amplifiers; k++) {
+        const double change = storm->acting[k] - storm->inertia.input[k];
+        storm->inertia.input[k] = storm->acting[k];
+        if (change == 0)
+            continue;
+        storm->change[count] = change;
+        storm->changed[count++] = (uint16_t)k;
+    }
+    pzs_product_subtract_rows(storm->inertia.deviation, storm->mode_response, modes, storm->changed,
+                              storm->change, count, modes);
+}
+
+/*
  * Run one tick of a simulated control loop: take readings, compute voltages, and advance the
  * structure to the next tick. Returns the status of the loop.
  */
@@ -709,7 +784,7 @@ static pzs_status run_tick(storm *storm)
     storm->missed_ticks += is_missed;
     memcpy(storm->voltage, storm->loop.info.voltage, amplifiers * sizeof *storm->voltage);
     advance_ceramic(storm);
-    inertia_jump(&storm->inertia, storm->acting);
+    jump(storm);
     inertia_advance(&storm->inertia, storm->rig->interval);
     storm->has_vibration = storm->has_shape = false;
     storm->tick++;
@@ -821,11 +896,11 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
  */
 static double amplitude(storm *storm)
 {
-    const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
+    const size_t amplifiers = storm->rig->amplifiers;
     double *moved = storm->best_shape;
     for (size_t k = 0; k < amplifiers; k++)
         storm->previous_voltage[k] = storm->voltage[k] - storm->previous_voltage[k];
-    multiply(moved, storm->rig->influence, storm->previous_voltage, targets, amplifiers, 1);
+    tick_matrix_multiply(&storm->rig->static_shape, storm->previous_voltage, moved);
     observe_vibration(storm);
     return hypot(weighted_distance(storm, moved, NULL),
                  weighted_distance(storm, storm->part, NULL));

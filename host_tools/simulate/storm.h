@@ -17,6 +17,7 @@
 #include "../tables/loop_blocks.h"
 #include "inertia.h"
 #include "laws.h"
+#include "tick_matrix.h"
 
 /*
  * Ceramic of the electrodes of a simulated structure, which may differ from the ceramic that the
@@ -83,6 +84,14 @@ typedef struct storm_rig {
                        amplifier */
     double *influence; /* [targets][amplifiers] static displacement of each target row (controlled
                           displacement) per volt of each amplifier */
+    tick_matrix static_shape;      /* [targets][amplifiers] copy of `influence` for the ticks */
+    tick_matrix static_reading;    /* [sensors][amplifiers] copy of `direct` for the ticks */
+    tick_matrix vibration_shape;   /* [targets][modes] displacement of each target row per unit of
+                                      the coordinate of each vibration mode */
+    tick_matrix vibration_reading; /* [sensors][modes] reading of each sensor per unit of the
+                                      coordinate of each vibration mode */
+    double *mode_response; /* [amplifiers][modes] coordinate of each vibration mode in equilibrium
+                              per volt of each amplifier */
     double scale; /* unit in which shape errors are measured (m): norm of the target, or 1/50 of the
                      norm of the shapes that voltages can reach, whichever is larger */
     uint32_t *row; /* [sensors] index of the structure's output row that each sensor measures */

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Matrices of a simulation that multiply another vector in every tick (tick_matrix.h). */
+#include "tick_matrix.h"
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/core/product.h"
+
+bool tick_matrix_open(tick_matrix *to, const double *matrix, size_t stride, const uint32_t *chosen,
+                      size_t rows, size_t columns)
+{
+    to->rows = rows;
+    to->columns = columns;
+    to->is_by_columns = columns < PRODUCT_LONG_ROW; /* pzs_product_matrix sums the terms of longer
+                                                       rows in another order */
+    to->table = malloc((rows * columns + 1) * sizeof *to->table);
+    if (!to->table)
+        return false;
+    const size_t row_step = to->is_by_columns ? 1 : columns,
+                 column_step = to->is_by_columns ? rows : 1;
+    for (size_t i = 0; i < rows; i++) {
+        const double *row = matrix + (chosen ? chosen[i] : i) * stride;
+        for (size_t k = 0; k < columns; k++)
+            to->table[i * row_step + k * column_step] = row[k];
+    }
+    return true;
+}
+
+void tick_matrix_close(tick_matrix *matrix)
+{
+    free(matrix->table);
+    memset(matrix, 0, sizeof *matrix);
+}
+
+void tick_matrix_multiply(const tick_matrix *matrix, const double *vector, double *product)
+{
+    const size_t rows = matrix->rows, columns = matrix->columns;
+    if (matrix->is_by_columns)
+        pzs_product_sum_rows(product, matrix->table, rows, vector, columns, rows);
+    else
+        pzs_product_matrix(product, matrix->table, vector, rows, columns);
+}
