@@ -17,7 +17,7 @@ LIB := $(sort $(wildcard lib/*/*.c))
 FITS_LIBS := $(shell pkg-config --libs cfitsio 2>/dev/null)
 OTHER_FITS := $(if $(FITS_LIBS),host_tools/data/table_fits_absent.c,host_tools/data/table_fits.c)
 HOST := $(sort $(filter-out host_tools/cli/main.c $(OTHER_FITS),$(wildcard host_tools/*/*.c)))
-HOST_LIBS := -lyaml $(FITS_LIBS) -lm
+HOST_LIBS := -lyaml $(FITS_LIBS) -lpthread -lm
 
 .DELETE_ON_ERROR:
 .PHONY: all schema example-table install uninstall package demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \

@@ -7,9 +7,10 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "../system/parallel.h"
 #include "../system/progress.h"
 #include "../text/append.h"
-#include "storm.h"
+#include "storm_batch.h"
 
 enum {
     PLANTS = 5, /* number of structures on which storms (simulations with fast jumps of the target)
@@ -188,23 +189,46 @@ static int growth_ticks(const storm_rig *rig)
 }
 
 /*
- * Measure the growth of small vibrations of the control loop on one simulated structure. Vibrations
- * count as decaying unless their amplitude grows by more than an eighth in the second half of the
- * simulation, which is the resolution of the measurement.
+ * Simulation that measures the growth of small vibrations of the control loop on one structure.
  */
-static int grow(const storm_rig *rig, double gain, double frequency, int more_delay,
-                storm_result *result, char *error)
+static storm_task growth_task(const storm_rig *rig, double gain, double frequency, int more_delay)
 {
-    const int ticks = growth_ticks(rig);
-    const storm_plant plant = {.gain = gain,
-                               .frequency = frequency,
-                               .step_limit = HUGE_VAL,
-                               .more_delay = more_delay,
-                               .seed = 1};
-    if (storm_growth(rig, &plant, ticks, result, error) < 0)
-        return -1;
-    result->passed = log(result->growth) < 0.25 / ticks;
-    return 0;
+    return (storm_task){.plant = {.gain = gain,
+                                  .frequency = frequency,
+                                  .step_limit = HUGE_VAL,
+                                  .more_delay = more_delay,
+                                  .seed = 1},
+                        .growth_ticks = growth_ticks(rig)};
+}
+
+/*
+ * Whether a simulation of a batch has passed. Vibrations count as decaying unless their amplitude
+ * grows by more than an eighth in the second half of the simulation, which is the resolution of the
+ * measurement.
+ */
+static bool has_passed(const storm_task *task, const storm_result *result)
+{
+    return task->growth_ticks > 0 ? log(result->growth) < 0.25 / task->growth_ticks
+                                  : result->passed;
+}
+
+/* Results of the simulations that measure the growth of small vibrations on several structures. */
+typedef struct growth {
+    certificate_loop *loop;
+    bool is_stable; /* true while small vibrations have decayed on every structure so far */
+} growth;
+
+static bool visit_growth(void *context, const storm_task *task, const storm_result *result)
+{
+    growth *growth = context;
+    certificate_loop *loop = growth->loop;
+    growth->is_stable = growth->is_stable && has_passed(task, result);
+    if (!(result->growth <= loop->radius)) {
+        loop->radius = result->growth;
+        loop->at_gain = task->plant.gain;
+        loop->at_frequency = task->plant.frequency;
+    }
+    return true;
 }
 
 /*
@@ -215,20 +239,14 @@ static int grow(const storm_rig *rig, double gain, double frequency, int more_de
 static int measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is_stable,
                           char *error)
 {
+    growth growth = {.loop = loop, .is_stable = true};
+    storm_task task[CORNERS];
     loop->radius = 0;
-    *is_stable = true;
-    for (int i = 0; i < CORNERS; i++) {
-        storm_result result;
-        if (grow(rig, gains[i / 3], frequencies[i % 3], 0, &result, error) < 0)
-            return -1;
-        *is_stable = *is_stable && result.passed;
-        if (result.growth <= loop->radius)
-            continue;
-        loop->radius = result.growth;
-        loop->at_gain = gains[i / 3];
-        loop->at_frequency = frequencies[i % 3];
-    }
-    return 0;
+    for (int i = 0; i < CORNERS; i++)
+        task[i] = growth_task(rig, gains[i / 3], frequencies[i % 3], 0);
+    const int failed = storm_batch_run(rig, task, CORNERS, visit_growth, &growth, error);
+    *is_stable = growth.is_stable;
+    return failed;
 }
 
 /* ---- simulations with fast target jumps ------------------------------- */
@@ -259,6 +277,28 @@ static storm_plant plant_of(int i, int older)
                          .is_uninformed = true};
 }
 
+/* Results of a number of storms (simulations with fast jumps of the target), visited in turn. */
+typedef struct storms {
+    certificate_loop *loop;
+    int count;
+} storms;
+
+static bool visit_storm(void *context, const storm_task *task, const storm_result *result)
+{
+    const storms *storms = context;
+    certificate_loop *loop = storms->loop;
+    loop->storms++;
+    loop->failed += !result->passed;
+    loop->ticks += (double)result->ticks / storms->count;
+    if (result->end > loop->worst) {
+        loop->worst = result->end;
+        loop->worst_gain = task->plant.gain;
+        loop->worst_frequency = task->plant.frequency;
+        loop->worst_step = task->plant.step_limit;
+    }
+    return loop->failed < ENOUGH;
+}
+
 /*
  * Run the first `count` storms (simulations with fast jumps of the target, which differ in
  * structure, limits and targets). The storms end early where so many have failed to settle that the
@@ -266,23 +306,11 @@ static storm_plant plant_of(int i, int older)
  */
 static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, char *error)
 {
-    for (int i = 0; i < count && loop->failed < ENOUGH; i++) {
-        const storm_plant plant = plant_of(i, 0);
-        storm_result result;
-        progress_count(i, count);
-        if (storm_run(rig, &plant, &result, error) < 0)
-            return -1;
-        loop->storms++;
-        loop->failed += !result.passed;
-        loop->ticks += (double)result.ticks / count;
-        if (!(result.end > loop->worst))
-            continue;
-        loop->worst = result.end;
-        loop->worst_gain = plant.gain;
-        loop->worst_frequency = plant.frequency;
-        loop->worst_step = plant.step_limit;
-    }
-    return 0;
+    storms storms = {.loop = loop, .count = count};
+    storm_task task[STORMS];
+    for (int i = 0; i < count; i++)
+        task[i] = (storm_task){.plant = plant_of(i, 0)};
+    return storm_batch_run(rig, task, count, visit_storm, &storms, error);
 }
 
 /*
@@ -316,6 +344,14 @@ static int certify_target(const trial *trial, certificate_target *target, char *
     return 0;
 }
 
+/* Store whether a simulation has passed; a batch ends with the first that has not. */
+static bool visit_pass(void *context, const storm_task *task, const storm_result *result)
+{
+    bool *passed = context;
+    *passed = has_passed(task, result);
+    return *passed;
+}
+
 /*
  * Test the control loop with sensor readings that are `older` ticks older than the scene file
  * states. The structures are the model, and others with higher or lower static responses and
@@ -326,18 +362,13 @@ static int certify_target(const trial *trial, certificate_target *target, char *
  */
 static int try_age(const storm_rig *rig, int storms, int older, bool *settles, char *error)
 {
-    storm_result result = {.passed = true};
-    for (int i = 0; i < storms && result.passed; i++) {
-        const storm_plant plant = plant_of(storms - 1 - i, older);
-        progress_count(i, storms);
-        if (storm_run(rig, &plant, &result, error) < 0)
-            return -1;
-    }
-    for (int i = 0; i < PLANTS && result.passed; i++)
-        if (grow(rig, storm_gain[i], storm_frequency[i], older, &result, error) < 0)
-            return -1;
-    *settles = result.passed;
-    return 0;
+    storm_task task[STORMS + PLANTS];
+    for (int i = 0; i < storms; i++)
+        task[i] = (storm_task){.plant = plant_of(storms - 1 - i, older)};
+    for (int i = 0; i < PLANTS; i++)
+        task[storms + i] = growth_task(rig, storm_gain[i], storm_frequency[i], older);
+    *settles = true;
+    return storm_batch_run(rig, task, storms + PLANTS, visit_pass, settles, error);
 }
 
 /*
@@ -564,29 +595,83 @@ int certify_loop(analysis *analysis, char *error)
 /* ---- stability margins ------------------------------------------------ */
 
 /*
- * Find the last stable factor between 1 and `end` of the structure's static response to voltages
- * (gain) or of its frequencies, by bisection.
- *   is_gain in   true: vary the gain; false: vary the frequencies
- *   margin  out  last stable factor
- * Returns 0, or -1 with error filled.
+ * A search for the last stable factor of the structure's static response to voltages (gain) or of
+ * its frequencies.
  */
-static int bisect(const trial *trial, bool is_gain, double end, double *margin, char *error)
+typedef struct margin {
+    const storm_rig *rig;
+    bool is_gain;   /* true: the gain varies; false: the frequencies */
+    double end;     /* last factor that is tried; the first is 1 */
+    double *factor; /* last stable factor */
+    bool has_failed;
+    char error[SCENE_ERROR];
+} margin;
+
+/* Determine whether small vibrations decay with a factor. Returns 0, or -1 with the error filled.
+ */
+static int try_factor(margin *margin, double factor, bool *passed)
 {
+    const storm_task task =
+        growth_task(margin->rig, margin->is_gain ? factor : 1, margin->is_gain ? 1 : factor, 0);
     storm_result result;
-    double stable = 1, unstable = end;
-    if (grow(&trial->rig, is_gain ? end : 1, is_gain ? 1 : end, 0, &result, error) < 0)
+    if (storm_growth(margin->rig, &task.plant, task.growth_ticks, &result, margin->error) < 0)
         return -1;
-    for (int i = 0; i < HALVINGS && !result.passed; i++) {
-        storm_result middle;
+    *passed = has_passed(&task, &result);
+    return 0;
+}
+
+/* Find the last stable factor of a search by bisection. Returns 0, or -1 with the error filled. */
+static int bisect(margin *margin)
+{
+    double stable = 1, unstable = margin->end;
+    bool passed;
+    if (try_factor(margin, margin->end, &passed) < 0)
+        return -1;
+    *margin->factor = margin->end;
+    if (passed)
+        return 0;
+    for (int i = 0; i < HALVINGS; i++) {
         const double factor = sqrt(stable * unstable);
-        if (grow(&trial->rig, is_gain ? factor : 1, is_gain ? 1 : factor, 0, &middle, error) < 0)
+        if (try_factor(margin, factor, &passed) < 0)
             return -1;
-        if (middle.passed)
+        if (passed)
             stable = factor;
         else
             unstable = factor;
     }
-    *margin = result.passed ? end : stable;
+    *margin->factor = stable;
+    return 0;
+}
+
+static void run_search(void *context, int i)
+{
+    margin *const margin = (struct margin *)context + i;
+    margin->has_failed = bisect(margin) < 0;
+}
+
+static bool accept_search(void *context, int i)
+{
+    const margin *const margin = (struct margin *)context + i;
+    return !margin->has_failed;
+}
+
+/*
+ * Find the largest gain and the lowest and highest frequencies with which small vibrations decay,
+ * in parallel threads. Returns 0, or -1 with error filled.
+ */
+static int find_factors(const storm_rig *rig, certificate_loop *loop, char *error)
+{
+    margin all[] = {{.rig = rig, .is_gain = true, .end = gain_most, .factor = &loop->margin_gain},
+                    {.rig = rig, .end = slow_least, .factor = &loop->margin_slow},
+                    {.rig = rig, .end = fast_most, .factor = &loop->margin_fast}};
+    const int count = sizeof all / sizeof *all;
+    const parallel_work work = {.context = all, .run = run_search, .accept = accept_search};
+    parallel_run(&work, count);
+    for (int i = 0; i < count; i++)
+        if (all[i].has_failed) {
+            memcpy(error, all[i].error, sizeof all[i].error);
+            return -1;
+        }
     return 0;
 }
 
@@ -613,30 +698,26 @@ static int find_ages(const trial *trial, certificate_loop *loop, char *error)
  */
 static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 {
+    static const int structure[] = {0, 3, 4}; /* indices into storm_gain and storm_frequency: the
+                                                 model, and two structures with the largest static
+                                                 response, one with lower and one with higher
+                                                 frequencies */
+    const storm_rig *rig = &trial->rig;
     damper_options options = damper_options_of(trial->analysis);
+    storm_task task[2 * PLANTS];
+    int count = 0;
     options.rate = rate;
     *is_stable = false;
     if (retable(trial, &options, error) < 0)
         return -1;
-    for (int i = 0; i < PLANTS;
-         i += 1 + (i == 0) * 2) { /* The loop tests three structures: the model (0), and the two
-                                     with the largest static response, of lower (3) and higher (4)
-                                     natural frequencies. The numbers are indices of storm_gain and
-                                     storm_frequency. */
-        storm_result result;
-        const storm_plant plant = {
-            .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};
-        if (grow(&trial->rig, plant.gain, plant.frequency, 0, &result, error) < 0)
-            return -1;
-        if (!result.passed)
-            return 0;
-        if (i > 0 && storm_run(&trial->rig, &plant, &result, error) < 0)
-            return -1;
-        if (!result.passed)
-            return 0;
+    for (size_t i = 0; i < sizeof structure / sizeof *structure; i++) {
+        const double gain = storm_gain[structure[i]], frequency = storm_frequency[structure[i]];
+        task[count++] = growth_task(rig, gain, frequency, 0);
+        if (i > 0)
+            task[count++] = (storm_task){
+                .plant = {.gain = gain, .frequency = frequency, .step_limit = 0.25, .seed = 1}};
     }
-    *is_stable = true;
-    return 0;
+    return storm_batch_run(rig, task, count, visit_pass, is_stable, error);
 }
 
 /*
@@ -669,10 +750,7 @@ static int find_margins(trial *trial, char *error)
 {
     certificate_loop *loop = &trial->analysis->certificate.loop;
     const damper_options options = damper_options_of(trial->analysis);
-    if (retable(trial, &options, error) < 0 ||
-        bisect(trial, true, gain_most, &loop->margin_gain, error) < 0 ||
-        bisect(trial, false, slow_least, &loop->margin_slow, error) < 0 ||
-        bisect(trial, false, fast_most, &loop->margin_fast, error) < 0 ||
+    if (retable(trial, &options, error) < 0 || find_factors(&trial->rig, loop, error) < 0 ||
         find_ages(trial, loop, error) < 0)
         return -1;
     loop->has_margins = true;
