@@ -107,7 +107,9 @@ void manual_page(FILE *file)
     for (int k = 0; command_notes[k]; k++)
         paragraph(file, command_notes[k]);
     fputs(".SH ENVIRONMENT\n.TP\n.B PZS_SCENES\nFolder of the shipped scenes.\n.TP\n.B "
-          "PZS_SOURCES\nFolder of the sources, for simulate \\-\\-device.\n.TP\n.B TMPDIR\n"
+          "PZS_SOURCES\nFolder of the sources, for simulate \\-\\-device.\n.TP\n.B PZS_THREADS\n"
+          "Number of threads that test the stability of a loop; default: one for each processor. "
+          "The results do not depend on it.\n.TP\n.B TMPDIR\n"
           "Folder for the firmware that simulate \\-\\-device builds; default /tmp.\n",
           file);
 }
