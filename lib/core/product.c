@@ -216,12 +216,12 @@ void pzs_product_matrix(pzs_real *restrict product, const pzs_real *restrict tab
                         const pzs_real *restrict vector, size_t rows, size_t cols)
 {
     static const pzs_real zero = 0;
-    if (cols < PRODUCT_LONG_ROW)
-        multiply(product, &zero, 0, table, vector, rows, cols);
-    if (cols >= PRODUCT_LONG_ROW && is_zero(vector, cols)) {
+    if (is_zero(vector, cols)) {
         memset(product, 0, rows * sizeof *product);
         return;
     }
+    if (cols < PRODUCT_LONG_ROW)
+        multiply(product, &zero, 0, table, vector, rows, cols);
     for (size_t i = 0; cols >= PRODUCT_LONG_ROW && i < rows; i++)
         product[i] = pzs_product_dot(table + i * cols, vector, cols);
 }
@@ -282,7 +282,7 @@ void pzs_product_subtract_rows(pzs_real *restrict vector, const pzs_real *restri
                                const pzs_real *restrict factor, size_t count, size_t cols)
 {
     size_t j = 0;
-    if (product_is_wide(cols)) {
+    if (cols >= WIDE_VECTOR && product_is_wide(cols)) {
         pzs_wide_subtract_rows(vector, table, stride, index, factor, count, cols);
         return;
     }
@@ -303,7 +303,7 @@ void pzs_product_subtract_rows(pzs_real *restrict vector, const pzs_real *restri
 static inline size_t add_wide(pzs_real sum[LANES], const pzs_real *left, const pzs_real *right,
                               size_t count)
 {
-    if (!product_is_wide(count))
+    if (count < WIDE_DOT || !product_is_wide(count))
         return 0;
     pzs_wide_dot(sum, left, right, count / LANES * LANES);
     return count / LANES * LANES;

@@ -13,6 +13,14 @@
 #define SPREAD (IN_VECTOR * VECTORS)
 #define ROWS 8u /* number of matrix rows that one loop of a matrix product reads together */
 
+/*
+ * Number of matrix columns from which on few rows of a table are read at a time, each to its end.
+ * Tables with fewer columns are read in groups of SPREAD columns, each group from the first row to
+ * the last.
+ */
+#define MOST_SWEPT 64u
+
+typedef pzs_real whole_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real))));
 typedef pzs_real wide_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real)),
                                             aligned(sizeof(pzs_real)), may_alias));
 
@@ -41,6 +49,80 @@ AVX2 static void add_to_many(pzs_real *sums, const pzs_real *table, size_t strid
         ((wide_vector *)sums)[k] = sum[k];
 }
 
+/* One bit pattern for each entry of a vector register: all bits are 1 if the entry is used. */
+typedef long long lane_mask __attribute__((vector_size(IN_VECTOR * sizeof(long long))));
+
+/* Return the mask of the entries in use of the last, perhaps incomplete, vector of `cols` columns.
+ */
+AVX2 static inline lane_mask last_mask(size_t cols)
+{
+    const long long used = (long long)((cols - 1u) % IN_VECTOR);
+    return (lane_mask){0, 1, 2, 3} <= used;
+}
+
+AVX2 static inline wide_vector load_some(const pzs_real *from, lane_mask mask)
+{
+    return (wide_vector)__builtin_ia32_maskloadpd256((const whole_vector *)(const void *)from,
+                                                     mask);
+}
+
+AVX2 static inline void store_some(pzs_real *to, lane_mask mask, wide_vector entries)
+{
+    __builtin_ia32_maskstorepd256((whole_vector *)(void *)to, mask, (whole_vector)entries);
+}
+
+/*
+ * Define a function that sets COUNT vector registers of sums, of which the last one may be
+ * incomplete, to the sum of `rows` rows of a table, each multiplied by its factor.
+ *   cols in  number of columns, which fill COUNT registers, the last one at least in part
+ */
+#define SUM_VECTORS(COUNT)                                                                         \
+    AVX2 static void sum_vectors_##COUNT(                                                          \
+        pzs_real *restrict product, const pzs_real *restrict table, size_t stride,                 \
+        const pzs_real *restrict vector, size_t rows, size_t cols)                                 \
+    {                                                                                              \
+        const lane_mask mask = last_mask(cols);                                                    \
+        wide_vector sum[COUNT];                                                                    \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < (COUNT); k++)                                                     \
+            sum[k] = (wide_vector){0};                                                             \
+        for (size_t i = 0; i < rows; i++, table += stride) {                                       \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k + 1u < (COUNT); k++)                                            \
+                sum[k] += vector[i] * ((const wide_vector *)table)[k];                             \
+            sum[(COUNT)-1u] += vector[i] * load_some(table + ((COUNT)-1u) * IN_VECTOR, mask);      \
+        }                                                                                          \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k + 1u < (COUNT); k++)                                                \
+            ((wide_vector *)product)[k] = sum[k];                                                  \
+        store_some(product + ((COUNT)-1u) * IN_VECTOR, mask, sum[(COUNT)-1u]);                     \
+    }
+
+SUM_VECTORS(1)
+SUM_VECTORS(2)
+SUM_VECTORS(3)
+SUM_VECTORS(4)
+SUM_VECTORS(5)
+SUM_VECTORS(6)
+SUM_VECTORS(7)
+SUM_VECTORS(8)
+
+typedef void sum_vectors(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
+                         const pzs_real *restrict vector, size_t rows, size_t cols);
+
+/*
+ * Compute the sum of the rows of a table, each multiplied by its factor, for up to SPREAD columns,
+ * as many as fit into the registers.
+ */
+AVX2 static void sum_few(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
+                         const pzs_real *restrict vector, size_t rows, size_t cols)
+{
+    static sum_vectors *const sum[VECTORS] = {sum_vectors_1, sum_vectors_2, sum_vectors_3,
+                                              sum_vectors_4, sum_vectors_5, sum_vectors_6,
+                                              sum_vectors_7, sum_vectors_8};
+    sum[(cols - 1u) / IN_VECTOR](product, table, stride, vector, rows, cols);
+}
+
 /*
  * Add `rows` rows of a table, each multiplied by its factor, to `cols` sums, which must be fewer
  * than SPREAD, the number of columns that fit into the registers.
@@ -63,6 +145,11 @@ AVX2 static void add_to_few(pzs_real *restrict sums, const pzs_real *restrict ta
 void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
                        const pzs_real *restrict vector, size_t rows, size_t cols)
 {
+    for (size_t j = 0; cols < MOST_SWEPT && j < cols; j += SPREAD)
+        sum_few(product + j, table + j, stride, vector, rows,
+                cols - j < SPREAD ? cols - j : SPREAD);
+    if (cols < MOST_SWEPT)
+        return;
     for (size_t j = 0; j < cols; j++)
         product[j] = 0;
     for (size_t i = 0; i < rows; i += ROWS) {
@@ -75,43 +162,122 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
 }
 
 /*
- * Subtract chosen rows of a table, each multiplied by its factor, from SPREAD entries of a vector,
- * as many as fit into the registers.
+ * Define a function that subtracts from a group of columns of a matrix, COUNT vector registers wide
+ * in each row, the products of the entries of `count` vectors (pzs_wide_subtract_products).
+ *   column in  first entries of the vectors, `stride` reals apart
+ *   row    in  entries of the vectors that belong to the columns, `stride` reals apart
+ *   cols   in  number of columns of the group
  */
-AVX2 static void subtract_from_many(pzs_real *vector, const pzs_real *table, size_t stride,
-                                    const uint16_t *index, const pzs_real *factor, size_t count)
-{
-    wide_vector sum[VECTORS];
-    UNROLLED
-    for (unsigned k = 0; k < VECTORS; k++)
-        sum[k] = ((const wide_vector *)vector)[k];
-    for (size_t q = 0; q < count; q++) {
-        const wide_vector *row = (const wide_vector *)(table + index[q] * stride);
-        UNROLLED
-        for (unsigned k = 0; k < VECTORS; k++)
-            sum[k] -= factor[q] * row[k];
+#define SUBTRACT_VECTORS(COUNT)                                                                    \
+    AVX2 static void subtract_vectors_##COUNT(                                                     \
+        pzs_real *restrict matrix, size_t stride, size_t rows, const pzs_real *restrict column,    \
+        const pzs_real *restrict row, const pzs_real *restrict sign, size_t sign_stride,           \
+        size_t count, size_t cols)                                                                 \
+    {                                                                                              \
+        const lane_mask mask = last_mask(cols);                                                    \
+        for (size_t i = 0; i < rows; i++, matrix += stride) {                                      \
+            wide_vector sum[COUNT];                                                                \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k + 1u < (COUNT); k++)                                            \
+                sum[k] = ((const wide_vector *)matrix)[k];                                         \
+            sum[(COUNT)-1u] = load_some(matrix + ((COUNT)-1u) * IN_VECTOR, mask);                  \
+            for (size_t q = 0; q < count; q++) {                                                   \
+                const pzs_real factor = sign[q * sign_stride] * column[q * stride + i];            \
+                const pzs_real *entry = row + q * stride;                                          \
+                UNROLLED                                                                           \
+                for (unsigned k = 0; k + 1u < (COUNT); k++)                                        \
+                    sum[k] -= factor * ((const wide_vector *)entry)[k];                            \
+                sum[(COUNT)-1u] -= factor * load_some(entry + ((COUNT)-1u) * IN_VECTOR, mask);     \
+            }                                                                                      \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k + 1u < (COUNT); k++)                                            \
+                ((wide_vector *)matrix)[k] = sum[k];                                               \
+            store_some(matrix + ((COUNT)-1u) * IN_VECTOR, mask, sum[(COUNT)-1u]);                  \
+        }                                                                                          \
     }
-    UNROLLED
-    for (unsigned k = 0; k < VECTORS; k++)
-        ((wide_vector *)vector)[k] = sum[k];
+
+SUBTRACT_VECTORS(1)
+SUBTRACT_VECTORS(2)
+SUBTRACT_VECTORS(3)
+SUBTRACT_VECTORS(4)
+SUBTRACT_VECTORS(5)
+SUBTRACT_VECTORS(6)
+SUBTRACT_VECTORS(7)
+SUBTRACT_VECTORS(8)
+
+typedef void subtract_vectors(pzs_real *restrict matrix, size_t stride, size_t rows,
+                              const pzs_real *restrict column, const pzs_real *restrict row,
+                              const pzs_real *restrict sign, size_t sign_stride, size_t count,
+                              size_t cols);
+
+AVX2 void pzs_wide_subtract_products(pzs_real *restrict matrix, size_t stride, size_t size,
+                                     const pzs_real *restrict vector, const pzs_real *restrict sign,
+                                     size_t sign_stride, size_t count)
+{
+    static subtract_vectors *const subtract[VECTORS] = {
+        subtract_vectors_1, subtract_vectors_2, subtract_vectors_3, subtract_vectors_4,
+        subtract_vectors_5, subtract_vectors_6, subtract_vectors_7, subtract_vectors_8};
+    for (size_t j = 0; j < size; j += SPREAD) {
+        const size_t cols = size - j < SPREAD ? size - j : SPREAD;
+        subtract[(cols - 1u) / IN_VECTOR](matrix + j, stride, size, vector, vector + j, sign,
+                                          sign_stride, count, cols);
+    }
 }
 
-AVX2 void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict table,
-                                 size_t stride, const uint16_t *index,
-                                 const pzs_real *restrict factor, size_t count, size_t cols)
-{
-    size_t j = 0;
-    for (; j + SPREAD <= cols; j += SPREAD)
-        subtract_from_many(vector + j, table + j, stride, index, factor, count);
-    for (; j + IN_VECTOR <= cols; j += IN_VECTOR) {
-        wide_vector sum = *(const wide_vector *)(vector + j);
-        for (size_t q = 0; q < count; q++)
-            sum -= factor[q] * *(const wide_vector *)(table + index[q] * stride + j);
-        *(wide_vector *)(vector + j) = sum;
+/*
+ * Define a function that subtracts chosen rows of a table, each multiplied by its factor, from a
+ * vector that fills COUNT registers, the last one at least in part.
+ *   cols in  number of entries of the vector
+ */
+#define SUBTRACT_CHOSEN(COUNT)                                                                     \
+    AVX2 static void subtract_chosen_##COUNT(                                                      \
+        pzs_real *restrict vector, const pzs_real *restrict table, size_t stride,                  \
+        const uint16_t *index, const pzs_real *restrict factor, size_t count, size_t cols)         \
+    {                                                                                              \
+        const lane_mask mask = last_mask(cols);                                                    \
+        wide_vector sum[COUNT];                                                                    \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k + 1u < (COUNT); k++)                                                \
+            sum[k] = ((const wide_vector *)vector)[k];                                             \
+        sum[(COUNT)-1u] = load_some(vector + ((COUNT)-1u) * IN_VECTOR, mask);                      \
+        for (size_t q = 0; q < count; q++) {                                                       \
+            const pzs_real *row = table + index[q] * stride;                                       \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k + 1u < (COUNT); k++)                                            \
+                sum[k] -= factor[q] * ((const wide_vector *)row)[k];                               \
+            sum[(COUNT)-1u] -= factor[q] * load_some(row + ((COUNT)-1u) * IN_VECTOR, mask);        \
+        }                                                                                          \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k + 1u < (COUNT); k++)                                                \
+            ((wide_vector *)vector)[k] = sum[k];                                                   \
+        store_some(vector + ((COUNT)-1u) * IN_VECTOR, mask, sum[(COUNT)-1u]);                      \
     }
-    for (; j < cols; j++)
-        for (size_t q = 0; q < count; q++)
-            vector[j] -= factor[q] * table[index[q] * stride + j];
+
+SUBTRACT_CHOSEN(1)
+SUBTRACT_CHOSEN(2)
+SUBTRACT_CHOSEN(3)
+SUBTRACT_CHOSEN(4)
+SUBTRACT_CHOSEN(5)
+SUBTRACT_CHOSEN(6)
+SUBTRACT_CHOSEN(7)
+SUBTRACT_CHOSEN(8)
+
+typedef void subtract_chosen(pzs_real *restrict vector, const pzs_real *restrict table,
+                             size_t stride, const uint16_t *index, const pzs_real *restrict factor,
+                             size_t count, size_t cols);
+
+void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict table,
+                            size_t stride, const uint16_t *index, const pzs_real *restrict factor,
+                            size_t count, size_t cols)
+{
+    static subtract_chosen *const subtract[VECTORS] = {
+        subtract_chosen_1, subtract_chosen_2, subtract_chosen_3, subtract_chosen_4,
+        subtract_chosen_5, subtract_chosen_6, subtract_chosen_7, subtract_chosen_8};
+    for (size_t j = 0; j < cols; j += SPREAD) {
+        const size_t some = cols - j < SPREAD ? cols - j : SPREAD;
+        subtract[(some - 1u) / IN_VECTOR](vector + j, table + j, stride, index, factor, count,
+                                          some);
+    }
 }
 
 AVX2 void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *right, size_t count)

@@ -10,10 +10,20 @@
 #include "linalg_wide.h"
 
 /*
- * Smallest number of columns of a table for which the products with AVX2 instructions are faster
- * than the portable functions of product.c.
+ * Smallest number of columns of a table, of entries of a vector from which rows are subtracted and
+ * of entries of a scalar product for which the functions with AVX2 instructions are faster than the
+ * portable functions of product.c.
  */
-#define WIDE_COLUMNS 48u
+#define WIDE_COLUMNS 8u
+#define WIDE_VECTOR 17u
+#define WIDE_DOT 48u
+
+/*
+ * Smallest number of rows and columns of a symmetric matrix of which only the entries up to the
+ * diagonal are updated by AVX2 instructions, and mirrored at the end. Smaller ones are updated as a
+ * whole, which takes less time.
+ */
+#define WIDE_HALF 48u
 
 /*
  * Number of rows and of columns of the blocks of a symmetric matrix that pzs_wide_update_rows
@@ -76,6 +86,18 @@ void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i
                           const pzs_real *column, const pzs_real *row, size_t count);
 
 /*
+ * Subtract from a symmetric matrix [size][size], row by row and as a whole, the products of the
+ * entries of `count` vectors: from entry i, j the product of entries i and j of each vector and of
+ * its sign, 1 or -1.
+ *   matrix              in/out  rows of the matrix, `stride` reals apart
+ *   vector [count]      in      vectors, `stride` reals apart
+ *   sign   [count]      in      their signs, sign_stride reals apart
+ */
+void pzs_wide_subtract_products(pzs_real *restrict matrix, size_t stride, size_t size,
+                                const pzs_real *restrict vector, const pzs_real *restrict sign,
+                                size_t sign_stride, size_t count);
+
+/*
  * Copy the entries below the diagonal of a symmetric matrix [size][size] to those above it.
  *   matrix in/out  rows of the matrix, `stride` reals apart
  */
@@ -94,6 +116,7 @@ void pzs_wide_mirror(pzs_real *matrix, size_t stride, size_t size);
     ((void)(groups), (void)(scaled), (void)(factor))
 #define pzs_wide_update_rows(matrix, stride, size, i, column, row, count)                          \
     ((void)(column), (void)(row), (void)(count))
+#define pzs_wide_subtract_products(matrix, stride, size, vector, sign, sign_stride, count) ((void)0)
 #define pzs_wide_mirror(matrix, stride, size) ((void)0)
 
 #endif

@@ -121,7 +121,7 @@ static void products_of_rows(void **state)
 {
     (void)state; /* law: a product of a table with a vector is that of its rows with it; a zero
                     vector gives zeros, a NaN in the vector a NaN in each entry */
-    for (unsigned cols = 120; cols <= COLUMNS; cols++) {
+    for (unsigned cols = 1; cols <= COLUMNS; cols++) {
         fill_all(cols);
         memset(left, 0, sizeof left);
         memset(product, 1, sizeof product);
