@@ -64,7 +64,12 @@
 #include "boxls_tableau.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
+#include "../core/product_wide.h"
 
+/* Whether this file is compiled for the vector unit AVX2 (boxls_wide.c). */
+#ifndef IS_WIDE
+#define IS_WIDE false
+#endif
 /*
  * Largest number of rounds (sequences of iterations, each followed by the gradient computed from
  * the Hessian) in one call of the optimiser.
@@ -995,6 +1000,10 @@ static bool may_make_round(pzs_optimiser *optimiser)
 
 void pzs_boxls_optimise(pzs_optimiser *optimiser)
 {
+    if (!IS_WIDE && product_is_wide(optimiser->inputs)) {
+        pzs_boxls_optimise_wide(optimiser);
+        return;
+    }
     bool again = true;
     optimiser->rounding_bound =
         ROUNDING_FACTOR * (optimiser->target_rounding + optimiser->model_rounding);

@@ -68,6 +68,16 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
 /*
+ * pzs_boxls_optimise, compiled for processors with the vector unit AVX2 (boxls_wide.c). The result
+ * has the same bits. The function exists only with the option PZS_WIDE.
+ */
+#if PZS_WIDE
+void pzs_boxls_optimise_wide(pzs_optimiser *optimiser);
+#else
+#define pzs_boxls_optimise_wide(optimiser) ((void)0)
+#endif
+
+/*
  * Return whether a round (sequence of iterations) of the optimiser lowered the objective, from the
  * voltages start_voltage with gradient start_gradient to `voltage` with `gradient`. The arrays
  * scratch and direction of the optimiser are overwritten.

@@ -87,7 +87,8 @@ static void collect_many(pzs_optimiser *optimiser)
  */
 static inline bool keeps_half(const pzs_optimiser *optimiser)
 {
-    return product_is_wide(optimiser->width) && optimiser->is_rebuilding;
+    return optimiser->inputs >= WIDE_HALF && product_is_wide(optimiser->width) &&
+           optimiser->is_rebuilding;
 }
 
 /*
@@ -311,6 +312,23 @@ static bool apply_wide(pzs_optimiser *optimiser)
 }
 
 /*
+ * On a host with the vector unit AVX2, apply all collected rank-one updates to the whole tableau
+ * (pivoted Hessian) of an optimiser with few inputs. Returns whether this was done.
+ */
+static bool apply_whole(pzs_optimiser *optimiser)
+{
+    const size_t inputs = optimiser->inputs;
+    if (inputs >= PZS_DUAL_INPUTS || keeps_half(optimiser) || !product_is_wide(inputs))
+        return false;
+    clear_exchanged(optimiser, 0, inputs);
+    pzs_wide_subtract_products(optimiser->tableau, optimiser->width, inputs, optimiser->pending,
+                               &optimiser->exchange->sign,
+                               sizeof *optimiser->exchange / sizeof(pzs_real),
+                               optimiser->pending_count);
+    return true;
+}
+
+/*
  * Apply all collected rank-one updates to the lower triangle of the tableau (pivoted Hessian) block
  * by block and, unless only half of the tableau is kept up to date, mirror it to the upper
  * triangle. Blocks on the diagonal are computed as a whole; the last rows, fewer than a block has,
@@ -336,7 +354,7 @@ void pzs_tableau_apply(pzs_optimiser *optimiser)
 {
     if (optimiser->pending_count == 0)
         return;
-    if (!apply_wide(optimiser))
+    if (!apply_wide(optimiser) && !apply_whole(optimiser))
         apply_to_all(optimiser);
     set_exchanged_diagonal(optimiser);
     optimiser->pending_count = 0;
