@@ -1,14 +1,21 @@
 /*
- * Voltages within limits between amplifiers against DAQP, double, one thread, cold: the bimorph
- * mirror of tests/rigs/bimorph (16 actuators, 117 points) within 200 V, neighbours within 200 and
- * 150 V.
+ * Voltages of the bimorph mirror of tests/rigs/bimorph (16 actuators, 117 points) against DAQP,
+ * double, one thread, cold: within 200 V alone, and with neighbours within 200 and 150 V.
  *
  *   make bench-rows
  *
- * Both sides form B'W^2 e with the same routine, then solve from zero voltages without active
- * limits; our tableau and DAQP's factor of the Hessian are computed beforehand. Both are timed in
- * turn; shown are medians. Objectives that differ by more than 1e-9 fail. Without WITH_DAQP only
- * our side is measured.
+ * Cold means from zero voltages without active limits. Each case is timed from three starts, in
+ * each of which both sides form B'W^2 e with the same routine:
+ *
+ *   step      the tableau (ours) and the inverse factor of the Hessian (DAQP) are computed before
+ *   hessian   from the Hessian: ours pzs_control_init, with its checksum and checks of the tables,
+ *             and pzs_step; DAQP's factorisation in memory that it has allocated before
+ *   influence from the influence matrix: both form the Hessian with the same routine before that
+ *
+ * Both sides are timed in turn; shown are medians. Objectives that differ by more than 1e-9 fail.
+ * Without WITH_DAQP only our side is measured. With the arguments CASE START SIDE, numbers from 0,
+ * the program makes COUNTED solutions of this side, between the calls of the function `counted`,
+ * for a program that counts instructions (count_rows.sh).
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -18,6 +25,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../lib/control/control.h"
 #include "../../lib/control/limit_rows.h"
 #include "../../lib/core/product.h"
 #include "clock.h"
@@ -26,7 +34,13 @@
 #include "utils.h"
 #endif
 
-enum { N = 16, M = 117, ROWS = N - 1, TURNS = 4001 };
+enum { N = 16, M = 117, ROWS = N - 1, TURNS = 4001, COUNTED = 200 };
+
+/* What is computed before the time starts, see above. */
+enum { STEP, HESSIAN, INFLUENCE, STARTS };
+
+/* Ours, DAQP, DAQP that first looks at the unconstrained optimum. */
+enum { SIDES = 3 };
 
 /* Voltages of the mirror during the last scan (V). */
 static const double initial[N] = {-516, -242, -134, 56,  -56, 163, -19,  -30,
@@ -34,16 +48,19 @@ static const double initial[N] = {-516, -242, -134, 56,  -56, 163, -19,  -30,
 
 static struct {
     double influence[M * N + 8], target[M], weight[M], lower[N], upper[N], step_limit[N], zero[N];
+    double hessian[N * N];
     uint32_t start[ROWS + 1];
     uint16_t input[2 * ROWS];
     double value[2 * ROWS], low[ROWS], high[ROWS];
     double work[(PZS_CONTROL_BYTES(N, M) + PZS_LIMIT_ROW_BYTES(N, ROWS)) / sizeof(double) + 1];
+    double
+        saved_work[(PZS_CONTROL_BYTES(N, M) + PZS_LIMIT_ROW_BYTES(N, ROWS)) / sizeof(double) + 1];
     pzs_limit_rows rows;
-    pzs_problem problem;
-    pzs_control control;
+    pzs_problem problem[STARTS]; /* that of the start INFLUENCE has no Hessian in its tables */
+    pzs_control control, saved;  /* `saved` and saved_work: controller before the first step */
 } ours;
 
-static double spent[2][TURNS]; /* us */
+static double spent[STARTS][SIDES][TURNS]; /* us */
 
 /* Read the scans; the target is the mean height, without the piston of each column. */
 static void read_mirror(void)
@@ -82,6 +99,14 @@ static void read_mirror(void)
     }
 }
 
+static void our_start(int start)
+{
+    if (pzs_control_init(&ours.control, &ours.problem[start], NULL, ours.work, sizeof ours.work) !=
+        PZS_OK)
+        exit(1);
+}
+
+/* Set up the tables and a controller; without limits between neighbours if these are 0 V. */
 static void open_problem(double neighbours)
 {
     for (int j = 0; j < N; j++) {
@@ -105,29 +130,38 @@ static void open_problem(double neighbours)
                                  .lower = ours.low,
                                  .upper = ours.high,
                                  .safe = ours.zero};
-    ours.problem = (pzs_problem){.inputs = N,
-                                 .outputs = M,
-                                 .influence = ours.influence,
-                                 .weight = ours.weight,
-                                 .lower = ours.lower,
-                                 .upper = ours.upper,
-                                 .step_limit = ours.step_limit,
-                                 .reference_voltage = ours.zero,
-                                 .limit_rows = &ours.rows};
-    if (pzs_problem_seal(&ours.problem) != PZS_OK ||
-        pzs_control_init(&ours.control, &ours.problem, NULL, ours.work, sizeof ours.work) != PZS_OK)
-        exit(1);
+    for (int start = INFLUENCE; start >= STEP; start--) {
+        ours.problem[start] = (pzs_problem){.inputs = N,
+                                            .outputs = M,
+                                            .influence = ours.influence,
+                                            .hessian = start == INFLUENCE ? NULL : ours.hessian,
+                                            .weight = ours.weight,
+                                            .lower = ours.lower,
+                                            .upper = ours.upper,
+                                            .step_limit = ours.step_limit,
+                                            .reference_voltage = ours.zero,
+                                            .limit_rows = neighbours > 0 ? &ours.rows : NULL};
+        if (pzs_problem_seal(&ours.problem[start]) != PZS_OK)
+            exit(1);
+        our_start(start);
+        memcpy(ours.hessian, ours.control.state.optimiser.hessian, sizeof ours.hessian);
+    }
+    ours.saved = ours.control;
+    memcpy(ours.saved_work, ours.work, sizeof ours.work);
 }
 
-static void our_step(int turn)
+static double our_solution(int start)
 {
-    (void)pzs_control_start(&ours.control, ours.zero);
-    ours.rows.call->prepare(&ours.control);
+    ours.control = ours.saved;
+    memcpy(ours.work, ours.saved_work, sizeof ours.work);
     const double from = now();
+    if (start != STEP)
+        our_start(start);
     const pzs_status status = pzs_step(&ours.control, ours.target);
-    spent[0][turn] = now() - from;
+    const double time = now() - from;
     if (status != PZS_OK)
         exit(3);
+    return time;
 }
 
 /* Return the root mean square of the misfit (um). */
@@ -148,17 +182,14 @@ static struct {
     DAQPWorkspace work;
     DAQPProblem problem;
     DAQPResult result;
-    double h[N * N], f[N + 8], a[ROWS * N], low[N + ROWS], high[N + ROWS], lam[N + ROWS], x[N];
+    double f[N + 8], a[ROWS * N], low[N + ROWS], high[N + ROWS], lam[N + ROWS], x[N];
     int sense[N + ROWS];
 } peer;
 
 static void peer_start(double neighbours)
 {
-    const pzs_optimiser *optimiser = &ours.control.state.optimiser;
+    const int rows = neighbours > 0 ? ROWS : 0;
     memset(&peer, 0, sizeof peer);
-    for (int i = 0; i < N; i++)
-        memcpy(peer.h + i * N, optimiser->hessian + (size_t)i * optimiser->width,
-               sizeof(double) * N);
     for (int k = 0; k < N + ROWS; k++) {
         peer.high[k] = k < N ? 200 : neighbours;
         peer.low[k] = -peer.high[k];
@@ -168,11 +199,11 @@ static void peer_start(double neighbours)
         peer.a[k * N + k + 1] = -1;
     }
     peer.problem = (DAQPProblem){.n = N,
-                                 .m = N + ROWS,
+                                 .m = N + rows,
                                  .ms = N,
-                                 .H = peer.h,
+                                 .H = ours.hessian,
                                  .f = peer.f,
-                                 .A = peer.a,
+                                 .A = rows > 0 ? peer.a : NULL,
                                  .bupper = peer.high,
                                  .blower = peer.low,
                                  .sense = peer.sense};
@@ -182,54 +213,99 @@ static void peer_start(double neighbours)
         exit(2);
 }
 
-static void peer_step(int turn)
+static double peer_solution(int start, int way)
 {
+    int mask = DAQP_UPDATE_v | DAQP_UPDATE_d | (way > 1 ? DAQP_UPDATE_unconstrained : 0);
     daqp_deactivate_constraints(&peer.work);
     reset_daqp_workspace(&peer.work);
     const double from = now();
+    if (start == INFLUENCE) {
+        (void)pzs_control_form_hessian(&ours.control, NULL);
+        memcpy(ours.hessian, ours.control.state.optimiser.hessian, sizeof ours.hessian);
+    }
+    if (start != STEP)
+        mask |= DAQP_UPDATE_Rinv | DAQP_UPDATE_M;
     pzs_product_sum_rows(peer.f, ours.influence, N, ours.target, M, N);
     for (int i = 0; i < N; i++)
         peer.f[i] = -peer.f[i];
-    daqp_update_ldp(DAQP_UPDATE_v | DAQP_UPDATE_d, &peer.work, &peer.problem);
+    daqp_update_ldp(mask, &peer.work, &peer.problem);
     daqp_solve(&peer.result, &peer.work);
-    spent[1][turn] = now() - from;
+    const double time = now() - from;
     if (peer.result.exitflag < 1)
         exit(4);
+    return time;
+}
+
+static int differs(double rms)
+{
+    return fabs(misfit(peer.x) - rms) > 1e-9 * rms;
 }
 #else
 static void peer_start(double neighbours)
 {
     (void)neighbours;
 }
-static void peer_step(int turn)
+static double peer_solution(int start, int way)
 {
-    spent[1][turn] = NAN;
+    (void)start, (void)way;
+    return NAN;
+}
+static int differs(double rms)
+{
+    (void)rms;
+    return 0;
 }
 #endif
 
-int main(void)
+static double solution(int start, int side)
 {
-    const double neighbours[] = {200, 150};
+    return side == 0 ? our_solution(start) : peer_solution(start, side);
+}
+
+/* Make COUNTED solutions, for a program that counts the instructions of this function. */
+static void __attribute__((noinline)) counted(int start, int side)
+{
+    for (int k = 0; k < COUNTED; k++)
+        (void)solution(start, side);
+}
+
+static void row(double neighbours)
+{
+    static const char *const name[] = {"step", "hessian", "influence"};
+    peer_start(neighbours);
+    for (int turn = 0; turn < TURNS; turn++)
+        for (int start = 0; start < STARTS; start++)
+            for (int side = SIDES; side-- > 0;)
+                spent[start][side][turn] = solution(start, side);
+    pzs_report report;
+    (void)pzs_assess(&ours.control, ours.target, &report);
+    const double rms = misfit(ours.control.info.voltage);
+    for (int start = 0; start < STARTS; start++) {
+        const double mine = median(spent[start][0], TURNS);
+        const double theirs = fmin(median(spent[start][1], TURNS), median(spent[start][2], TURNS));
+        printf("%4g %-9s %10.5f %6d %4d %8.2f %8.2f %6.2f %6d\n", neighbours, name[start], rms,
+               report.active_limits, report.active_rows, mine, theirs, mine / theirs,
+               ours.control.info.iterations);
+    }
+    if (differs(rms))
+        exit(5);
+}
+
+int main(int count, char **argument)
+{
+    static const double neighbours[] = {0, 200, 150};
     read_mirror();
-    puts("bimorph mirror, cold: neighbours within (V), RMS (um), rows that bind, us, DAQP, ratio, "
-         "iterations");
-    for (int k = 0; k < 2; k++) {
-        pzs_report report;
+    if (count == 4) {
+        open_problem(neighbours[atoi(argument[1])]);
+        peer_start(neighbours[atoi(argument[1])]);
+        counted(atoi(argument[2]), atoi(argument[3]));
+        return 0;
+    }
+    puts("bimorph mirror, cold: neighbours within (V, 0: no limit), start, RMS (um), voltages at "
+         "limits, rows that bind, us, DAQP, ratio, iterations");
+    for (size_t k = 0; k < sizeof neighbours / sizeof *neighbours; k++) {
         open_problem(neighbours[k]);
-        peer_start(neighbours[k]);
-        for (int turn = 0; turn < TURNS; turn++) {
-            our_step(turn);
-            peer_step(turn);
-        }
-        (void)pzs_assess(&ours.control, ours.target, &report);
-        const double rms = misfit(ours.control.info.voltage);
-        const double mine = median(spent[0], TURNS), theirs = median(spent[1], TURNS);
-        printf("%4g %10.5f %4d %8.2f %8.2f %6.2f %4d\n", neighbours[k], rms, report.active_rows,
-               mine, theirs, mine / theirs, ours.control.info.iterations);
-#ifdef WITH_DAQP
-        if (fabs(misfit(peer.x) - rms) > 1e-9 * rms)
-            exit(5);
-#endif
+        row(neighbours[k]);
     }
     return 0;
 }
