@@ -645,7 +645,9 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     memcpy(storm->last_target, rig->analysis->design.target,
            rig->targets * sizeof *storm->last_target);
     pzs_status status = open_loop(storm);
-    if (!PZS_IS_ERROR(status))
+    const bool is_free = !isfinite(plant->step_limit);
+    if (!PZS_IS_ERROR(status) && !is_free) /* small vibrations without limits grow or decay about
+                                              zero, not about the best shape */
         status = find_best(storm);
     if (PZS_IS_ERROR(status))
         return explain(storm, status, error);
