@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Compact element types of a mesh, which contain only what a device cannot compute from the nodes
- * (compact_types.h).
+ * Compact element types of a mesh: element types without the matrices that the firmware computes
+ * from the nodes (compact_types.h).
  */
 #include "compact_types.h"
 #include <math.h>
@@ -43,8 +43,9 @@ static void fill_nodes(const compact_types *compact, const mesh *mesh)
 }
 
 /*
- * Copy from the full type of an element those numbers that a device cannot compute from the nodes,
- * into the compact type.
+ * Fill the compact type of an element from its full type in the mesh. Four members of the full type
+ * (s, t, g_mean, g_diff) are not copied; the numbers from which the library computes them are
+ * added.
  */
 static void fill_type(const compact_types *compact, const mesh *mesh, int element)
 {
@@ -71,8 +72,8 @@ static void fill_types(const compact_types *compact, const mesh *mesh)
 }
 
 /*
- * Return whether the library, from the compact element types and the nodes, computes the full
- * element types bit by bit.
+ * Return whether the element types that the library computes from the compact types and the nodes
+ * (pzs_rebuild_type) are bitwise equal to the element types of the mesh.
  */
 static bool is_exact(const compact_types *compact, const mesh *mesh)
 {

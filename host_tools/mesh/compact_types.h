@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Compact element types of a mesh, which contain only what a device cannot compute from the nodes.
- * They save memory where nearly every element is a type of its own.
+ * Compact element types of a mesh (pzs_compact_type): element types without their matrices and base
+ * vectors s, t, g_mean and g_diff, which the firmware computes from the positions and triads of the
+ * nodes (pzs_rebuild_type). They save memory where nearly every element is a type of its own.
  */
 #ifndef COMPACT_TYPES_H
 #define COMPACT_TYPES_H
@@ -9,22 +10,23 @@
 #include "mesh.h"
 
 /*
- * Compact element types of a mesh, which lack the numbers that a device computes from the nodes;
- * and the nodes, from which it computes them.
+ * Compact element types of a mesh, and the nodes. From both, the firmware computes the full element
+ * types (pzs_rebuild_type).
  */
 typedef struct compact_types {
-    pzs_compact_type *type; /* [types] element types without the numbers that a device computes from
-                               the nodes; NULL where the mesh needs full element types */
+    pzs_compact_type *type; /* [types] element types without s, t, g_mean and g_diff; NULL where
+                               compact types cannot be used (compact_types_make) */
     pzs_node *node;         /* [nodes] positions and triads (local axes) of the nodes; the positions
                                count from an origin near the mesh, so that single precision keeps
                                the differences between neighbours */
 } compact_types;
 
 /*
- * Make element types of a mesh that leave out what a device computes from the nodes (compact
- * types). The result has no types in three cases: the library would not compute the full types bit
- * by bit (element option `published`, and meshes along lines of curvature, whose edges have a
- * length each); the full types take no more memory; memory for the compact types is lacking.
+ * Make the compact element types of a mesh, and list its nodes. The result is empty (both arrays
+ * NULL) in three cases: the full types that pzs_rebuild_type computes from it are not bitwise equal
+ * to those of the mesh; the full types take no more memory; memory runs out. The first case occurs
+ * with the element option `published`, and on meshes along lines of curvature, where each edge of
+ * an element has its own length in the strains.
  */
 void compact_types_make(compact_types *compact, const mesh *mesh);
 void compact_types_free(compact_types *compact);

@@ -58,10 +58,11 @@ static pzs_node node_of(const surface_point *point)
 }
 
 /*
- * Compute the corner tables of Cartesian kinematics, which map displacements of the corners to
- * strains. The strains are differences of displacement vectors between neighbouring corners, in the
- * triad (local axes) of the corner itself, divided by the length of the chord or of the element. A
- * function of the library does the work, because a device with compact tables computes the same
+ * Compute the corner tables (displacements of the corners to strains) with the element option
+ * `cartesian`: a strain is the difference of the displacement vectors of two neighbouring corners,
+ * divided by their distance or by the length of the element. The vectors are in the triad (local
+ * axes) of the corner at which the strain is computed. The library function that firmware calls for
+ * compact element types, without stored corner tables, does the work: so both have the same
  * numbers.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],

@@ -11,7 +11,10 @@
 #include "pzs.h"
 #include "../scene/surface.h"
 
-/* Geometry of an element from which its corner tables are computed. */
+/*
+ * Geometry of an element from which its corner tables are computed: the matrices and base vectors
+ * that map the displacements of the four corners to the strains there.
+ */
 typedef struct corner_data {
     const surface_point *point[4]; /* surface points of the corners, in the order (-,-) (+,-) (+,+)
                                       (-,+) of the signs of xi1 and xi2 */

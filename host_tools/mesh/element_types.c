@@ -63,11 +63,10 @@ static int find_type(const type_list *list, const pzs_element_type *type,
 }
 
 /*
- * Copy entries from the stiffness matrices of an element's four strain modes (shapes of the strains
- * over the element: constant, two linear, bilinear): those of the strains that occur in each strain
- * mode.
- *   full [4][55] in   packed lower triangles over all ten strains
- *   kept [88]    out  packed lower triangles over the strains that occur in each strain mode
+ * Copy the stiffness matrices of an element in its four strain modes (laminate_modes), without rows
+ * and columns that are 0: a mode has only 10, 5, 5 or 2 of the ten strains (kept_strain).
+ *   full [4][55] in   lower triangles for all ten strains, packed by rows
+ *   kept [88]    out  lower triangles for the strains of each mode, 55 + 15 + 15 + 3 entries
  */
 static void keep_entries(const double (*full)[LAMINATE_PACKED], double *kept)
 {

@@ -122,14 +122,18 @@ static void field_stress(const scene_material *material, double stiffness[6][6],
 }
 
 /*
- * Compute the stress and the pyroelectric charge of a ply per volt or kelvin, and its capacitance.
- * One volt is the electric field -1/d (V/m): along the normal e3, with d the thickness of the ply
- * (m), or with interdigitated electrodes along the poling, with d the distance of the electrodes. A
- * field E causes the free strain D E, with D the piezoelectric constants (m/V), and so the
- * prescribed stress -C D E with the stiffness C (Pa). The electric displacement along the field is
- * (C D) times strain + permittivity times field + pyroelectric constant times temperature. The
- * charge of the upper electrode is minus this displacement; of interdigitated electrodes, that of
- * the one towards which the poling points.
+ * Compute the electric constants of a ply: the prescribed stress per volt, the capacitance, and the
+ * pyroelectric charge per kelvin.
+ *
+ * Electrodes on the faces of a ply cause a field along its normal e3; interdigitated electrodes
+ * cause one along the poling. With the distance d of the electrodes (m), one volt is the field -1/d
+ * (V/m). A field E causes the free strain D E, with the piezoelectric constants D (m/V). The
+ * prescribed stress is -C D E, with the stiffness C (Pa). The electric displacement along the field
+ * is (C D) times strain + permittivity times field + pyroelectric constant times temperature. The
+ * charge of an electrode is minus this displacement. It is the charge of the upper electrode, or of
+ * the interdigitated electrode towards which the poling points.
+ *   stress [6] out  prescribed stress per volt in the axes of the ply (Pa/V), Voigt order 11 22 33
+ *       23 13 12
  */
 static void build_electric(const scene_material *material, const scene_layer *layer,
                            double stiffness[6][6], double stress[6], laminate_ply *ply)
@@ -138,11 +142,12 @@ static void build_electric(const scene_material *material, const scene_layer *la
     const bool has_fingers = layer->finger_distance > 0;
     const int axis = has_fingers ? poling : 2;
     const double distance = has_fingers ? layer->finger_distance : layer->thickness;
-    const double share = layer->thickness / distance; /* area of the electrodes over area of the
-                                                         surface: 1 for electrodes on the faces of
-                                                         the layer; for interdigitated electrodes,
-                                                         which face each other across the layer,
-                                                         thickness over distance */
+    const double share =
+        layer->thickness / distance; /* area of the electrodes for each unit of the surface area: 1
+                                        for electrodes on the faces of the layer. Interdigitated
+                                        electrodes are modelled as planes across the layer; their
+                                        area for each unit of the surface area is the thickness over
+                                        the distance of the electrodes */
     field_stress(material, stiffness, poling, axis, stress);
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / distance;
@@ -290,10 +295,9 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
 }
 
 /*
- * Compute the stiffness of a ply at height z in the directions of the element, which need not be
- * perpendicular (Voigt order 11 22 33 23 13 12). For an element along lines of curvature it equals
- * the stiffness of the ply; the caller then divides by the factors for the longer or shorter lines
- * at this height.
+ * Compute the stiffness of a ply at height z for strains along the directions of the element, which
+ * need not be perpendicular (Voigt order 11 22 33 23 13 12). For an element along lines of
+ * curvature it equals the stiffness of the ply; the caller then applies the factors of metric_at.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -341,9 +345,11 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 }
 
 /*
- * Uncouple the difference of the thickness strain 33 between the faces from all other strains. With
- * the element option lin33 every ply thickens freely: the stress resultant of this strain then is
- * 0. The compliance of the strain is kept. Returns 0, or -1 if the stiffness is singular.
+ * Set to 0 the entries of a stiffness matrix that couple the difference of the thickness strain 33
+ * between both faces with the other strains. Its diagonal entry becomes the inverse of its
+ * compliance: the stiffness while the resultants of all other strains are 0. With the element
+ * option lin33 every ply thickens freely, so that this strain has no effect on the others. Returns
+ * 0, or -1 if the matrix is singular.
  */
 static int relax_e33(double stiffness[N][N])
 {
@@ -364,11 +370,12 @@ typedef struct ply_integrals {
     double stiffness[N][N]; /* stiffness for the ten strains of an element (mean and difference of
                                both faces for the strains 11, 22, 33 and 12; then the strains 13 and
                                23), integrated over the thickness (N/m) */
-    double plane[N][N];     /* stiffness for the ten strains of an element, integrated over the
-                               thickness, with the normal stress 33 at 0 at every height (N/m) */
-    double compliance; /* integral over the thickness of 1/(stiffness of the strain 33): compliance
-                          of the plies against the normal stress 33 (m/Pa) */
-    double length;     /* thickness of all plies of the element together (m) */
+    double plane[N][N]; /* stiffness for the ten strains of an element (order of `voigt`) with the
+                           normal stress 33 at 0 at all heights, integrated over the thickness (N/m)
+                         */
+    double compliance;  /* integral over the thickness of 1/(stiffness of the strain 33): compliance
+                           of the plies against the normal stress 33 (m/Pa) */
+    double length;      /* thickness of all plies of the element together (m) */
     double narrowing[N]; /* integrals of c_i3/c_33 over the thickness, for each of the ten strains i
                             of an element (m). The stiffness c_i3 couples strain i with the
                             thickness strain 33; c_33 is that of the strain 33 alone. Order of the
@@ -377,9 +384,13 @@ typedef struct ply_integrals {
 } ply_integrals;
 
 /*
- * Add a quadrature point of a ply to the integrals over the thickness. Each strain enters with the
- * factor 1 if it is a mean of both faces, and with the factor height over thickness if it is their
- * difference.
+ * Add the contribution of one quadrature point in a ply to the integrals over the thickness.
+ *   natural [6][6] in      stiffness of the ply at this point (Pa), Voigt order 11 22 33 23 13 12
+ *   share   [6]    in      factors by which strains are divided at this height (metric_at)
+ *   weight         in      weight of the point (m)
+ *   height         in      height above the middle of the laminate over its thickness: strain at
+ *       this point for a unit difference of the strain between both faces
+ *   sums           in/out  integrals of stiffness and compliance
  */
 static void add_point(ply_integrals *sums, double natural[6][6], const double share[6],
                       double weight, double height)
@@ -419,15 +430,16 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * Replace the stiffness of an element by that of plies that thicken freely under one common normal
- * stress s. A thickness strain that is linear through all plies could not follow plies of different
- * Poisson's ratios: a bimetal of two such plies would bend too little or too much, by some per
- * cent. The stress is
- *  s = (length e + sum over i of narrowing_i E_i)/compliance,
- * with e the mean thickness strain of all plies together and E_i the other strains of the element.
- * `length`, `narrowing_i` and `compliance` are the integrals over the thickness of 1, of c_i3/c_33
- * and of 1/c_33, where the stiffness c_i3 couples strain i with the strain 33. The difference of
- * the thickness strain 33 between both faces keeps its stiffness.
+ * Replace the stiffness of an element by that of plies whose thickness strains may differ, while
+ * the normal stress 33 is the same in all plies. A thickness strain that is linear through all
+ * plies would falsify the bending of plies with different Poisson's ratios by some per cent. With
+ * c_i3 the stiffness that couples strain i with the thickness strain 33, the normal stress is
+ *   s = (h e + sum over i of n_i E_i)/f.
+ * Here h is the thickness of all plies (`length`), e their mean thickness strain, and E_i the other
+ * strains of the element. The integrals of c_i3/c_33 and of 1/c_33 over the thickness are n_i
+ * (`narrowing`) and f (`compliance`). The new stiffness is that at s = 0 (`plane`) plus n_i n_j/f,
+ * with h in place of n_i for the mean thickness strain. The entries of the difference of the
+ * thickness strain between both faces do not change.
  */
 static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 {
@@ -557,9 +569,12 @@ static int field_acts(const laminate_place *place, const laminate_field *field, 
 }
 
 /*
- * Add the prescribed stress resultants of one ply under a field (voltage or temperature) to `h0`:
- * the integral over the thickness of the stress per unit of the field, times the field. Each of the
- * ten resultants belongs to the mean or the difference of a strain on both faces.
+ * Add the contribution of one ply to the prescribed stress resultants of an element under a field
+ * (voltage or temperature).
+ *   stress [6]  in      prescribed stress of the ply per unit of the field (Pa), Voigt order 11 22
+ *       33 23 13 12
+ *   h0     [10] in/out  resultants per area (N/m) for the strains 11, 22, 33 and 12, each as mean
+ *       of both faces and as difference between them, then 13 and 23
  */
 static void integrate_stress(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_ply *ply,
@@ -581,9 +596,11 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
 /* ---- formulation ------------------------------------------------------ */
 
 /*
- * Return the bending flexibility 12/(E h^3) that is added to the transverse shear flexibility on
- * coarse meshes (E: modulus of elasticity, h: thickness). It is the smaller one of the compliances
- * of the curvatures 11 and 22, while the other in-plane stresses and the normal stress are 0.
+ * Return a bending flexibility of an element (1/(N m)), the smaller one of those along its two
+ * directions: 12/(E h^3) for one ply with the modulus of elasticity E and the thickness h. It is
+ * the curvature 11 or 22 per unit of its bending moment, while all other stress resultants and the
+ * transverse shear strains are 0.
+ *   inverse [10][10] in  compliance matrix of the element (m/N), from plane_compliance
  */
 static double bending_flexibility(double inverse[N][N], double thickness)
 {
@@ -592,9 +609,11 @@ static double bending_flexibility(double inverse[N][N], double thickness)
 }
 
 /*
- * Return whether a strain mode contains a strain. Mode 00 (constant over the element) contains all
- * strains, mode 01 those of 11, 33 and 13, mode 10 those of 22, 33 and 23, and mode 11 (bilinear)
- * those of 33.
+ * Return whether the element takes a strain into account in a strain mode. With the natural
+ * coordinates xi1 and xi2, mode 0 (constant over the element) contains all strains; mode 1
+ * (proportional to xi2) contains 11, 33 and 13; mode 2 (proportional to xi1) contains 22, 33 and
+ * 23; mode 3 (proportional to xi1 xi2) contains 33. The other strains of modes 1 to 3 would make
+ * the element too stiff (locking).
  */
 static int kept(int mode, int strain)
 {
@@ -629,14 +648,16 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 }
 
 /*
- * Return the factor by which the bending flexibility is multiplied before it is added to the
- * transverse shear flexibility in a strain mode that is linear over the element along one
- * direction. In such a strain mode the bubble displacement (which vanishes at the nodes) is
- * antisymmetric across the element, so that it twists the element as well. The factor is 1/(1 + 0.6
- * (f/ft) (L_a/L_b)^2), with f and ft the compliances of bending and of twist and L_a, L_b the
- * lengths of the element along the direction and across it. For a square isotropic element with
- * Poisson's ratio 0.3 the exact factor is 0.784, and this formula gives 0.813.
- *   direction in  direction in which the strain is linear: 0 for theta1, 1 for theta2
+ * Return the factor by which the flexibility that is added to a transverse shear is multiplied in a
+ * strain mode that is linear over the element. The added flexibility stands for a displacement
+ * along the normal that is 0 at the nodes (bubble). In a linear strain mode the bubble changes its
+ * sign across the element, so that it twists the element and is stiffer. The factor is 1/(1 + 0.6
+ * (f/ft) (L_a/L_b)^2), with the flexibilities f of bending and ft of twist. L_a is the length of
+ * the element along the direction of the transverse shear, L_b that across it. For a square
+ * isotropic element with Poisson's ratio 0.3 the exact factor is 0.784, and this formula gives
+ * 0.813.
+ *   inverse [10][10] in  compliance matrix of the element (m/N), from plane_compliance
+ *   direction        in  direction of the transverse shear: 0 for 13, 1 for 23
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -648,10 +669,14 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 }
 
 /*
- * Compute the flexibility that is added to the two transverse shears of a strain mode (shape of the
- * strains over the element): the bending flexibility times the squared length of the element over
- * 12, times the factor `rho` of the scene's element options. In the two strain modes that are
- * linear over the element only a part of this flexibility is used.
+ * Compute the flexibility that is added to the transverse shears 13 and 23 in a strain mode
+ * (constant, linear or bilinear over the element). It is rho L^2/12 times the bending flexibility.
+ * L is the length of the element along direction 1 (for 13) or 2 (for 23); rho is the element
+ * option of this name, times laminate_place.bubble_share. In the two linear strain modes the result
+ * of the function bubble_share is a further factor.
+ *   inverse [10][10] in   compliance matrix of the element (m/N), from plane_compliance
+ *   mode             in   0: constant, 1: linear in xi2, 2: linear in xi1, 3: bilinear
+ *   flexibility  [2] out  added flexibility of the transverse shears 13 and 23 (m/N)
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
@@ -667,10 +692,11 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * List the strains of a strain mode (constant, linear or bilinear over the element) that are
- * coupled with the transverse shear strains, and the shear strains themselves. Plies are turned
- * about the normal alone, so that the shears are coupled with no other strain unless the director
- * of the element is inclined to its normal. Returns the number of strains (index [10] out).
+ * List the strains for which soften_shear inverts the stiffness matrix of a strain mode (constant,
+ * linear or bilinear over the element). They are the transverse shear strains of the mode, and all
+ * other strains of the mode if a stiffness entry couples one of them with a transverse shear.
+ *   index [10] out  indices of these strains among the ten strains of an element
+ * Returns their number.
  */
 static int shear_block(double modal[N][N], int mode, int index[N])
 {
@@ -713,9 +739,11 @@ static int soften_shear(double modal[N][N], int mode, const double flexibility[2
 }
 
 /*
- * Compute the compliance of the in-plane strains while the normal stress 33 is free and the
- * transverse shears are 0: the inverse of the stiffness without its coupling with the shears.
- * Returns 0, or -1 if the stiffness is singular.
+ * Compute the compliance matrix of an element (m/N) whose transverse shear strains are 0. The
+ * entries that couple the two transverse shears with the other eight strains are set to 0 in the
+ * stiffness matrix, which is then inverted. An entry of the result is the strain per unit of one
+ * stress resultant while all other resultants are 0, also that of the thickness strain 33. Returns
+ * 0, or -1 if the matrix is singular.
  */
 static int plane_compliance(double stiffness[N][N], double compliance[N][N])
 {
@@ -770,20 +798,20 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Prescribed stress resultants of a field (voltage or temperature) and the strains that they cause
- * in a free element.
+ * Stress resultants of an element whose strains are zero while a voltage or temperature acts
+ * (prescribed resultants), and the strains of the element if it is free instead.
  */
 typedef struct free_field {
-    double resultants[N], strain[N]; /* resultants: stress resultants that a voltage or temperature
-                                        prescribes, per area of the element (N/m); strain: free
-                                        strains that it causes, with their sign changed. Both have
-                                        the order 11, 22, 33, 12 (each mean and difference of both
-                                        faces), 13, 23 */
+    double resultants[N],
+        strain[N]; /* resultants: stress resultants under the field while all strains are zero, per
+                      area (N/m). strain: minus the strains of the free element under the field; 0
+                      where the field causes no transverse shear stress. Both have the order 11, 22,
+                      33, 12 (each mean and difference of both faces), 13, 23 */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
-    double constant[N][N]; /* stiffness of the strain mode that is constant over the element, with
-                              the flexibility and the shear stiffness of the scene's element options
-                              (N/m) */
+    double constant[N][N]; /* stiffness for strains that are constant over the element (N/m), with
+                              the transverse shear stiffness that the element uses
+                              (constant_stiffness) */
 } free_field;
 
 /*
@@ -829,9 +857,12 @@ static void keep_free_strains(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Compute the prescribed stress of a ply. With the element option lin33, every ply thickens freely.
- * The normal stress 33 of every ply is then 0, because a thickness strain that is linear through
- * the laminate cannot follow the thickening of a single ply.
+ * Compute the prescribed stress of a ply: its stress under a unit field while its strains are zero.
+ * With the element option lin33 the ply may thicken freely, so that its thickness strain is not
+ * zero: its normal stress 33 is 0 then, and the other stresses change with c_i3/c_33 of its
+ * stiffness.
+ *   prescribed [6] in   stress while all strains are zero, Voigt order 11 22 33 23 13 12
+ *   stress     [6] out  stress of the ply, same order
  */
 static void ply_stress(const laminate_ply *ply, const scene_element *element,
                        const double prescribed[6], double stress[6])
@@ -875,10 +906,11 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the stress resultants, for each unit of the element's area, that a field (voltage or
- * temperature) prescribes. Where the field causes a transverse shear stress, compute also the
- * strains of a free element. With the element option lin33 every ply thickens freely. The
- * resultants of the mean thickness strain are then added to those of the plies' stresses.
+ * Compute the stress resultants per area of an element whose strains are zero under a field
+ * (voltage or temperature). With the element option lin33 every ply thickens freely, and only the
+ * mean thickness strain of all plies together is held at zero: its resultants are added to those of
+ * the plies' in-plane stresses. Where the field causes a transverse shear stress, the strains of
+ * the free element are computed too.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,
@@ -923,12 +955,12 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return a correction of an electrode's charge, for each unit of the element's area. Element
- * options may make an element softer in transverse shear than its material, which would change the
- * charge. The correction is e1^T (D - D') e2. The vectors e1 and e2 are the free strains under the
- * voltages or temperatures `first` and `second`; D is the stiffness for uniform shear strains, D'
- * the stiffness that the element uses. With the correction a free ply has the charge of its
- * material, whatever the options.
+ * Return a correction of an electrode's charge per area (C/m2 for a voltage of 1 V or a temperature
+ * of 1 K). The element options `shear` and `rho` make an element softer in transverse shear than
+ * its material. The strains that the voltage on the electrode causes in a free element are kept by
+ * keep_free_strains; the charge needs this correction to stay that of the free material too. It is
+ * e1^T (D - D') e2: e1 and e2 are the free strains under the fields `first` and `second`, D is the
+ * stiffness for shear strains that are uniform through the thickness, and D' that of the element.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -964,12 +996,13 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * Besides the energy of the field itself, plies that thicken freely (element option lin33) store an
- * elastic energy, because each ply thickens differently from the mean of all plies. For two fields,
- * such as voltages or temperatures, this energy adds two terms to the second derivative of the
- * enthalpy. The first is the integral over the ply of (normal stiffness) (free thickening under the
- * first field) (that under the second). The other is subtracted: (normal stiffness of all plies
- * together) (mean free thickening under the first field) (that under the second).
+ * The result is the integral of field_density over the ply, times the values of both fields, and
+ * for uniform fields the correction shear_charge. With the element option lin33 every ply thickens
+ * freely, and two terms are added. The first is the integral over the ply of c_33 t_1 t_2, with
+ * c_33 the normal stiffness of the ply, and t_1 and t_2 its free thickness strains under the two
+ * fields. The second is -C_33 T_1 T_2, with C_33 the normal stiffness of all plies together, and
+ * T_1 and T_2 the means of their free thickness strains. Both stem from the elastic energy that
+ * plies store because each one thickens differently from the mean.
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

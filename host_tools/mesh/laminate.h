@@ -68,12 +68,12 @@ typedef struct laminate_place {
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
                         flexibility */
     double area;
-    double bubble_share;  /* factor (0 to 1) by which the element multiplies the transverse shear
-                             flexibility that is added on coarse meshes; 1 on an element along lines
-                             of curvature */
-    double skew[2];       /* skew alpha_1, alpha_2 of the element: its area per unit of the natural
-                             coordinates varies as 1 + alpha_1 xi2 + alpha_2 xi1 */
-    bool is_general;      /* true: the element does not lie along lines of curvature */
+    double bubble_share; /* factor (0 to 1) of the flexibility that the element option `rho` adds to
+                            the transverse shears: 1 on an element along lines of curvature, smaller
+                            on thin elements of an irregular mesh */
+    double skew[2];      /* skew alpha_1, alpha_2 of the element: its area per unit of the natural
+                            coordinates varies as 1 + alpha_1 xi2 + alpha_2 xi1 */
+    bool is_general;     /* true: the element does not lie along lines of curvature */
     natural_base natural; /* base vectors at any height of an element that does not lie along lines
                              of curvature */
 } laminate_place;
@@ -99,11 +99,12 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
                          double map[6][6]);
 
 /*
- * Compute the stiffness of the four strain modes (shapes of the strains over the element): 00
- * (constant), 01, 10 (linear along one direction) and 11 (bilinear). They are multiplied by area,
- * area/(3 - alpha_1^2), area/(3 - alpha_2^2) and area/9: the area per unit of the natural
- * coordinates xi1 and xi2 varies as 1 + alpha_1 xi2 + alpha_2 xi1.
- *   packed  [4][55] out  lower triangles of the matrices, packed by rows
+ * Compute the stiffness matrices of an element in its four strain modes. A strain is constant over
+ * the element in mode 00, proportional to xi2 in mode 01, to xi1 in mode 10, and to xi1 xi2 in mode
+ * 11. The natural coordinates xi1 and xi2 run from -1 to 1. The integral of the strain energy over
+ * the element gives the four matrices the factors area, area/(3 - alpha_1^2), area/(3 - alpha_2^2)
+ * and area/9, with the skew alpha_1, alpha_2 of the element (laminate_place.skew).
+ *   packed [4][55] out  lower triangles of the matrices (N m) for the ten strains, packed by rows
  * Returns 0, or -1 if no ply is present.
  */
 int laminate_modes(const laminate *laminate, const scene_element *element,
@@ -121,27 +122,29 @@ typedef enum laminate_axis {
 } laminate_axis;
 
 /*
- * Field that acts in a laminate. For ply >= 0 it acts in this ply alone and has the type `axis`: a
- * voltage of 1 V across the ply, a temperature of 1 K, or an electric field along the surface. For
- * ply < 0 it is a temperature of all plies. A temperature of all plies and an electric field along
- * the surface vary linearly between the values at two faces.
+ * Field that acts in a laminate. For ply >= 0 the field acts in the ply of this index alone: 1 V
+ * across the ply, 1 K, or an electric field along the surface. For ply < 0 it is a temperature of
+ * all plies.
  */
 typedef struct laminate_field {
     int ply;
     double temperature[2]; /* temperature of the inner and of the outer face of the laminate (K),
                               for a field that is a temperature of all plies (member ply < 0) */
-    int axis;        /* type of the field in one ply (member ply >= 0), a value of laminate_axis:
-                        temperature, voltage, or electric field along the surface */
+    int axis; /* constant of laminate_axis that tells whether the field in the ply is a temperature,
+                 a voltage across it, or an electric field along axis 1 or 2 of the shell; not used
+                 if `ply` is negative */
     double along[2]; /* electric field along the surface at the inner and at the outer face of the
                         ply (V/m), used if the prescribed field is an electric field along the
                         surface */
 } laminate_field;
 
 /*
- * Return the value of a field in an element at height z. A temperature (K) and an electric field
- * along the surface (V/m) vary linearly between two faces. For a voltage, the value is the electric
- * field over its mean in the ply. Across a curved ply the electric flux is constant, so that this
- * field is inversely proportional to the area at height z.
+ * Return the value of a field in an element at height z. A temperature of all plies (K) varies
+ * linearly between the two faces of the laminate; an electric field along the surface (V/m) varies
+ * linearly between the two faces of its ply. The temperature of one ply is 1 K. For a voltage, the
+ * value is the electric field at height z, divided by its mean through the ply (1): across a curved
+ * ply the electric flux is constant, so that the field is inversely proportional to the area at
+ * height z.
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);
@@ -157,31 +160,30 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
                          double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute the stress resultants of an element, times its area, that one volt across a ply
- * prescribes, or for ply < 0 a uniform temperature of 1 K.
- *   h0 [10] out  resultants (N m): mean and difference of both faces for the strains 11, 22, 33 and
- *                12; then the strains 13 and 23
+ * Compute the stress resultants of an element, times its area, while its strains are zero and one
+ * volt acts across a ply, or for ply < 0 a uniform temperature of 1 K.
+ *   h0 [10] out  resultants (N m), one for each strain of an element: 11, 22, 33 and 12, each as
+ *       mean of both faces and as difference between them, then 13 and 23
  */
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
 
 /*
- * Return the charge that a field (voltage or temperature) draws to the upper electrode of a ply in
- * an element while the strains are zero (C). The charge at other strains is this value less the
- * product of the mean strains of the element and the prescribed resultants of one volt on the
- * electrode.
+ * Return the charge of the upper electrode of a ply in an element under a field (voltage or
+ * temperature) while the strains are zero (C).
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
 
 /*
- * Return the second derivative of the electric enthalpy of an element with respect to two fields,
- * with its sign changed and at constant strains of the element: a capacitance for two electric
- * fields, a charge per kelvin for an electric field and a temperature.
+ * Return minus the second derivative of the electric enthalpy of an element with respect to the
+ * sizes of two fields, at constant strains. It is a capacitance for two electric fields, and a
+ * charge per kelvin for an electric field and a temperature.
  *   first      in  electric field in a ply
- *   is_uniform in  true: both fields are constant over the element; false: both vary over the
- *       element with a mean of 0, so that they do not act on strains that are constant over the
- *       element
+ *   second     in  electric field in the same or another ply, or a temperature
+ *   is_uniform in  true: both fields are constant over the element and act on its constant
+ *       strains; false: both vary over the element with a mean of 0, and have no effect on its
+ *       constant strains, so that the correction of the transverse shear stiffness is left out
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

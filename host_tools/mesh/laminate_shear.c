@@ -55,10 +55,14 @@ static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], d
 }
 
 /*
- * Add the work of the transverse shear stresses at one height, times a weight, to the entries of
- * `work`, which belong to the transverse forces 13 and 23. The shear stresses balance the in-plane
- * stresses integrated up to this height (stress [3][3] in: one row for each stress 11, 22, 12, one
- * column for each bending moment 11, 22, 12).
+ * Add the work of the transverse shear stresses at one height, times a weight: work += weight P^T
+ * compliance P. The matrix P gives the shear stresses 13 and 23 at this height under unit
+ * transverse forces 13 and 23. By equilibrium, P consists of entries of `stress`.
+ *   stress     [3][3] in  in-plane stresses 11, 22, 12 (rows) under unit bending moments 11, 22,
+ *       12 (columns), integrated from the lowest face to this height (1/m)
+ *   compliance [2][2] in  shear strains 13 and 23 per shear stress (1/Pa)
+ *   weight            in  weight of the height in an integral over the thickness (m)
+ *   work   [2][2] in/out  work per area for each pair of unit transverse forces (m/N)
  */
 static void add_work(double stress[3][3], double compliance[2][2], double weight, double work[2][2])
 {
@@ -72,8 +76,13 @@ static void add_work(double stress[3][3], double compliance[2][2], double weight
 }
 
 /*
- * Add what one ply contributes to two sums over the plies from the lowest to the highest: the work
- * of its transverse shear stresses to `work`, and its integrated in-plane stresses to `below`.
+ * Add the contributions of one ply to two sums over the plies, which are added from the lowest to
+ * the highest.
+ *   below [3][3] in/out  in-plane stresses 11, 22, 12 (rows) under unit bending moments 11, 22, 12
+ *       (columns), integrated from the lowest face to this ply (1/m); the transverse shear
+ *       stresses in the ply above are in equilibrium with them
+ *   work  [2][2] in/out  work of the transverse shear stresses per area under unit transverse
+ *       forces 13 and 23 (m/N)
  * Returns 0, or -1 if the ply has no shear stiffness.
  */
 static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], double work[2][2])

@@ -2,18 +2,20 @@
 /*
  * Transverse shear stiffness of a laminate from equilibrium.
  *
- * The plies are in plane stress and bend. The transverse shear stresses tau follow from the change
- * of the in-plane stresses along the plate, and the shear stiffness K from the work of tau under
- * the transverse forces Q13 and Q23:
- *   G(z) = -integral from the lower face to z of Q (S_b + zeta S_d) dzeta,
- *   tau(z) = P(z) (Q13, Q23),  P = [[G_11,11, G_12,22], [G_12,11, G_22,22]],
+ * The plies are in plane stress and bend. Where the bending moments change along the plate, the
+ * in-plane stresses change too, and transverse shear stresses tau (13, 23) keep the equilibrium.
+ * The shear stiffness K (N/m) follows from the work of tau under the transverse forces V = (V13,
+ * V23):
+ *   G(z) = -integral from the lower face to z of C (S_b + zeta S_d) dzeta,
+ *   tau(z) = P(z) V,  P = [[G(11; 11), G(12; 22)], [G(12; 11), G(22; 22)]],
  *   K^-1 = integral over the thickness of P^T C_t^-1 P dz.
- * Q is the plane stress stiffness of a ply, C_t its transverse shear stiffness, and S_b, S_d are
- * those blocks of the inverse of the laminate's stiffness matrix [[A, B], [B, D]] (membrane,
- * coupling, bending) that give the membrane strains and curvatures of a bending moment; zeta is the
- * height. One isotropic ply has K = 5/6 of its shear modulus times its thickness. The stiffness of
- * a soft core between stiff faces is that of the core alone, where a shear strain constant through
- * the thickness would give the mean of all moduli.
+ * C is the plane stress stiffness of a ply, C_t its transverse shear stiffness, and zeta the
+ * height. G(i; j) is the entry of the 3 x 3 matrix G for stress i and bending moment j. The 3 x 3
+ * matrices S_b and S_d are the membrane strains and the curvatures per bending moment: blocks of
+ * the inverse of the laminate's stiffness matrix [[A, B], [B, D]] (membrane, coupling, bending).
+ * One isotropic ply has K = 5/6 of its shear modulus times its thickness. The stiffness of a soft
+ * core between stiff faces is that of the core alone. A shear strain that is constant through the
+ * thickness would give the mean of all moduli instead.
  */
 #ifndef LAMINATE_SHEAR_H
 #define LAMINATE_SHEAR_H

@@ -200,7 +200,12 @@ static int in_region(const mesh *mesh, const scene_where *where, int i, int j)
     return line_in_region(mesh, where, 0, i) && line_in_region(mesh, where, 1, j);
 }
 
-/* List the nodes of a point or a set of a mesh from a file. Returns their number. */
+/*
+ * List the nodes of a place (`where`) of a scene whose mesh is read from a file. The place is a
+ * point, which is one node, or a named set of nodes of the mesh file.
+ *   node [nodes] out  indices of these nodes, ascending
+ * Returns their number.
+ */
 static int select_marked(const mesh *mesh, const scene_where *where, int *node)
 {
     unsigned char *in_set = calloc((size_t)mesh->nodes, 1);
@@ -334,8 +339,10 @@ static laminate_place element_place(const mesh *mesh, int element)
 }
 
 /*
- * Return the factor of the warping correction of an element's membrane shear strain, tau (L1^2 k1 +
- * L2^2 k2)/(12 h) as in warp.h (1).
+ * Return the argument `share` of warp_fill for an element: the factor (1) of the warping correction
+ * of its membrane shear strain. It is tau (L1^2 k1 + L2^2 k2)/(12 h), with tau the element option
+ * of this name, L1 and L2 the lengths of the element along its directions, k1 and k2 its principal
+ * curvatures, and h the thickness of the laminate.
  */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
@@ -449,10 +456,10 @@ static int build_all_types(mesh *mesh, char *error)
 /* ---- supports of skewed corners --------------------------------------- */
 
 /*
- * Refuse a support that constrains displacements along or across its edge alone, if the edge runs
- * along the surface coordinate theta1 and meets the next edge at an angle other than 90 degrees. At
- * such a corner the triad (local axes) of the node is aligned with the next edge, not with the
- * supported one.
+ * Refuse a support of an edge on which the surface coordinate theta1 varies, if it constrains only
+ * one of the displacements along and across this edge, and the next edge does not meet it at a
+ * right angle. The triad (local axes) of the node at such a corner is aligned with the next edge,
+ * so that the support would act in wrong directions there.
  */
 static int check_corners(const scene *scene, char *error)
 {
@@ -573,9 +580,8 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
         if (mesh->scene->quads && !support->value)
-            continue; /* The degrees of freedom that this support constrains are already marked: a
-                         mesh from a file has marked those of all supports without a prescribed
-                         value. */
+            continue; /* Supports without a prescribed value are skipped on a mesh from a file:
+                         constrain_quads has marked the dof that they constrain in mesh.node_dof. */
         const int count = mesh_select(mesh, &support->where, node);
         for (int member = 0; member < count; member++)
             if (apply_support(mesh, support, node[member], values, error) < 0)

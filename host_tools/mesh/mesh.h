@@ -17,8 +17,9 @@
 #include "quad_types.h"
 
 /*
- * Springs of a mesh as sparse rows over its free dof (springs.h). All arrays are NULL if there are
- * no springs.
+ * Springs and stack actuators of a mesh. The elongation of each one is a linear function of the
+ * free dof, stored as the numbers of the dof that enter and the elongation per unit of each (its
+ * sparse row). All arrays are NULL if there are no springs.
  */
 typedef struct mesh_springs {
     int count;         /* number of springs and stack actuators */
@@ -105,10 +106,12 @@ typedef struct mesh {
 int mesh_build(mesh *mesh, const scene *scene, char *error);
 
 /*
- * Build the mesh of a scene from a mesh of quadrilaterals in any arrangement in place of the
- * scene's surface and mesh lines. Scene and quads must exist as long as the mesh.
- *   accept_irregular in  true: elements that are too thin for an irregular mesh are reported;
- *       false: they are refused
+ * Build the mesh of a scene from a mesh of quadrilaterals in any arrangement, in place of the
+ * scene's surface and mesh lines. Scene and quads must exist as long as the mesh. Elements whose
+ * factor quad_rule.lock is above QUAD_LOCK have too stiff a bending, because they are too thin for
+ * the irregular mesh around them.
+ *   accept_irregular in  true: such elements are accepted and counted in the report quad_report;
+ *       false: they are an error
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
@@ -122,9 +125,11 @@ void mesh_free(mesh *mesh);
 void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
- * On a mesh of mesh lines, rotate the triads (local axes) of the nodes at supports that give a
- * direction. Other supports and loads that need another triad at these nodes are refused. Returns
- * 0, or -1 with error filled.
+ * Rotate the triads (local axes) of the nodes at supports that have the key `direction`, so that
+ * the axis e1 is this direction, projected on the surface. This applies to meshes between mesh
+ * lines (lines of constant surface coordinates), not to meshes from a file. Refused are other
+ * supports of these nodes that act along e1 or e2 and do not have the same direction, and
+ * distributed loads of the scene along e1 or e2. Returns 0, or -1 with error filled.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 
@@ -135,12 +140,12 @@ int mesh_turn_axes(mesh *mesh, char *error);
 bool mesh_depends_on_axes(const scene_support *support);
 
 /*
- * Constrain the mean displacements (of both faces) that oblique supports hold, in directions that
- * are no axes of the triads (local axes) of their nodes, and give these nodes rotated axes. To be
- * called before the dof are numbered, when all other supports have marked the dof that they
- * constrain in node_dof.
+ * Apply the oblique supports of a scene. They hold mean displacements (of both faces) along
+ * directions in space that are no axes of the triads (local axes) of their nodes. The dof of such a
+ * node are rotated to axes of which the first ones are the held directions. To be called before the
+ * dof are numbered, when all other supports have marked the dof that they constrain in node_dof.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
- *                                        prescribed
+ *       prescribed
  *   node   [nodes]               out     work array
  * Returns 0, or -1 with error filled if the directions or the prescribed values at a node
  * contradict each other.

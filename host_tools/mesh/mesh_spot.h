@@ -28,8 +28,11 @@ mesh_spot mesh_spot_of_node(int node);
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 
 /*
- * Find the mesh point at which one of the springs or stacks of a scene is attached.
- *   k         in   number of the spring or stack among those of `spring`
+ * Find the mesh point at which one of several equal springs or stacks is attached. An entry of the
+ * scene's list `springs`, or the stacks of an actuator, may name several points, or a place with
+ * several nodes, each with a spring of its own.
+ *   spring    in   the entry of the list, or the stacks of the actuator
+ *   k         in   index of the point or node, from 0
  *   spot      out  the mesh point
  *   place [2] out  its surface coordinates theta1 and theta2; on a mesh from a file, x and y
  * Returns 0, or -1 if there is no such point or memory runs out.

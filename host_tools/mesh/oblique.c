@@ -69,17 +69,18 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 
 /*
  * Make the direction of a support at a node orthogonal to the axes along which other supports hold
- * the node. The displacements that these axes prescribe are subtracted from the value that the
- * support prescribes.
- *   rest  in/out  direction, afterwards a unit vector; its value is afterwards the displacement
- *                 along this vector times the returned sine
- * Returns the sine of the angle between the given direction and the held axes.
+ * the node. The part of its prescribed displacement that the other supports prescribe already,
+ * along these axes, is subtracted.
+ *   rest  in/out  in: direction of the support, with its prescribed displacement. out: the
+ *       orthogonal unit vector; `value` is the prescribed displacement along it, times the
+ *       returned sine
+ * Returns the sine of the angle between the direction and the space of the held axes.
  */
 static double remove_held(const held_axes *held, held_direction *rest)
 {
-    for (int repeat = 0; repeat < 2; repeat++) /* the second round removes what rounding errors of
-                                                  the first have left of the components along the
-                                                  held axes */
+    for (int repeat = 0; repeat < 2; repeat++) /* The second iteration of the loop removes the
+                                                  components along the axes in `held` that remain as
+                                                  rounding errors of the first iteration. */
         for (int k = 0; k < held->count; k++) {
             const double along = vector_dot(rest->vector, held->axis[k]);
             rest->value -= along * held->value[k];
@@ -90,8 +91,9 @@ static double remove_held(const held_axes *held, held_direction *rest)
 }
 
 /*
- * Return the largest absolute displacement that supports prescribe at a node: along the directions
- * in `held`, and along `direction`.
+ * Return the largest absolute displacement that supports prescribe at a node, for relative rounding
+ * limits. The displacements are those along the axes in `held`, which earlier supports have added,
+ * and that along `direction`, which one more support prescribes.
  */
 static double largest_value(const held_axes *held, const held_direction *direction)
 {
@@ -256,9 +258,10 @@ static bool has_value(const held_axes *held)
 }
 
 /*
- * Constrain the directions along which supports hold a node, where they are axes of its triad
- * (local axes). Each mean displacement (of both faces) that no other support has constrained counts
- * as held by the support whose direction is nearest to its axis.
+ * Constrain a node whose held directions are axes of its triad (local axes), or which is held in
+ * all three directions of space. Each constrained mean displacement (of both faces) along an axis
+ * gets a holder for the reaction forces: the support whose direction has the smallest angle to this
+ * axis.
  */
 static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 {
@@ -275,11 +278,13 @@ static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 }
 
 /*
- * Constrain the directions along which supports hold a node, or prescribe the displacement along
- * them: along axes of its triad (local axes) if possible, else along rotated axes, which are stored
- * in the mesh.
+ * Mark the dof of a node that supports hold or whose displacements they prescribe. If no
+ * displacement other than 0 is prescribed, and the held directions are axes of the triad (local
+ * axes) of the node or span the space, the dof stay along the triad. Otherwise the mean
+ * displacements (of both faces) get rotated axes, which are stored in the mesh: first the held
+ * directions, then the others.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
- *                                        prescribed
+ *       prescribed
  */
 static void hold_node(mesh *mesh, int node, double *values, held_axes *held)
 {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Prescribed stress resultants and capacitances of the electric potentials at the corners of a
- * layer (potential_element.h).
+ * Electric potentials at the corners of a layer: stress resultants at zero strain, and capacitances
+ * (potential_element.h).
  *
- * The electric field of a layer is a sum of five fields, each times a coefficient that is linear in
- * the potentials: the voltage across the layer, and the fields along the axes 1 and 2 of the shell
- * at the inner and at the outer face. The means of these fields over the element act on strains
- * that are constant over the element. The rest of each field, whose mean is 0, contributes to the
- * capacitances only.
+ * The potentials cause five fields in a layer of an element: the voltage across the layer, and the
+ * electric fields along the axes 1 and 2 of the shell at the inner and at the outer face. Each
+ * field is split into its mean over the element, which is linear in the potentials, and the rest,
+ * whose mean is 0. The stress resultants follow from the means alone; the capacitances also have a
+ * contribution from the rests.
  */
 #include "potential_element.h"
 #include <string.h>
@@ -22,10 +22,10 @@ typedef struct shapes {
     double mean[4]; /* mean, over the element, of the bilinear shape function of each corner */
     double gradient[4][2]; /* gradient of each shape function at the centre of the element, along
                               the axes 1 and 2 of the shell (1/m) */
-    double twist[4];       /* coefficient of xi1 xi2 in the shape function of each corner, less the
-                              coefficient that a field with the same gradient at the centre has if
-                              its gradient is uniform; the latter is 0 on a parallelogram (1) */
-    double dual[2][2];     /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
+    double twist[4];   /* each shape function is a function with uniform gradient plus a rest whose
+                          gradient at the centre of the element is 0: coefficient of xi1 xi2 in this
+                          rest (1) */
+    double dual[2][2]; /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
 } shapes;
 
 /*
@@ -77,12 +77,12 @@ static void list_fields(int ply, laminate_field field[FIELDS])
 }
 
 /*
- * Compute by how much each of the five electric fields of a ply changes per volt of one electric
- * potential at a corner of the ply. A field along the surface is minus the gradient of the
+ * Compute the five fields in a ply, as means over the element, while one of the eight potentials at
+ * its corners is 1 V and the others are 0. A field along the surface is minus the gradient of the
  * potential.
- *   node            in   index of the potential: 2 corner + face (0: inner, 1: outer)
- *   coefficient [5] out  voltage across the ply (1), then the field along axis 1 at the inner and
- *                        at the outer face (1/m), then that along axis 2
+ *   node            in   index of the potential of 1 V: 2 corner + face (0: inner, 1: outer)
+ *   coefficient [5] out  voltage across the ply (1), electric field along axis 1 of the shell at
+ *       the inner and at the outer face (1/m), then that along axis 2
  */
 static void coefficients(const shapes *shapes, int node, double coefficient[FIELDS])
 {
@@ -94,13 +94,12 @@ static void coefficients(const shapes *shapes, int node, double coefficient[FIEL
 }
 
 /*
- * Return a part of the capacitance between two electric potentials of a ply, the charge at one per
- * volt of the other (C/V). This part is due to electric fields that vary over the element with a
- * mean of 0.
- *   first, second    in  indices of the potentials: 2 corner + face
- *   uncoupled [5][5] in  capacitances of the five electric fields of the ply (voltage across it,
- *                        fields along two axes at both faces), for their parts that do not act on
- *                        strains constant over the element
+ * Return the contribution to the capacitance between two potentials of a ply (C/V) that comes from
+ * the electric fields with mean 0. Each field is split into its mean over the element and this
+ * rest. The rests cause no strains that are constant over the element.
+ *   first, second    in  indices of the potentials: 2 corner + face (0: inner, 1: outer)
+ *   uncoupled [5][5] in  capacitances of unit rests, for the five fields of the ply: voltage
+ *       across it, and fields along the axes 1 and 2 at the inner and at the outer face
  */
 static double varying_part(const laminate_place *place, const shapes *shapes, int first, int second,
                            double uncoupled[FIELDS][FIELDS])

@@ -13,11 +13,11 @@
 enum { POTENTIAL_NODES = 8 };
 
 /*
- * Compute the stress resultants, times the area of the element, that one volt of each of the eight
- * potentials of a ply prescribes (resultants [8][10] out, N m). The ten resultants belong to the
- * strains of an element: mean and difference of both faces for the strains 11, 22, 33 and 12; then
- * the strains 13 and 23. The ply must be present in the element. The potential at corner c (0 to 3)
- * has the index 2 c on the inner face and 2 c + 1 on the outer face.
+ * Compute the stress resultants of an element, times its area, while its strains are zero and one
+ * potential of a ply is 1 V (the others 0 V). The ply must be present in the element.
+ *   resultants [8][10] out  resultants (N m). Row 2 c + f belongs to the potential at corner c (0
+ *       to 3) of face f (0: inner, 1: outer). The columns belong to the strains 11, 22, 33 and 12,
+ *       each as mean of both faces and as difference between them, then 13 and 23
  */
 void potential_element_resultants(const laminate *laminate, const scene_element *element,
                                   const laminate_place *place, int ply,

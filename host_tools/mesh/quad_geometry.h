@@ -23,10 +23,9 @@ typedef struct quad_geometry {
     double skew[2]; /* skew coefficients alpha_1, alpha_2 of the element (1): components, along the
                        base vectors, of the hourglass vector, which is 1/4 of the sum of xi1 xi2
                        times the corner positions */
-    double curvature[3]; /* curvatures B_11, B_22, B_12 of the element along the directions of its
-                            base vectors g_a: B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), with L_a
-                            the lengths of the element and d_a the derivatives of the director (1/m)
-                          */
+    double curvature[3]; /* curvatures B_11, B_22, B_12 of the element along its two directions
+                            (1/m): B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), where g_a is `base`,
+                            d_a is `turn` and L_a is `length`, which is 2 |g_a| */
     double principal[2]; /* principal curvatures of the element (1/m) */
     double area;         /* area of the element (m2) */
     double jacobian; /* area of the element per unit of the natural coordinates at a corner, over

@@ -61,10 +61,10 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
 /* ---- rule --------------------------------------------------------------- */
 
 /*
- * Return a factor that marks elements along asymptotic lines: 1 if both directions of an element
- * are asymptotic (normal curvature 0), and 0 if |B_11 B_22| reaches B_12^2/2, as on cylinders, on
- * spheres and along lines of curvature; B_11, B_22 and B_12 are the curvatures along the directions
- * of the element.
+ * Return the factor (0 to 1) max(0, 1 - 2 |B_11 B_22|/B_12^2) for quad_rule.asymptotic. B_11, B_22
+ * and B_12 are the curvatures of the surface along the two directions of an element. The factor is
+ * 1 if both directions are asymptotic (B_11 = B_22 = 0), as on a twisted strip. It is 0 along lines
+ * of curvature, where B_12 is 0, and on cylinders and spheres.
  */
 static double asymptotic_gate(const quad_geometry *geometry)
 {

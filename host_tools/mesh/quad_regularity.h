@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Irregularity of a mesh of quadrilaterals in any arrangement around each element, and its
- * consequences for thin shells.
+ * Irregularity of a mesh of quadrilaterals in any arrangement, and its consequences for thin
+ * shells. The irregularity of a node or an element tells how far the elements there deviate from
+ * equal parallelograms.
  *
- * On a thin shell, the three membrane constraints of each node leave no freedom to a mesh without
- * order: it behaves like a polyhedron, whose bending is far too stiff. The functions of this file
- * adapt the formulation of such elements so that their membrane strains stay correct, and identify
- * the elements whose bending is too stiff.
+ * A thin shell bends nearly without membrane strains. Each element has three of them, and a mesh
+ * has about as many elements as nodes, with three displacements each. Without regularity, hardly
+ * any bending satisfies all these conditions: the mesh behaves like a polyhedron, whose bending is
+ * far too stiff. The functions of this file find such elements, and compute factors by which the
+ * formulation of the element keeps its membrane strains correct.
  */
 #ifndef QUAD_REGULARITY_H
 #define QUAD_REGULARITY_H
@@ -26,36 +28,36 @@
 int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);
 
 /*
- * Thinness and irregularity of an element of a general mesh, and the factors by which its
- * formulation is adapted to them.
+ * Thinness and irregularity of an element in a mesh of quadrilaterals of any arrangement. The other
+ * members are factors that follow from both: bubble_share and asymptotic change the equations of
+ * the element, lock decides whether the mesh is refused.
  */
 typedef struct quad_rule {
     double thinness;     /* thinness of the element (1): largest of its curvatures times squared
                             lengths, over the thickness of the laminate */
-    double irregularity; /* irregularity (1), the larger one of two deviations from a regular mesh:
-                            sum of both absolute skew coefficients (0 on a parallelogram), and
-                            largest distance of a node from the mean of its neighbours, relative to
-                            their distances */
+    double irregularity; /* irregularity (1) of the element, the larger one of two numbers: the sum
+                            of the absolute values of quad_geometry.skew (0 on a parallelogram), and
+                            the largest irregularity of its four nodes (quad_irregularity) */
     double bubble_share; /* factor, 0 to 1, by which the element multiplies the transverse shear
                             flexibility that is added on coarse meshes: 1 on regular meshes, smaller
                             where thin elements are irregular */
-    double lock; /* factor by which the bending of the element would have to be stiffened to keep
-                    stresses smooth, from the members thinness and irregularity: [thinness
-                    clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. No bending is actually stiffened; a
-                    mesh with a factor above the limit QUAD_LOCK is refused unless the scene accepts
-                    irregular meshes. */
-    double asymptotic; /* weight, 0 to 1, of additional terms by which bending strains enter the
-                          mean shear strain 12 of an element along asymptotic lines (twisted
-                          strips); 0 on elements along lines of curvature */
+    double lock; /* measure of how much too stiff the bending of the element is: [thinness c/70]^2,
+                    where c rises linearly from 0 at the irregularity 0.2 to 1 at 0.3. A mesh with
+                    an element above QUAD_LOCK is refused unless the scene accepts irregular meshes
+                  */
+    double asymptotic; /* weight, 0 to 1, of a correction of the mean shear strain 12 of an element
+                          by multiples of its bending strains (quad_types.c). It is 0 unless the
+                          directions of the element are asymptotic lines of the surface (lines with
+                          the normal curvature 0), as on twisted strips */
 } quad_rule;
 
 #define QUAD_LOCK 1.5
 
 /*
- * Return how the formulation of an element is adapted to its thinness and irregularity.
+ * Return the thinness and irregularity of an element, and the factors bubble_share, lock and
+ * asymptotic that follow from them (quad_rule).
  *   thickness    in  thickness of the laminate (m)
- *   irregularity in  largest irregularity of the four nodes: distance of a node from the mean of
- *                    its neighbours, relative to their distances
+ *   irregularity in  largest irregularity of the four nodes (quad_irregularity)
  */
 quad_rule quad_rule_of(const quad_geometry *geometry, double thickness, double irregularity);
 

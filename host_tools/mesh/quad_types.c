@@ -20,8 +20,8 @@ static uint32_t element_of(const quad_side *side)
 }
 
 /*
- * Return whether an element, going around its corners in order, runs along one of its sides from
- * the node with the higher number to the node with the lower one.
+ * Return whether the element of a side has the two nodes of this side in descending order, when its
+ * corners are visited in the order 0, 1, 2, 3, 0.
  */
 static bool is_reversed(const quad_mesh *quads, const quad_side *side)
 {
@@ -148,8 +148,9 @@ typedef struct quad_build {
 } quad_build;
 
 /*
- * Fill the corner tables (displacements of the corners to strains), the thickness and the skew of
- * an element's type.
+ * Start the type of an element: fill its corner tables (displacements of the corners to strains),
+ * its thickness, its skew coefficients alpha_1 and alpha_2 (0 on a parallelogram) and its length
+ * ratio; all other members are 0.
  */
 static void start_type(const quad_build *build, int element, const quad_geometry *geometry,
                        pzs_element_type *type)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Element types of a mesh of quadrilaterals of any shape in any arrangement: strains from the
- * displacements of the corners, stiffness, warping correction and skew. Also the checks that such a
- * mesh must pass.
+ * Element types of a mesh of quadrilaterals of any shape in any arrangement. An element type holds
+ * the matrices for the strains from the displacements of the corners, the stiffness, the warping
+ * correction of warp.h, and the skew. Also the checks that such a mesh must pass.
  */
 #ifndef QUAD_TYPES_H
 #define QUAD_TYPES_H
@@ -16,23 +16,25 @@
  * bending or a distorted shape, and the worst values among them.
  */
 typedef struct quad_report {
-    int locking; /* number of elements that are too thin for the irregular mesh around them and were
-                    accepted: their bending is far too stiff, most of all at free edges and in
-                    inextensional motions */
-    int coarse;  /* number of thin, irregular elements that are curved over their length: their
-                    bending is too stiff, as if the shear flexibility of coarse meshes were missing
+    int locking; /* number of elements whose factor quad_rule.lock is above QUAD_LOCK: they are too
+                    thin for the irregular mesh around them, so that their bending is far too stiff
                   */
-    int strips;  /* number of distorted elements on thin twisted strips whose sides run along the
-                    straight lines of the strip (asymptotic lines of the surface) */
-    int narrow;  /* number of elements with an obtuse corner: the area per unit of the natural
-                    coordinates is below 0.3 of that at the centre */
+    int coarse;  /* number of elements, not counted in `locking`, whose bending is too stiff: they
+                    are thin, irregular, and too long for their curvature */
+    int strips; /* number of thin, irregular elements whose sides follow the asymptotic lines of the
+                   surface (lines with the normal curvature 0), as on a twisted strip: their
+                   displacements are too small */
+    int narrow; /* number of elements that are nearly triangles: at one corner the Jacobian
+                   determinant (area per unit of the natural coordinates) is below 0.3 of that at
+                   the centre of the element */
     double thinness;     /* largest thinness (curvature times squared length over thickness) of the
                             elements whose bending is or may be too stiff */
     double irregularity; /* largest irregularity (skew of the element, or distance of a node from
                             the mean of its neighbours relative to their distances) of the elements
                             whose bending is or may be too stiff */
-    double jacobian;     /* area of an element per unit of the natural coordinates at a corner, over
-                            that at its centre: the smallest ratio in the mesh */
+    double jacobian; /* the Jacobian determinant is the area per unit of the natural coordinates:
+                        smallest ratio of its value at a corner of an element to that at the centre,
+                        over all elements; at most 1 */
 } quad_report;
 
 /*

@@ -9,7 +9,10 @@
 #include "../quads/quad_mesh.h"
 #include "../scene/surface.h"
 
-/* Nodes and elements between the coordinate lines of a surface. */
+/*
+ * Mesh whose nodes are at the intersections of coordinate lines of a surface (lines on which theta1
+ * or theta2 is constant), with elements between these lines.
+ */
 typedef struct line_mesh {
     const surface_point *point; /* [nodes] position, local axes and metric of the surface at the
                                    nodes */

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Springs and stack actuators of a scene as sparse rows over the free dof (springs.h). */
+/*
+ * Springs and stack actuators of a scene: for each one, the factors by which the free dof of the
+ * mesh give its elongation (springs.h).
+ */
 #include "springs.h"
 #include <math.h>
 #include <stdlib.h>
@@ -10,13 +13,15 @@
 #include "mesh_spot.h"
 
 /*
- * Largest number of entries of the sparse row of one spring (elongation per unit of each dof): two
- * ends of four nodes each, of which each has the mean and the difference of both faces'
- * displacements in three components.
+ * Largest number of dof that enter the elongation of one spring: two ends of four nodes each. Each
+ * node has the mean and the difference of both faces' displacements in three components.
  */
 enum { MOST_ENTRIES = 2 * 4 * 6 };
 
-/* Sparse row of one spring: elongation per unit of each dof. */
+/*
+ * Elongation of one spring as a function of the free dof: their numbers, and the elongation per
+ * unit of each.
+ */
 typedef struct spring_row {
     int entries;
     uint16_t dof[MOST_ENTRIES];
@@ -46,8 +51,8 @@ static int fault_of_memory(const spring_builder *builder)
 /* ---- one row ------------------------------------------------------------ */
 
 /*
- * Add a value to the entry of one dof of a node in the sparse row of a spring; a constrained dof
- * has no entry.
+ * Add a value to the factor by which one dof of a node enters the elongation of a spring (row); a
+ * constrained dof has no factor.
  */
 static void add_entry(const mesh *mesh, int node, int i, double value, spring_row *row)
 {
@@ -86,8 +91,9 @@ static double face_height(const mesh *mesh, scene_face face)
 }
 
 /*
- * Add the displacement of a node at a face, along a vector in space and times a factor, to the
- * sparse row of a spring (elongation per unit of each dof).
+ * Add to the elongation of a spring the displacement of one face of the shell at a node: its
+ * component along a vector in space, times a factor. The elongation is stored as a factor for each
+ * dof (row).
  */
 static void add_node(const spring_builder *builder, int node, double factor, const double vector[3],
                      spring_row *row)
@@ -162,8 +168,10 @@ static int refuse_axis(const spring_builder *builder, int node)
 }
 
 /*
- * Compute the sparse row of a spring that is attached at a point of the mesh. Returns 0, or -1 with
- * error filled.
+ * Compute the factors by which the free dof give the elongation of a spring that is attached at a
+ * point of the mesh.
+ *   row out  numbers of these dof, and the elongation per unit of each
+ * Returns 0, or -1 with error filled.
  */
 static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring_row *row)
 {
@@ -193,8 +201,8 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
 /* ---- list of rows -------------------------------------------------------- */
 
 /*
- * Make room for one more spring in the list of springs: the sparse row of factors by which the dof
- * of the mesh give the spring's elongation. Returns 0, or -1 when memory runs out.
+ * Make room for one more spring in the list of springs, with the factors by which the dof of the
+ * mesh give its elongation. Returns 0, or -1 when memory runs out.
  */
 static int grow(spring_builder *builder)
 {
@@ -346,8 +354,9 @@ static int append_all(spring_builder *builder)
 /* ---- envelope -------------------------------------------------------------- */
 
 /*
- * Widen the envelope of the stiffness matrix's factor so that it contains the products of all pairs
- * of entries of every spring.
+ * Widen the envelope of the stiffness matrix (mesh.first_column, the first stored column of each
+ * row) for the springs. A spring adds stiffness entries for every pair of dof that move its ends.
+ * Each of these dof therefore needs a row that begins at the lowest of them or before.
  */
 static void widen_envelope(mesh *mesh)
 {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Springs of a scene and stack actuators as sparse rows over the free dof. The elongation of a
- * spring is the displacement of the point where it is attached, along its direction, less the
- * displacement of its other end. The displacement of a point is the mean of both faces unless a
- * face is named. Distributed springs are lumped at the nodes.
+ * Springs and stack actuators of a scene. The elongation of a spring is the displacement of the
+ * point where it is attached, along its direction, less the displacement of its other end. It is a
+ * linear function of the free dof of the mesh, and is stored as a sparse row: the numbers of the
+ * dof that enter, and the elongation per unit of each. The displacement of a point is the mean of
+ * both faces unless a face is named. Distributed springs are lumped at the nodes.
  *
  * The list of springs consists of items: first one for each entry of the section `springs`, then
  * one for each actuator, which is empty if the actuator has no stacks.
@@ -30,16 +31,19 @@ void springs_direction(const surface_point *point, const scene_direction *direct
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 
 /*
- * List the springs and stacks of a scene as sparse rows over the free dof of a mesh. The dof of the
- * mesh must be numbered and its element types built. The envelope of the mesh does not change.
- * Returns 0, or -1 with error filled; mesh_springs_free releases the list in either case.
+ * List the springs and stacks of a scene, each with its stiffness and with the factors by which the
+ * free dof of the mesh give its elongation. The dof must be numbered and the element types built.
+ * The entries that the springs add to the stiffness matrix are not yet provided for in
+ * mesh.first_column. Returns 0, or -1 with error filled; mesh_springs_free releases the list in
+ * either case.
  *   springs in/out  in: empty; out: the list
  */
 int springs_list(mesh *mesh, mesh_springs *springs, char *error);
 
 /*
- * Return the index of an actuator's stacks in the array mesh_springs.first, which lists the springs
- * of the scene and then the stacks of each actuator.
+ * Return the index i of an actuator for which mesh_springs.first[i] is the number of its first
+ * stack in the list of all springs and stacks. The array has an entry for each item of the scene's
+ * list `springs`, then one for each actuator.
  */
 int springs_item(const scene *scene, int actuator);
 
@@ -50,8 +54,8 @@ int springs_item(const scene *scene, int actuator);
 double springs_elongation(const mesh_springs *springs, int row, const double *displacement);
 
 /*
- * Add the sparse row of a spring (its elongation per unit of each dof), times a factor, to a vector
- * over the free dof (dense [free_dof] in/out).
+ * Add the elongation of a spring per unit of each free dof, times a factor, to a vector over the
+ * free dof (dense [free_dof] in/out).
  */
 void springs_add(const mesh_springs *springs, int row, double factor, double *dense);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Rotation of the triads (local axes) of nodes about the surface normal, to the direction that a
- * support gives, on a mesh between coordinate lines (mesh_turn_axes in mesh.h).
+ * Rotation of the triads (local axes) of nodes about the surface normal. A support with the key
+ * `direction` rotates the axis e1 of its nodes to this direction, on a mesh between lines of
+ * constant surface coordinates (mesh_turn_axes in mesh.h).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -63,9 +64,10 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
 }
 
 /*
- * Rotate the triads (local axes) of the nodes of all supports that give a direction.
- *   turned  [nodes] out   1 for the nodes whose triads were rotated
- *   node    [nodes] out  work array
+ * Rotate the triads (local axes) of the nodes of all supports with the key `direction`, except
+ * oblique supports: the axis e1 of each triad becomes this direction, projected on the surface.
+ *   turned [nodes] in/out  1 for the nodes whose triads were rotated
+ *   node   [nodes] out     work array
  * Returns 0, or -1 with error filled.
  */
 static int turn_all(mesh *mesh, unsigned char *turned, int *node, char *error)

@@ -6,17 +6,17 @@
 #include <string.h>
 
 /*
- * Size of the linear system for the warping correction, which removes the effect of tilting
- * directors from an element's membrane shear strain: ROWS unknown factors, each of a strain of
- * bending or transverse shear that is subtracted; TILTS equations, one for the tilt of each of four
- * directors about each of two axes.
+ * Size of the linear system for the eight factors c_k of the warping correction (warp.h). ROWS:
+ * number of unknown factors. TILTS: number of equations, one for each of two tilts (about the local
+ * axes) of the director (unit normal) at each of four corners.
  */
 enum { ROWS = 8, TILTS = 8 };
 
 /*
- * Linear system a c = y for the eight factors c of the warping correction of an element's membrane
- * shear strain. A director tilts in each equation: a_ik is the value of strain k under tilt i, and
- * y_i is the difference of the shear strain 12 between the faces under this tilt.
+ * Linear system a c = y for the eight factors c_k of the warping correction (warp.h). Row i belongs
+ * to tilt i, a unit tilt of the director of one corner along its local axis e1 or e2. The entry
+ * a_ik is the strain e_k that this tilt causes, and y_i is the difference of the shear strain 12
+ * between both faces that it causes.
  */
 typedef struct tilt_system {
     double matrix[TILTS][ROWS], right_side[TILTS];
@@ -28,10 +28,12 @@ static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
 
 /*
- * Compute how the director changes at a corner, along a direction of the element, if the director
- * of one node tilts by one unit.
- *   j       in   axis of the node along which its director tilts: 0: e1, 1: e2
- *   out [3] out  derivative of the director at the corner
+ * Compute the derivative of the director at a corner along direction 1 or 2 of the element, for a
+ * tilt of the director of one node. The tilt adds the unit vector of a local axis of the node to
+ * its director.
+ *   direction in   0: direction 1, 1: direction 2
+ *   j         in   local axis of the node, 0: e1, 1: e2
+ *   out   [3] out  derivative (1/m)
  */
 static void tilt_derivative(const pzs_element_type *type, int corner, int direction, int node,
                             int j, double out[3])
@@ -44,12 +46,12 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
- * Add the strains at one corner of an element, for a unit tilt of the director of one node, to sums
- * over the corners. The director tilts along the local axis e1 (j = 0) or e2 (j = 1) of its node.
- *   row   [8] in/out  sums of the eight strains of bending and transverse shear in the warping
- *                     correction, each multiplied by its shape (constant, linear or bilinear over
- *                     the element) at the corner
- *   shear     in/out  sum of the differences of the shear strain 12 between the faces
+ * Add the contribution of one corner to one equation of the linear system for the warping
+ * correction (warp.h). In this equation the director of one node tilts along its local axis e1 (j =
+ * 0) or e2 (j = 1). An amplitude of a strain in a strain mode (constant, or linear in xi1 or xi2)
+ * is the mean over the corners of the strain times 1, xi1 or xi2.
+ *   row   [8] in/out  amplitudes of the eight strains e_k
+ *   shear     in/out  difference of the shear strain 12 between both faces, mean over the corners
  */
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
                        double *shear)
@@ -165,11 +167,11 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve the linear system for the warping correction of an element (factors [8] out: multiples of
- * eight strains that make the membrane shear strain independent of tilted directors). Unknowns
- * beyond the rank are 0, and so are values that are rounding error relative to the scales of the
- * columns. Returns 0, or -1 if an equation beyond the rank is not satisfied or a number is not
- * finite.
+ * Solve the linear system for the warping correction (warp.h) by elimination. If its rank r is
+ * below eight, the last 8 - r unknowns are set to 0, and the last 8 - r equations must be satisfied
+ * by rounding error alone. A factor that is rounding error becomes 0.
+ *   factors [8] out  factors c_k of the strains e_k
+ * Returns 0, or -1 if an equation is not satisfied or a number is not finite.
  */
 static int solve(tilt_system *equations, double factors[ROWS])
 {

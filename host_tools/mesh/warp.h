@@ -1,27 +1,30 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Warping correction of the membrane shear strain of an element (pzs_element_type.warp). */
+/*
+ * Warping correction of an element (pzs_element_type.warp): a term of the membrane shear strain of
+ * a curved element, for normal displacements of its four corners with alternating signs, which warp
+ * it.
+ */
 #ifndef WARP_H
 #define WARP_H
 
 #include "pzs.h"
 
 /*
- * Compute the warping correction of an element type, type->warp, from its thickness and its corner
- * tables (which map the displacements of the corners to strains).
- *
- * The correction adds to the mean membrane shear strain of both faces the difference of the shear
- * strain between them, less multiples of eight other strains, times `share`:
- *  12m^00 += share (12d^00 - sum over k of c_k strain_k),
- *  strains 13^01 23^10 13^00 23^00 11d^00 11d^01 22d^00 22d^10.
- * The numbers are the components of the strains, m is the mean and d the difference of both faces,
- * and the exponent is the shape of the strain over the element: 00 constant, 01 and 10 linear along
- * one direction. The factors c_k are such that, in the reference state, no tilt of the four
- * directors changes the expression in brackets. The membrane strains then contain displacements of
- * the middle surface alone, and a thin shell cannot relax them by rotating its directors, which
- * would cost no energy.
+ * Compute the warping correction of an element type (type->warp) from its thickness and its corner
+ * tables, which map the displacements of the corners to strains. The correction adds a term to the
+ * mean 12m of the membrane shear strain of both faces:
+ *   share (12d - sum over k of c_k e_k), k = 1 to 8,
+ * where 12d is the difference of the shear strain 12 between both faces, constant over the element.
+ * The strains e_k are, with the natural coordinates xi1 and xi2:
+ *   transverse shear  13 linear in xi2, 23 linear in xi1, 13 constant, 23 constant;
+ *   bending (difference between both faces)  11 constant, 11 linear in xi2, 22 constant, 22 linear
+ *       in xi1.
+ * The factors c_k make the bracket independent of the tilts of the four directors (unit normals) in
+ * the reference state: eight strains for eight tilts, two at each corner. The corrected membrane
+ * strains then depend on displacements of the middle surface alone. Otherwise tilted directors
+ * could cancel the membrane strains of a thin shell.
  *   share  in  tau (L1^2 k1 + L2^2 k2)/(12 h), with tau the element option of this name, L1 and L2
- *          the lengths of the element, k1 and k2 its curvatures and h the thickness; 0: no
- *          correction
+ *       the lengths of the element, k1 and k2 its curvatures and h the thickness; 0: no correction
  * Returns 0, or -1 if the eight strains cannot remove the effect of the directors, because the
  * element has no extent.
  */

@@ -94,7 +94,9 @@ typedef struct scene_element {
     bool cartesian; /* true: strains are computed from differences of the displacement vectors of an
                        element's corners; false: from derivatives of displacement components in the
                        local triad of the surface */
-    double tau; /* factor of the warping correction in the membrane shear strain of an element */
+    double tau;     /* factor (1) of the warping correction (warp.h), a term of the membrane shear
+                       strain of a curved element for normal displacements of its four corners with
+                       alternating signs; 0: no such term */
     double rho; /* factor of the flexibility that is added to the transverse shears of an element on
                    coarse meshes: bending flexibility 12/(E h^3) times length^2/12 */
     bool hr, lin33;   /* hr: true sets to 0 those stress resultants of an element that vary over the
