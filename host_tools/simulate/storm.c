@@ -559,8 +559,9 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 
 /*
  * Compute the best shape of the simulated structure for the last target, within the stroke of the
- * electrodes (voltages that can act on the ceramic). On a deformed structure, compute the shape at
- * which the loop comes to rest instead.
+ * electrodes (voltages that can act on the ceramic). The influence matrix is the structure's, of
+ * which the controller may leave out small entries. On a deformed structure, compute the shape at
+ * which the loop comes to rest instead, with the controller's matrix.
  */
 static pzs_status find_best(storm *storm)
 {
@@ -575,8 +576,9 @@ static pzs_status find_best(storm *storm)
     if (influence && work) {
         double *wide = influence + targets * amplifiers;
         const double gain = is_deformed ? 1 : storm->plant->gain;
+        const double *matrix = is_deformed ? given->influence : storm->rig->influence;
         for (size_t i = 0; i < targets * amplifiers; i++)
-            influence[i] = gain * given->influence[i];
+            influence[i] = gain * matrix[i];
         for (size_t k = 0; k < amplifiers; k++)
             wide[k] = HUGE_VAL;
         problem.step_limit = wide;
