@@ -796,7 +796,9 @@ static int fill(mesh *mesh, char *error)
         return scene_fault(scene->line[0].at, error,
                            "%d element matrices do not fit into memory; use fewer elements",
                            mesh->types);
-    return mesh_springs_build(mesh, error);
+    if (mesh_springs_build(mesh, error) < 0)
+        return -1;
+    return mesh_masses_build(mesh, error);
 }
 
 void mesh_begin(mesh *mesh, const scene *scene)
@@ -886,5 +888,6 @@ void mesh_free(mesh *mesh)
     free(mesh->prescribed_dof);
     free(mesh->prescribed_value);
     mesh_springs_free(&mesh->springs);
+    free(mesh->mass);
     memset(mesh, 0, sizeof *mesh);
 }

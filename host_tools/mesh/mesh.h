@@ -38,6 +38,16 @@ typedef struct mesh_springs {
                                 L^T) would have without springs */
 } mesh_springs;
 
+/* A concentrated mass of a mesh, at a point in an element. */
+typedef struct mesh_mass {
+    int element;      /* element to which the mass belongs */
+    double weight[4]; /* weights of the element's corners in the displacement of the mass; their sum
+                         is 1 */
+    double mass;      /* (units of the scene file) */
+    double inertia;   /* moment of inertia about the centre of the mass (units of the scene file) */
+    scene_face face;  /* face of the shell with which the mass moves */
+} mesh_mass;
+
 typedef struct mesh {
     const scene *scene; /* scene from which the mesh is built; no function uses it after the mesh
                            and the numerical model of the scene are built */
@@ -97,6 +107,8 @@ typedef struct mesh {
     double *prescribed_value; /* [prescribed_count] prescribed displacements at full load (length
                                  unit of the scene file) */
     mesh_springs springs;
+    int masses;
+    mesh_mass *mass; /* [masses] concentrated masses of the scene */
 } mesh;
 
 /*
@@ -167,6 +179,12 @@ void mesh_turn_to_triad(const mesh *mesh, int node, double mean[3]);
  * filled.
  */
 int mesh_springs_build(mesh *mesh, char *error);
+
+/*
+ * List the concentrated masses of the scene (mesh_masses.c). Returns 0, or -1 with error filled;
+ * mesh_free releases the list in either case.
+ */
+int mesh_masses_build(mesh *mesh, char *error);
 
 void mesh_springs_free(mesh_springs *springs);
 

@@ -204,11 +204,30 @@ void face_forces(const mesh *mesh, const scene_load *load, const double *value, 
             add_element(mesh, load, element, value, 1, dense);
 }
 
+/* Add the nodal forces of the weight of a concentrated mass, which act at the face it moves with.
+ */
+static void add_mass_weight(const mesh *mesh, const scene_load *load, const mesh_mass *mass,
+                            const double *value, double *dense)
+{
+    const uint16_t *node = mesh->element[mass->element];
+    for (int row = 0; row < 4; row++)
+        for (int column = 0; column < 4; column++) {
+            double direction[3], carried[3], weight[7];
+            load_vector(mesh, load, node[column], value[node[column]], direction);
+            carry(mesh, load, node[column], node[row], direction, carried);
+            node_face_weights(mesh, mass->face, carried, weight);
+            node_add(mesh, node[row], mass->mass * mass->weight[row] * mass->weight[column], weight,
+                     dense);
+        }
+}
+
 void weight_forces(const mesh *mesh, const scene_load *load, const double *value, double *dense)
 {
     for (int element = 0; element < mesh->elements; element++)
         add_element(mesh, load, element, value,
                     mass_per_area(mesh, &mesh->place[mesh->element_type[element]]), dense);
+    for (int k = 0; k < mesh->masses; k++)
+        add_mass_weight(mesh, load, &mesh->mass[k], value, dense);
 }
 
 /*

@@ -8,6 +8,7 @@
 #include "../../lib/model/shell.h"
 #include "../mesh/corner_weight.h"
 #include "../quads/vector.h"
+#include "node_forces.h"
 
 /*
  * FUNCTIONS: number of functions of the height that describe the displacement in a laminate of
@@ -113,6 +114,42 @@ static void fill_element(const mesh *mesh, int element, double lumped,
         }
 }
 
+/*
+ * Motion of a concentrated mass for a unit of one dof of a corner of its element, as vectors in
+ * space: the displacement of the face with which the mass moves, and its rotation. With the normal
+ * D, and with beta the difference of both faces' displacements over the thickness, the rotation is
+ * D x beta.
+ *   index in  dof of the corner, 0 to 6
+ */
+static void motion_of_mass(const mesh *mesh, const mesh_mass *mass, int corner, int index,
+                           double displacement[3], double rotation[3])
+{
+    const surface_point *point = &mesh->point[mesh->element[mass->element][corner]];
+    const double weight = mass->weight[corner];
+    const double height = node_face_height(mass->face, mesh->laminate.thickness);
+    const double of_function[FUNCTIONS] = {1, height, 0};
+    vector_cross(point->triad[2], point->triad[component_of[index]], rotation);
+    for (int i = 0; i < 3; i++) {
+        displacement[i] =
+            weight * of_function[function_of[index]] * point->triad[component_of[index]][i];
+        rotation[i] *= function_of[index] == 1 ? weight : 0;
+    }
+}
+
+/* Add a concentrated mass to the packed mass matrix of its element. */
+static void add_mass(const mesh *mesh, const mesh_mass *mass, double *entry)
+{
+    const int dof_per_node = (int)mesh->dof_per_node;
+    double displacement[SHELL_MAX][3], rotation[SHELL_MAX][3];
+    for (int row = 0; row < 4 * dof_per_node; row++) {
+        motion_of_mass(mesh, mass, row / dof_per_node, row % dof_per_node, displacement[row],
+                       rotation[row]);
+        for (int column = 0; column <= row; column++)
+            *entry++ += mass->mass * vector_dot(displacement[row], displacement[column]) +
+                        mass->inertia * vector_dot(rotation[row], rotation[column]);
+    }
+}
+
 static size_t entries(const mesh *mesh)
 {
     return SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
@@ -168,6 +205,8 @@ int mass_build(mass *mass, const design *design, double lumped, char *error)
         fill_element(mesh, element, lumped, integral,
                      mass->entry + (size_t)element * entries(mesh));
     }
+    for (int k = 0; k < mesh->masses; k++)
+        add_mass(mesh, &mesh->mass[k], mass->entry + (size_t)mesh->mass[k].element * entries(mesh));
     return 0;
 }
 

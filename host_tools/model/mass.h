@@ -5,7 +5,8 @@
  * the displacement at a node is u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3. Here `mean` is
  * the mean of both faces' displacements, `difference` their difference divided by h, q the seventh
  * dof and e3 the thickness direction. Displacement vectors, not components, are interpolated
- * between the nodes, so that a rigid translation has exactly the mass of the structure.
+ * between the nodes, so that a rigid translation has exactly the mass of the structure. A
+ * concentrated mass is part of the matrix of one element that contains its point.
  */
 #ifndef MASS_H
 #define MASS_H
@@ -27,7 +28,7 @@ typedef struct mass {
 
 /*
  * Build the element mass matrices as a weighted mean of the consistent and the lumped matrix, with
- * the metric of curved plies and the scene's additional mass per area.
+ * the metric of curved plies, the scene's additional mass per area and its concentrated masses.
  *   lumped in  weight of the lumped matrix, from 0 to 1
  * Returns 0, or -1 with error filled where a material has no density or memory runs out.
  */

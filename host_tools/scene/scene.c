@@ -60,6 +60,8 @@ static void free_mechanics(scene *scene)
 {
     for (int i = 0; i < scene->springs; i++)
         free(scene->spring[i].point);
+    for (int i = 0; i < scene->masses; i++)
+        free(scene->mass[i].point);
     for (int i = 0; i < scene->supports; i++) {
         expr_free(scene->support[i].value);
         for (int axis = 0; axis < 3; axis++)
@@ -71,6 +73,7 @@ static void free_mechanics(scene *scene)
     }
     expr_free(scene->contact.body.value);
     free(scene->spring);
+    free(scene->mass);
     free(scene->support);
     free(scene->load);
 }

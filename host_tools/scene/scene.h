@@ -339,6 +339,26 @@ typedef struct scene_spring {
 } scene_spring;
 
 /*
+ * Equal concentrated masses at nodes or points of the shell, without stiffness.
+ */
+typedef struct scene_mass {
+    char name[SCENE_NAME]; /* name of the masses; empty if the scene file gives none */
+    scene_where where;     /* nodes at which one mass each is attached; where.at.column is 0 if the
+                              masses are attached at points and not at nodes */
+    int points;
+    double (*point)[3]; /* [points] attachment points: surface coordinates theta1, theta2 and 0, or
+                           x, y, z on a mesh from a file, where z is NAN if it is not given */
+    scene_face face;    /* face of the shell with which the masses move */
+    double mass;        /* one mass, or mass per length or area, as `per` tells (units of the scene
+                           file) */
+    int per;        /* whether `mass` belongs to one point, to a length or to an area; a value of
+                       scene_per */
+    double inertia; /* moment of inertia of one mass about its centre, for rotations about any
+                       axis in the surface (units of the scene file) */
+    scene_at at;
+} scene_mass;
+
+/*
  * An actuator has one amplifier for each position in its grids of patches; the patches at one
  * position are connected to its amplifier, each with a signed factor. Positions are numbered along
  * the surface coordinates theta1 and theta2, fastest along theta2. An actuator may instead be one
@@ -962,14 +982,15 @@ typedef struct scene {
     bool reference_is_middle;
     double reference; /* height of the reference surface above the inner face of the laminate
                          (length unit of the scene file) */
-    int materials, layers, patch_grids, actuators, sensors, supports, springs, loads, outputs,
-        compares;
+    int materials, layers, patch_grids, actuators, sensors, supports, springs, masses, loads,
+        outputs, compares;
     scene_material *material;
     scene_layer *layer;
     scene_patches *patches;
     scene_actuator *actuator, *sensor;
     scene_support *support;
     scene_spring *spring;
+    scene_mass *mass;
     scene_load *load;
     scene_contact contact;
     scene_output *output;

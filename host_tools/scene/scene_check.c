@@ -55,6 +55,7 @@ int scene_check_names(const scene *scene, char *error)
         CHECK_NAMES("actuators", actuator, actuators, scene_actuator) != 0 ||
         CHECK_NAMES("sensors", sensor, sensors, scene_actuator) != 0 ||
         CHECK_NAMES("springs", spring, springs, scene_spring) != 0 ||
+        CHECK_NAMES("masses", mass, masses, scene_mass) != 0 ||
         CHECK_NAMES("outputs", output, outputs, scene_output) != 0 ||
         CHECK_NAMES("compare items", compare, compares, scene_compare) != 0 ||
         CHECK_NAMES("modes", target.mode, target.modes, scene_mode) != 0)
@@ -329,6 +330,9 @@ static int check_places(scene *scene, char *error)
     for (i = 0; i < scene->springs; i++)
         if (check_spring(scene, &scene->spring[i], error) != 0)
             return -1;
+    for (i = 0; i < scene->masses; i++)
+        if (scene->mass[i].where.at.column && check_where(scene, &scene->mass[i].where, error) != 0)
+            return -1;
     for (i = 0; i < scene->actuators; i++)
         if (scene->actuator[i].stacks && check_spring(scene, scene->actuator[i].stacks, error) != 0)
             return -1;
@@ -458,7 +462,8 @@ static int check_loads(const scene *scene, char *error)
 {
     int i;
     for (i = 0; i < scene->loads; i++) {
-        if (scene->load[i].type == LOAD_WEIGHT && !any_material(scene, has_density))
+        if (scene->load[i].type == LOAD_WEIGHT && scene->masses == 0 &&
+            !any_material(scene, has_density))
             return scene_fault(scene->load[i].at, error,
                                "weight without density; give a layer's material 'density'");
         if (scene->load[i].type == LOAD_TEMPERATURE && !scene_expands(scene) &&

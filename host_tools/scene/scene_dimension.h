@@ -24,6 +24,9 @@ typedef enum dimension {
     OF_ACCELERATION,
     OF_DENSITY,
     OF_AREA_DENSITY,
+    OF_LINE_DENSITY,
+    OF_MASS,
+    OF_INERTIA,
     OF_RATE,
     OF_TEMPERATURE,
     OF_EXPANSION,
@@ -51,6 +54,7 @@ typedef enum dimension {
     OF_OUTLINE, /* physical dimension of a coordinate or length in the plane of electrode outlines
                  */
     OF_SPRING,
+    OF_ADDED_MASS,
     OF_SUPPORT,
     OF_LOAD,
     OF_OUTPUT,

@@ -62,6 +62,17 @@ field_read read_element, read_materials, read_layers, read_reference, read_patch
 field_read read_springs, read_stacks, read_any_direction;
 
 /*
+ * Read points that need not be nodes of the mesh from a list or a file of them (scene_springs.c).
+ *   point   out  allocated coordinates; NULL where the function fails
+ *   points  out  number of points, at least 1
+ * Returns 0, or -1 after writing an error message about the scene file.
+ */
+int scene_points_read(reader *reader, int node, double (**point)[3], int *points);
+
+/* Reader of the section for concentrated masses (scene_masses.c). */
+field_read read_masses;
+
+/*
  * Functions that read the electrodes of patches (scene_outlines.c): the plane of their outlines,
  * into the outline_plane at `to`, and the outlines, into the scene_patches at `to`.
  */
@@ -173,12 +184,12 @@ field_read read_simulate;
  * nodes is stored in the scene_where (description of a place on the mesh) to which the argument
  * `to` points.
  */
-field_read read_edge, read_point, read_at;
+field_read read_edge, read_point, read_at, read_face;
 int require_place(reader *reader, int node, const scene_where *where);
 extern const form direction_form, stacks_form;
 extern const form edge_form, point_form, node_form, at_form, face_form, place_form, mesh_file_form,
     mesh_disc_form;
-extern const choice place_axes[], place_faces[];
+extern const choice place_axes[], place_faces[], place_pers[];
 extern const int place_components[];
 
 /*
@@ -221,9 +232,9 @@ extern const int place_components[];
 /* Descriptions of the values (struct form) that the sections of a scene file accept. */
 extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
     reference_form, patches_form, actuators_form, sensors_form, control_form, safety_form,
-    hysteresis_form, limits_form, supports_form, springs_form, loads_form, contact_form,
-    outputs_form, target_form, compare_form, estimate_form, dynamics_form, simulate_form,
-    equilibrium_form, influence_form, measured_target_form;
+    hysteresis_form, limits_form, supports_form, springs_form, masses_form, loads_form,
+    contact_form, outputs_form, target_form, compare_form, estimate_form, dynamics_form,
+    simulate_form, equilibrium_form, influence_form, measured_target_form;
 
 /* Default element formulation, for a scene that does not choose one. */
 extern const scene_element element_improved;

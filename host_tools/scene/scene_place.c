@@ -9,6 +9,9 @@
 #include <string.h>
 
 const choice place_axes[] = {{"x", COMPONENT_X}, {"y", COMPONENT_Y}, {"z", COMPONENT_Z}, {NULL, 0}};
+const choice place_pers[] = {
+    {"point", PER_POINT}, {"length", PER_LENGTH}, {"area", PER_AREA}, {NULL, 0}};
+
 const choice place_faces[] = {{"middle", FACE_MIDDLE},
                               {"inner", FACE_INNER},
                               {"outer", FACE_OUTER},

@@ -67,30 +67,32 @@ static int copy_point(reader *reader, int node, const number_table *table, size_
     return 0;
 }
 
-/* Read the points at which springs or stacks are attached; they need not be nodes of the mesh. */
-static int read_points(reader *reader, int node, void *to, const void *rule)
+int scene_points_read(reader *reader, int node, double (**point)[3], int *points)
 {
-    scene_spring *spring = to;
     number_table table;
     int column[SCENE_AXES];
-    (void)rule;
     int failed = scene_points_table(reader, node, &table, column) != 0;
     if (!failed && table.rows == 0)
         failed = tree_fault(reader->t, node, "'points' is empty; give one, as [[0, 0]]");
-    spring->point = failed ? NULL : calloc(table.rows, sizeof *spring->point);
-    if (!failed && !spring->point)
+    *point = failed ? NULL : calloc(table.rows, sizeof **point);
+    if (!failed && !*point)
         failed = tree_fault(reader->t, node, "out of memory");
     for (size_t k = 0; !failed && k < table.rows; k++)
-        failed = copy_point(reader, node, &table, k, column, spring->point[k]);
-    spring->points = failed ? 0 : (int)table.rows;
+        failed = copy_point(reader, node, &table, k, column, (*point)[k]);
+    *points = failed ? 0 : (int)table.rows;
     number_table_free(&table);
     return failed ? -1 : 0;
 }
 
-static const choice pers[] = {
-    {"point", PER_POINT}, {"length", PER_LENGTH}, {"area", PER_AREA}, {NULL, 0}};
+/* Read the points at which springs or stacks are attached; they need not be nodes of the mesh. */
+static int read_points(reader *reader, int node, void *to, const void *rule)
+{
+    scene_spring *spring = to;
+    (void)rule;
+    return scene_points_read(reader, node, &spring->point, &spring->points);
+}
 
-static int read_face(reader *reader, int node, void *to, const void *rule)
+int read_face(reader *reader, int node, void *to, const void *rule)
 {
     int face = 0;
     (void)rule;
@@ -142,7 +144,7 @@ static const field spring_fields[] = {
     {"about", read_any_direction, offsetof(scene_spring, about), .of = OF_NUMBER,
      .form = &direction_form,
      .help = "Torsional spring: axis of the rotation that it resists, in the surface."},
-    {"per", read_choice, offsetof(scene_spring, per), pers,
+    {"per", read_choice, offsetof(scene_spring, per), place_pers,
      .help = "point: each node or point has a spring of this stiffness (default); length: of an "
              "edge; area: of the elements whose nodes are all in the place."},
     {"stiffness", read_real, offsetof(scene_spring, stiffness), &not_negative, 1, .of = OF_SPRING,
@@ -180,7 +182,7 @@ static int check_ends(reader *reader, int node, const scene_spring *spring)
         return tree_fault(reader->t, node,
                           "'per: %s' is for springs along a direction, from a place to the ground; "
                           "remove it",
-                          pers[spring->per].word);
+                          place_pers[spring->per].word);
     return 0;
 }
 

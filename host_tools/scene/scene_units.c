@@ -31,6 +31,9 @@ static const struct {
     [OF_ACCELERATION] = {"an acceleration", "m/s2", {{1, 0, 0, 0, -2, 0}, 0, 0}},
     [OF_DENSITY] = {"a density", "kg/m3", {{-4, 1, 0, 0, 2, 0}, 0, 0}},
     [OF_AREA_DENSITY] = {"a mass per area", "kg/m2", {{-3, 1, 0, 0, 2, 0}, 0, 0}},
+    [OF_LINE_DENSITY] = {"a mass per length", "kg/m", {{-2, 1, 0, 0, 2, 0}, 0, 0}},
+    [OF_MASS] = {"a mass", "kg", {{-1, 1, 0, 0, 2, 0}, 0, 0}},
+    [OF_INERTIA] = {"a moment of inertia", "kg m2", {{1, 1, 0, 0, 2, 0}, 0, 0}},
     [OF_RATE] = {"a frequency", "Hz", {{0, 0, 0, 0, -1, 0}, 0, 0}},
     [OF_TEMPERATURE] = {"a temperature", "K", {{0, 0, 0, 1, 0, 0}, 0, 0}},
     [OF_EXPANSION] = {"a thermal expansion", "1/K", {{0, 0, 0, -1, 0, 0}, 0, 0}},
@@ -110,6 +113,14 @@ static dimension of_spring(const tree *tree, int map)
     if (strcmp(per, "area") == 0)
         return OF_FOUNDATION;
     return strcmp(per, "length") == 0 ? OF_LINE_STIFFNESS : OF_STIFFNESS;
+}
+
+static dimension of_added_mass(const tree *tree, int map)
+{
+    const char *const per = text_of(tree, map, "per");
+    if (strcmp(per, "area") == 0)
+        return OF_AREA_DENSITY;
+    return strcmp(per, "length") == 0 ? OF_LINE_DENSITY : OF_MASS;
 }
 
 static dimension of_output(const tree *tree, int map)
@@ -244,6 +255,7 @@ static dimension resolve(const reader *reader, int node, dimension of)
     case OF_COORDINATE: return of_coordinate(reader, node);
     case OF_POINT: return of_point(reader, node);
     case OF_SPRING: return of_spring(reader->t, map);
+    case OF_ADDED_MASS: return of_added_mass(reader->t, map);
     case OF_OUTLINE: return of_outline(reader, node);
     case OF_SUPPORT: return of_support(reader->t, map);
     case OF_LOAD: return of_load(reader->t, map);

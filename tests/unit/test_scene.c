@@ -1081,7 +1081,7 @@ static const struct {
     {"m", "materials.steel.E=135 GN",
      "'E: 135 GN' has the unit of a force; expected that of a stress or pressure, as MPa"},
     {"m", "materials.steel.density=7600 kg",
-     "'density: 7600 kg' has the unit 'kg'; expected that of a density, as kg/m3"},
+     "'density: 7600 kg' has the unit of a mass; expected that of a density, as kg/m3"},
     {"m", "materials.pzt.pyroelectric=3 C/m2 K", "a product after '/' needs brackets, as C/(m2 K)"},
     {"m", "materials.pzt.pyroelectric=3 C/(m2 K", "a ')' is missing"},
     {"m", "materials.pzt.alpha=3 1/m",
