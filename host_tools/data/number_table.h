@@ -75,9 +75,10 @@ void number_table_place(const number_table *table, size_t row, size_t column, ch
 /* ---- formats ---------------------------------------------------------- */
 
 /*
- * Readers of the table formats: they read a table from the bytes of a file, which are followed by a
- * NUL.
- *   error  [NUMBER_ERROR] out  what was found and what to do, after "LINE: " in text files
+ * Functions that read a table from the bytes of a file in one format: text, NumPy (npy) or image
+ * (pgm). The bytes are followed by a NUL.
+ *   error [NUMBER_ERROR] out  error message: what was found, and what to do; in text files it
+ *       begins with the number of the line, as "3: "
  * Each returns 0, or -1 with error filled. The caller releases the table in both cases.
  */
 int table_text_read(number_table *table, const char *bytes, size_t count, char *error);

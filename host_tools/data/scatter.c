@@ -259,9 +259,10 @@ static void rotate(double matrix[SCATTER_AXES][SCATTER_AXES],
  */
 static double linear_value(moments *moments, const double place[SCATTER_AXES])
 {
-    static const double narrow = 1e-8; /* smallest squared spread of the points in a direction,
-                                          relative to the largest spread, at which the fitted
-                                          function may have a slope in this direction */
+    static const double narrow = 1e-8; /* smallest variance of the points along a principal axis,
+                                          relative to the largest variance: where it is smaller, the
+                                          slope of the fitted function along this axis is set to 0
+                                        */
     double vectors[SCATTER_AXES][SCATTER_AXES] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double widest = 0, value = moments->value;
     for (int sweep = 0; sweep < 12; sweep++)

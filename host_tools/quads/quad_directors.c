@@ -278,10 +278,12 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* k = 1 adds the next corner and k = 2 the opposite one
-                                             to the fit of a quadric around the node `own`; the
-                                             third corner, inside a smooth sheet, is the next one of
-                                             the neighbouring element. */
+            for (int k = 1; k < 3; k++) { /* Around the node `own`, a quadric is fitted to the other
+                                             corners of all its elements. Each element adds its next
+                                             corner in the order of the corners (k = 1) and the
+                                             opposite one (k = 2). Inside a smooth sheet its
+                                             remaining corner is the next corner of a neighbouring
+                                             element, which adds it. */
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);
@@ -351,8 +353,10 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
 }
 
 /*
- * Sum the least-squares equations for the directors (unit normals) of the nodes on free edges. Each
- * straight line from such a node to a neighbour whose director is final contributes one equation.
+ * Sum the least-squares equations for the directors (unit normals) n of the nodes on free edges.
+ * Each straight line (vector c) from such a node to a corner of the same element contributes the
+ * equation (n + m).c = 0, where m is the director of that corner. Corners whose director is not yet
+ * known, because they are on a free edge too, are left out.
  */
 static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
 {

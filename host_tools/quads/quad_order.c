@@ -199,9 +199,9 @@ static void compare_both(search *search)
 }
 
 /*
- * Compare the node orders of the algorithm of Cuthill and McKee with the best order so far, by the
- * number of stored entries of the stiffness matrix: one from a node at an end of the mesh, and
- * three from the nodes on one side of the mesh.
+ * Try four node orders of the algorithm of Cuthill and McKee, and keep the best order (fewest
+ * stored entries of the stiffness matrix). One order starts from a node at an end of the mesh. The
+ * other three start from all nodes on the lowest side of the mesh along x, y and z.
  */
 static void try_levels(search *search, const quad_mesh *mesh)
 {
@@ -252,10 +252,10 @@ static uint32_t measure_levels(const search *search, const quad_mesh *mesh, int 
 }
 
 /*
- * Compare node orders of Sloan's algorithm between two opposite ends of the mesh with the best
- * order so far, by the number of stored entries of the stiffness matrix. The ends are two nodes
- * that are as many elements apart as a search finds, then the lowest and highest nodes along each
- * global axis. Returns 0, or -1 when memory runs out.
+ * Try node orders of Sloan's algorithm, each from one end of the mesh to the opposite one, and keep
+ * the best order (fewest stored entries of the stiffness matrix). The first pair of ends are two
+ * nodes with a large number of elements between them. The other three pairs are the highest and the
+ * lowest nodes along x, y and z. Returns 0, or -1 when memory runs out.
  */
 static int try_fronts(search *search, const quad_mesh *mesh)
 {

@@ -26,9 +26,10 @@ typedef struct sloan {
                           index i is at least that at the indices 2 i + 1 and 2 i + 2 */
     uint32_t *slot; /* [nodes] index of each candidate for the next number in the heap `waiting` */
     uint32_t count; /* number of mesh nodes that are candidates for the next number */
-    int64_t growth_weight; /* increase of a node's priority when numbering this node would add one
-                              node less to the front than before; the front is the set of nodes
-                              without a number that have a numbered neighbour */
+    int64_t growth_weight; /* factor in the priority of a node: numbering the node adds nodes to the
+                              front, and its priority is lower by this factor for each of them. The
+                              front is the set of nodes without a number that have a numbered
+                              neighbour */
 } sloan;
 
 /* ---- waiting nodes ------------------------------------------------------ */

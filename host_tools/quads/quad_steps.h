@@ -51,9 +51,10 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
                  const quad_options *options, quad_topology *topology);
 
 /*
- * Determine the directors (unit normals) and the first local axes of all nodes of a mesh, and
- * report sharp edges and pairs of nodes that are not joined as warnings. Returns 0, or -1 after
- * writing an error message about the mesh file.
+ * Determine the directors (unit normals) and the first local axes of all nodes of a mesh. Warnings
+ * are added for sharp edges of the surface, and for two nodes at nearly the same place in elements
+ * that are not connected there. Returns 0, or -1 after writing an error message about the mesh
+ * file.
  */
 int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                    quad_warnings *warnings);

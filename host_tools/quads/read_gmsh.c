@@ -108,9 +108,10 @@ static int find_entity(const gmsh *gmsh, int dimension, int tag)
 }
 
 /*
- * Return the index of the geometric entity that stands for a physical group in a Gmsh file of
- * version 2.2, where the group number 0 means no group. Returns -1 for no group, and -2 after
- * writing an error message about the mesh file.
+ * Return the index, in the list of geometric entities (gmsh->entity), of the entry for a physical
+ * group of a Gmsh file of version 2.2. Such a file has physical groups but no entities, so that an
+ * entry with the number of the group is added when the group first occurs. Returns -1 for group 0,
+ * which means no group, and -2 after writing an error message about the mesh file.
  */
 static int group_of(gmsh *gmsh, int dimension, int physical)
 {

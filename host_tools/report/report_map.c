@@ -45,8 +45,9 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
 }
 
 /*
- * Whether patches of two actuators overlap. Patches on the same layer do not overlap if one of them
- * has an arbitrary outline, even if both lie in the same element.
+ * Whether patches of two actuators overlap in a map of the surface: they lie in the same element,
+ * on any layers. Patches of arbitrary outline may share an element with patches of the same layer
+ * without overlapping; this pair of patches counts as not overlapping.
  */
 static bool do_overlap(const design *design, const scene_actuator *one, const scene_actuator *other)
 {
@@ -202,8 +203,9 @@ typedef struct drawn {
     const draw_scale *scale;
     double value;       /* input that the amplifier gives its patches: voltage, or temperature if it
                            supplies heaters */
-    const char *colour; /* style class of the colour of the voltage or temperature; "none" if the
-                           colour scale has another unit */
+    const char *colour; /* style class (CSS) of the colour of the amplifier's input in the colour
+                           scale; "none" if this input has another unit than the colour scale, as a
+                           temperature beside voltages */
     const char *outline; /* style class of the outline of an electrode or stack: "patch" for a
                             voltage within its limits, "limit" at an active limit, "beyond" beyond
                             the limits */

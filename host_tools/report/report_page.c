@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Frames of report pages and pictures, and pictures of shapes with their misfit. */
+/*
+ * Beginning and end of report pages and picture files, and pictures of the shell in a reached
+ * shape, coloured by its misfit (reached minus target displacement).
+ */
 #include "report_page.h"
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Parts of several report pages: frames, figures, tables, and shapes with their misfit. */
+/*
+ * Parts that several report pages have in common: beginning and end of a page, figures, tables, and
+ * pictures of the shell in a reached shape, coloured by its misfit (reached minus target
+ * displacement).
+ */
 #ifndef REPORT_PAGE_H
 #define REPORT_PAGE_H
 
@@ -76,10 +80,11 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
 
 /*
  * Parts of report pages. page_structure writes the tables of the layers and materials and the text
- * of the scene file. page_stress writes the section of the recovered stresses, a map and tables;
- * nothing where field is NULL. page_voltages writes the table of the voltages, with a row for each
- * amplifier and a column for each result. page_modes writes the errors of all shapes, a section for
- * each pair of voltage limits; nothing where the target is not a list of shapes.
+ * of the scene file. page_stress writes the section of the stresses in the layers, a map and
+ * tables; nothing if `field` is NULL (no stresses computed). page_voltages writes the table of the
+ * voltages, with a row for each amplifier and a column for each result. page_modes is for a target
+ * that is given as a list of modes (named target shapes): it writes the relative RMS error that
+ * each mode alone leaves, a section for each pair of voltage limits; nothing for other targets.
  */
 void page_structure(const page *page);
 void page_stress(const page *page, const stress_field *field);

@@ -159,8 +159,8 @@ static const char *open_cell(FILE *file, const char *tag, const char *at)
 }
 
 /*
- * HTML tag of every cell in the heading of a table. In a row whose first cell has another tag, the
- * other cells have the tag td.
+ * HTML tag of the cells in the heading row of a table, where all cells have this tag. In any other
+ * row the first cell has the tag that is given, and the following cells have td.
  */
 static const char *const head_cell = "th scope=\"col\"";
 

@@ -26,9 +26,11 @@
 void put(FILE *file, const char *format, ...);
 
 /*
- * Write a text with values, whose format has the directives of the function put (%n for a number,
- * %q for a quantity and others).
- *   cell  in  HTML tag of the first of the table cells that '|' separates, or NULL: no cells
+ * Write a text with values like the function put. In a table row the format contains several cells,
+ * separated by '|'.
+ *   cell  in  HTML tag of the first cell, which the caller has opened. The following cells have the
+ *       tag td, in a heading row (tag th scope="col") the tag of the first. NULL: the text is no
+ *       table row, and '|' is an ordinary character
  */
 void put_list(FILE *file, const char *format, const char *cell, va_list *more);
 
@@ -40,9 +42,10 @@ void put_row(FILE *file, const char *format, ...);
 
 /*
  * put_table begins an HTML table, and put_table_end ends it. On a narrow page the table can be
- * scrolled on its own.
- *   caption  in  markup with directives
- *   head     in  heading cells in the format of put_row; "" for no heading
+ * scrolled on its own. The arguments after `head` are the values of the directives (%n and others,
+ * see put) in both texts.
+ *   caption  in  caption of the table: HTML text with directives
+ *   head     in  heading cells, separated by '|', with directives; "" for no heading
  */
 void put_table(FILE *file, const char *caption, const char *head, ...);
 void put_table_end(FILE *file);

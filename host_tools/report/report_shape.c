@@ -29,8 +29,9 @@ static double largest_voltage(const shape_page *shape, const voltages *result)
 }
 
 /*
- * Let the page draw, from now on, the shape that one set of voltages reaches. Returns the colour
- * scale of its misfit (reached minus target displacement).
+ * Store in the page the shape that one set of voltages reaches; the following pictures show it,
+ * coloured by its misfit (reached minus target displacement). Returns a colour scale for this
+ * misfit.
  */
 static draw_scale take_result(shape_page *shape, const voltages *result)
 {

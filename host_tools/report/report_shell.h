@@ -64,9 +64,10 @@ typedef struct shell {
     int *node;          /* [points] number of the mesh node at each point of the picture */
     double (*place)[3]; /* [points] coordinates of the undeformed mesh: x, y, z in a picture in
                            space, the surface coordinates theta1, theta2 and 0 on a map */
-    int (*cell)[4];     /* [2 cells] point indices of the corners of each cell, and memory for a
-                           copy of the mesh with fewer cells */
-    bool *is_held; /* [nodes] whether a support includes the node; only in a picture in space */
+    int (*cell)[4]; /* [2 cells] point indices of the corners of each cell, in the first half. The
+                       second half is work memory for the cells that one electrode covers, while
+                       they are drawn */
+    bool *is_held;  /* [nodes] whether a support includes the node; only in a picture in space */
     int *plan;  /* [actuators] index of the map on which the patches of each actuator are drawn, so
                    that no patches overlap on a map; -1: the actuator has no patches or stacks */
     int plans;  /* number of maps (plane drawings of the mesh) on which the patches of all actuators
@@ -170,8 +171,10 @@ bool shell_is_beyond(const design *design, const voltages *result, int amplifier
 void shell_find_plans(shell *map);
 
 /*
- * Draw map number `which` of those over which the actuators are distributed, with voltages in their
- * patches. If the scene has no patches, draw the voltages of all amplifiers as bars.
+ * Draw one map of the surface with the patches of some actuators, and in each patch its voltage.
+ * Patches of actuators that overlap are on different maps (shell_find_plans). If the scene has no
+ * patches, draw the voltages of all amplifiers as bars.
+ *   which  in  index of the map, 0 to map->plans - 1
  */
 void shell_voltages(const shell *map, int which, const shell_voltage_set *set);
 

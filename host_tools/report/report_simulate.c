@@ -123,7 +123,10 @@ static void write_certificate(const simulate_page *self)
         certificate->has_modes ? text : certificate->reason);
 }
 
-/* Edges of the diagrams over time, and height of the text below a diagram (pixels). */
+/*
+ * Position of the rectangle of a diagram over time in its picture (pixels): TOP, BOTTOM, LEFT and
+ * RIGHT are the coordinates of its sides; FOOT is the height of the text below it.
+ */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
 static void draw_time(const simulate_page *self, double bottom)

@@ -83,8 +83,8 @@ void page_voltages(const page *page, const voltages *result, int results)
 }
 
 /*
- * Write the error of every shape, where the target is a list of shapes, for one pair of voltage
- * limits.
+ * Write the section of one pair of voltage limits for a target that is given as a list of modes
+ * (named target shapes): a table of the relative RMS error that remains for each mode alone.
  */
 static void write_modes(const page *page, const modes *modes, int limits)
 {

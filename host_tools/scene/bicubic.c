@@ -27,9 +27,9 @@ static const double points_of_cell = 4;
 static const double penalty = 1e-6;
 
 /*
- * Points are regarded as lying on a straight line where the line explains all but this fraction of
- * the variance of y: they are then about a hundred times as long as wide (x and y relative to their
- * ranges).
+ * Points count as lying on a straight line in the plane of x and y if 1 - r^2 is at most this
+ * number, with the correlation coefficient r of x and y. With x and y relative to their ranges, the
+ * region of the points is then about a hundred times as long as wide.
  */
 static const double narrow = 1e-4;
 
@@ -255,9 +255,8 @@ static void find_rectangle(bicubic *function, size_t count, const double (*point
 }
 
 /*
- * Whether the points of the fit lie on a straight line in the plane of x and y: their correlation
- * coefficient differs from 1 or -1 so little that the points are about a hundred times as long as
- * wide, or all x or all y are equal.
+ * Whether the points of the fit lie on a straight line in the plane of x and y: all x or all y are
+ * equal, or 1 - r^2 is at most `narrow`, with the correlation coefficient r of x and y.
  */
 static bool are_on_line(const bicubic *function, size_t count, const double (*point)[3])
 {

@@ -48,8 +48,9 @@ expr *expr_from_points(const char *text, int axes, const int *axis, size_t count
                        const double *point, const double *value);
 
 /*
- * Build a function from a list of values, one for each row of a target. A row is a controlled
- * displacement, which may be an output of a measured influence matrix.
+ * Build a function from a list of values, one for each row of a target. A row of a target is one
+ * controlled displacement: a displacement component at one node, or one output of a measured
+ * influence matrix.
  *   text   in           description for reports
  *   value  [count]  in  values in the order of the rows
  * Returns NULL when memory runs out.
@@ -57,13 +58,17 @@ expr *expr_from_points(const char *text, int axes, const int *axis, size_t count
 expr *expr_from_list(const char *text, size_t count, const double *value);
 
 /*
- * Return the value of a function at one row of a target (a controlled displacement), which lies at
- * the point `at`. A function that is a list of values returns entry number `row`, or NAN if the
- * list is shorter or row is negative; all other functions use the coordinates.
+ * Return the value of a function for one row of a target (one controlled displacement). A list of
+ * values (expr_from_list) has its entry number `row` as value, NAN if there is no such entry; any
+ * other function is evaluated at the point.
+ *   at   in  coordinates of the point of the controlled displacement
+ *   row  in  index of the row, from 0; negative: no row
  */
 double expr_row_value(const expr *expression, const expr_point *at, int row);
 
-/* Return the number of values of a function that is a list, or -1 for any other function. */
+/*
+ * Return the number of values of a function made by expr_from_list, or -1 for any other function.
+ */
 int expr_rows(const expr *expression);
 
 /*

@@ -44,8 +44,9 @@ typedef struct scene_outline {
  */
 typedef struct scene_outlines {
     int electrodes;
-    int columns; /* electrodes in a grid are named _i_j: number of electrodes along the index j; 1
-                    where the names have one index only */
+    int columns; /* electrodes in a grid have the name of their patches and the indices _i_j: number
+                    of electrodes along the index j, which runs fastest; 1 for electrodes with the
+                    index _i only */
     scene_outline *electrode; /* [electrodes] outline of each electrode, in the order of the scene
                                */
     int elements;

@@ -32,8 +32,9 @@ typedef struct outline_cell {
                     plane and the ratio of both */
     polygon_box box;  /* bounding box of the cell (element or part of one) in the plane of the
                          electrode outlines */
-    bool is_mirrored; /* true where the plane of the outlines shows the inner face of the surface;
-                         the member quad then has the reverse order of the corners */
+    bool is_mirrored; /* true where the projection on the plane of the outlines reverses the
+                         orientation of the corners, so that the inner face of the surface is seen;
+                         `quad` then has the corners in reverse order, to be counterclockwise */
     bool is_steep;    /* true where the surface stands at more than 84 degrees to the plane of the
                          electrode outlines */
 } outline_cell;

@@ -141,9 +141,10 @@ typedef struct keystone {
 } keystone;
 
 /*
- * Compute the keystone-shaped electrode in sector k of a ring. Its two straight sides are parallel
- * to the radii that bound the sector and meet at the radius (gap/2)/sin(half the angle of the
- * sector); the electrode begins there where this radius is larger than that of its inner arc.
+ * Compute the electrode in sector k of a ring, in the shape of a keystone. Its two straight sides
+ * are parallel to the radii that bound the sector, half a gap inside. They meet at the distance
+ * (gap/2)/sin(half the angle of the sector) from the centre. The inner radius of the electrode is
+ * this distance, or that of the ring plus half a gap if it is larger.
  */
 static keystone keystone_of(const ring_pattern *pattern, int ring, int k)
 {

@@ -59,10 +59,11 @@ typedef struct ring_pattern {
 } ring_pattern;
 
 /*
- * Append the electrodes of a circle or of a pattern of cells to a list. Each function returns 0, or
- * -1 where memory runs out. The caller refuses gaps between electrodes that leave no electrode: the
- * functions outline_..._size return the smallest width of any electrode of a pattern, which is 0 or
- * negative then.
+ * outline_circle, outline_hexagons, outline_grid and outline_rings append the electrodes of a
+ * circle or of a pattern of cells to a list of electrodes. Each returns 0, or -1 where memory runs
+ * out. The gap of a pattern must be so small that every electrode has a positive width; the caller
+ * checks this before: outline_hexagon_size, outline_grid_size and outline_ring_size return the
+ * smallest width of an electrode (length), which is 0 or negative if the gap is too large.
  */
 int outline_circle(scene_outlines *outlines, const double centre[2], double radius, scene_at at);
 int outline_hexagons(scene_outlines *outlines, const hexagon_pattern *pattern, scene_at at);

@@ -17,12 +17,11 @@
 typedef struct piece_drawing {
     outline_plane plane;
     outline_cell cell;  /* quadrilateral of the element in the plane of the electrode outlines */
-    outline_cell moved; /* cell (quadrilateral in the plane of the electrode outlines) of the
-                           element after a move by full turns of a surface coordinate that is an
-                           angle (theta1 or theta2) */
-    double shift[2]; /* displacement of the cell (quadrilateral of the element in the plane of the
-                        outlines) by full turns of a surface coordinate that is an angle (theta1 or
-                        theta2) */
+    outline_cell moved; /* the member `cell` displaced by `shift` */
+    double shift[2]; /* displacement of the cell in the plane of the outlines: 0, 2 pi or -2 pi for
+                        a surface coordinate that is an angle. An outline may extend beyond the
+                        range of this angle in the mesh; it then covers the element after a full
+                        turn */
     int element;
     outline_draw *draw;
     void *context;

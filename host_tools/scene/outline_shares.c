@@ -65,8 +65,10 @@ static bool has_layer(const outline_work *work, int element)
 }
 
 /*
- * What is known of one electrode after a pass over all elements: whether it extends beyond the
- * surface, and whether it meets the surface twice.
+ * What is found about one electrode while the elements that it covers are visited: the area that
+ * lies on the surface, and whether this surface shows its inner or its outer face in the plane of
+ * the outlines. Both at once mean that the outline lies over two parts of the surface, such as both
+ * halves of a cylinder.
  */
 typedef struct electrode_sums {
     double plane_area; /* area of the electrode's part that lies on the surface, measured in the
@@ -148,8 +150,9 @@ static void write_place_hint(const outline_work *work, char hint[HINT])
 }
 
 /*
- * Refuse an electrode given by polygons if a part of its area lies beside the surface, or if the
- * electrode meets the surface twice.
+ * Refuse an electrode given by polygons if a part of its area lies outside the surface. Refuse it
+ * too if its outline lies over two parts of the surface, such as both halves of a cylinder seen
+ * from the side. Returns 0, or -1 with error filled.
  */
 static int check_place(const outline_work *work, int electrode, const electrode_sums *sums)
 {

@@ -21,8 +21,8 @@
 /*
  * Sizes and limits of a scene. SCENE_NAME: bytes of a name. SCENE_LABEL: bytes of the name of an
  * amplifier or electrode, which is a name and its position _i_j in a grid. SCENE_NODES: largest
- * number of mesh nodes. SCENE_FREE: largest number of functions whose best fit is removed from a
- * target.
+ * number of mesh nodes. SCENE_FREE: largest number of free functions of a target, such as a rigid
+ * motion: a multiple of each may be added to the target without counting as error.
  */
 enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_NODES = 60000, SCENE_FREE = 16 };
 
@@ -75,9 +75,10 @@ typedef struct scene_equilibrium {
     int load_steps;   /* number of load steps that the equilibrium solver tries first */
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
-    int extrapolated_iterations; /* number of iterations at the start of a load step that use
-                                    extrapolated stress resultants; the others use those of the
-                                    present displacement; 0: Newton's method throughout */
+    int extrapolated_iterations; /* number of iterations at the start of a load step whose linear
+                                    solves use stress resultants that are extrapolated along the
+                                    last increment; all other iterations use those of the present
+                                    displacement; 0: Newton's method throughout */
     int ramp_solves;   /* number of linear solves at the start of a load step over which its loads
                           rise in equal parts to their full size; 1: the first linear solve has the
                           full loads; 0: the program chooses */
@@ -99,15 +100,16 @@ typedef struct scene_element {
                        alternating signs; 0: no such term */
     double rho; /* factor of the flexibility that is added to the transverse shears of an element on
                    coarse meshes: bending flexibility 12/(E h^3) times length^2/12 */
-    bool hr, lin33;   /* hr: true sets to 0 those stress resultants of an element that vary over the
-                         element and have no strain of their own (Hellinger-Reissner), false sets
-                         their strains to 0; lin33: true lets each ply thicken freely, by condensing
-                         the part of the thickness strain that is linear in the height */
+    bool hr, lin33;   /* hr: linear and bilinear functions of the place in the element occur in some
+                         of its strains only. true (Hellinger-Reissner): the linear and bilinear
+                         parts of the stress resultants of all other strains are 0; false: those of
+                         the other strains themselves are 0. lin33: true lets each ply thicken
+                         freely */
     bool metric;      /* true: strains take the exact variation of the surface metric through the
                          thickness; false: metric of the reference surface */
-    bool exact_area;  /* area of an element between mesh lines, in its stiffness and loads: true:
-                         exact area on the surface; false: area from the metric at the centre of
-                         the element */
+    bool exact_area;  /* which area of an element the stiffness and the loads contain, on meshes
+                         between mesh lines: true: the exact area on the surface; false: the area
+                         from the metric of the surface at the centre of the element */
     int dof_per_node; /* number of dof of a node, 7 or 6; the seventh is the displacement of the
                          middle surface along the normal, relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
@@ -313,14 +315,15 @@ typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
  */
 typedef struct scene_spring {
     char name[SCENE_NAME]; /* name of the springs; empty if the scene file gives none */
-    scene_where where; /* nodes to which one spring each is attached; where.at.column is 0 if the
-                          springs are attached at points and not at nodes */
+    scene_where where; /* nodes to which one spring each is attached; not given if the springs are
+                          attached at points instead: then where.at, the position of the key in the
+                          scene file, has the column 0 */
     int points;
     double (*point)[3]; /* [points] attachment points of the springs: surface coordinates theta1,
                            theta2 and 0, or x, y, z on a mesh from a file, where z is NAN if it is
                            not given */
-    scene_where to; /* node at the other end of the springs; not given (to.at.column is 0) if they
-                       end at the ground */
+    scene_where to; /* node at the other end of the springs; not given if they end at the ground:
+                       then to.at, the position of the key in the scene file, has the column 0 */
     scene_direction along; /* direction of elongation: a displacement of the shell along it
                               elongates the springs */
     scene_direction about; /* axis of torsional springs: a rotation of the shell about it twists
@@ -374,13 +377,14 @@ typedef struct scene_actuator {
                              the input is a voltage */
     scene_spring *stacks; /* points, directions and stiffness of the stacks of a stack actuator;
                              NULL: the actuator has no stacks */
-    double applied; /* input of every amplifier of an actuator, a voltage (V) or the temperature of
-                       a heater (K), where voltages are not optimised; where the scene file lists
-                       several values, the one of largest magnitude */
-    double *each;   /* [grid[0] * grid[1]] input of each amplifier, a voltage (V) or the temperature
-                       of a heater (K), where voltages are not optimised; NULL where all have the
-                       value `applied` */
-    bool open;      /* electrodes of a sensor: true: open circuit; false: short circuit */
+    double applied;       /* input that each amplifier of the actuator has where voltages are not
+                             optimised: a voltage (V), or the temperature of a heater (K). If the
+                             scene file gives a list with one value for each amplifier, this is the
+                             value of largest magnitude */
+    double *each; /* [grid[0] * grid[1]] input of each amplifier, a voltage (V) or the temperature
+                     of a heater (K), where voltages are not optimised; NULL where all have the
+                     value `applied` */
+    bool open;    /* electrodes of a sensor: true: open circuit; false: short circuit */
     int first, grid[2]; /* first: number of the first amplifier of an actuator among those of all
                            actuators, or of the first electrode of a sensor among those of all
                            sensors; grid: number of patches along the surface coordinates theta1 and
@@ -411,21 +415,22 @@ typedef struct scene_support {
                             vector: not given */
     expr *formula[3]; /* components of the direction of an oblique support as formulas of the place
                          of the node; NULL: the direction is given by numbers */
-    unsigned fix;     /* bit i set: dof i of the support's nodes is prescribed. Bits 0 to 2: mean
+    unsigned fix;     /* dof of the support's nodes that it holds, one bit each. Bits 0 to 2: mean
                          displacements of both faces along the local axes of the node; 3 to 5: their
                          differences; 6: normal displacement of the middle surface relative to the
-                         mean; higher bits: FIX_SIMPLE to FIX_ACROSS */
+                         mean. The bits from 128 on (FIX_SIMPLE to FIX_ACROSS) stand for directions
+                         other than the local axes */
     expr *value; /* formula of the displacement that a support prescribes at full load (length unit
                     of the scene file); NULL: 0 */
-    unsigned move; /* bit i set: the prescribed dof i takes the value of the support; bit i not set:
-                      a prescribed dof i is 0, so that a prescribed normal displacement moves both
-                      faces by the same distance. The bit FIX_ALONG of an oblique support stands for
-                      the mean displacement along its direction */
+    unsigned move; /* held dof to which the support gives its value, bits as in `fix`; all other
+                      held dof are 0. For a prescribed normal displacement, for example, the mean of
+                      both faces has the value, and their difference is 0. The bit FIX_ALONG is the
+                      mean displacement along the direction of an oblique support */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
-    int turn; /* sign (1 or -1) of a prescribed rotation: with it, the sine of the angle equals the
-                 difference of both faces' displacements along the axis e1 or e2 of the node,
-                 divided by the thickness; 0: the support prescribes a displacement */
+    int turn; /* 0: the support holds no rotation. 1 or -1: its value is the angle a of a rotation
+                 about the local axis e2 or e1, and turn sin(a) is the difference of both faces'
+                 displacements along the other of the two axes, divided by the thickness */
     scene_at at;
 } scene_support;
 
@@ -516,7 +521,10 @@ typedef enum scene_electric_output {
  */
 typedef enum scene_recovered { RECOVERED_NONE, RECOVERED_STRAIN, RECOVERED_STRESS } scene_recovered;
 
-/* Number of the component of an output of a stress that stands for the von Mises stress. */
+/*
+ * Value of scene_output.recovered_component for an output that is the von Mises stress of a layer;
+ * 0 to 5 stand for the stress components 11 22 33 23 13 12.
+ */
 enum { RECOVERED_MISES = 6 };
 
 /*
@@ -624,8 +632,8 @@ typedef struct scene_limit {
  */
 typedef struct scene_limit_row {
     int count;
-    int *amplifier; /* [count] numbers of the amplifiers whose voltages occur in the limited sum */
-    double *factor; /* [count] factor of the voltage of each amplifier in the limited sum (1) */
+    int *amplifier; /* [count] numbers of the amplifiers whose voltages are summed */
+    double *factor; /* [count] factor of the voltage of each of these amplifiers in the sum (1) */
     double lower, upper; /* lower and upper limit of a weighted sum of voltages (V) */
     bool is_absolute;    /* whether the sum of the absolute values of the voltages is limited */
     scene_at at;
@@ -672,8 +680,9 @@ typedef struct scene_estimate {
     scene_reading *reading;
     double loads; /* standard deviation of the unknown factor by which each load of the scene file
                      is multiplied in reality (1) */
-    double voltages; /* standard deviation of the voltage error of an electrode (V); -1: a twentieth
-                        of its voltage range */
+    double voltages;  /* assumed standard deviation of the difference between the voltage that an
+                         amplifier should give an electrode and the true one (V); -1: a twentieth of
+                         the voltage range of the electrode */
     double tolerance; /* largest permitted error of the estimated shape, as a fraction of the shape
                          that the disturbances cause (both root mean square); sensor readings that
                          leave a larger error are refused */
@@ -839,9 +848,10 @@ typedef struct scene_measured_mode {
     double frequency; /* natural frequency of a measured vibration mode (Hz) */
     double *shape; /* [outputs] displacement of each output in the measured vibration mode, in any
                       unit */
-    double *response; /* [amplifiers] static coordinate of the vibration mode per volt of each
-                         amplifier; this coordinate times the mode's shape is the mode's part of the
-                         influence matrix column; NULL where the scene does not give it */
+    double *response; /* [amplifiers] static response of the vibration mode to 1 V of each
+                         amplifier, as a multiple of `shape`: this multiple of the shape is a part
+                         of the amplifier's column of the influence matrix; NULL where the scene
+                         does not give it */
 } scene_measured_mode;
 
 typedef struct scene_influence {
@@ -852,8 +862,8 @@ typedef struct scene_influence {
     int file_outputs;        /* number of outputs in the file of the influence matrix */
     bool rows_are_actuators; /* true: the rows of the file of the influence matrix are actuators;
                                 false: they are outputs */
-    int *row; /* [outputs] for each output of the scene, the number, from 0, of the same output in
-                 the file of the influence matrix; outputs that the scene ignores have no entry */
+    int *row; /* [outputs] index, among the outputs in the file of the influence matrix, of each
+                 output that is used; outputs of the file that the scene ignores do not occur */
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
@@ -870,8 +880,8 @@ typedef struct scene_influence {
 } scene_influence;
 
 /*
- * Data for vibration, in addition to the densities of the materials: damping, mass without
- * stiffness, number of vibration modes.
+ * Data for vibration, in addition to the densities of the materials: damping, masses that are
+ * attached to the structure without stiffening it, number of vibration modes.
  */
 typedef struct scene_dynamics {
     double damping; /* damping ratio of every vibration mode, relative to critical damping */
@@ -941,9 +951,9 @@ typedef struct scene_short_list {
 typedef struct scene_hysteresis {
     bool given;
     double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
-    scene_short_list slope; /* [4] slopes, in the quarters of the voltage range from the lowest on,
-                               of the piecewise linear function of the voltage in the hysteresis
-                               model (1) */
+    scene_short_list slope; /* [4] slopes of the part of the model without memory, a piecewise
+                               linear function of the voltage, in the four quarters of the voltage
+                               range from the lowest on (1) */
     scene_short_list slack; /* [plays] slack of each play operator: change of the voltage after a
                                reversal before the operator follows; ascending (V) */
     scene_short_list above; /* [plays] weight of each play operator while its output is above the
@@ -1037,8 +1047,8 @@ void scene_free(scene *scene);
 int scene_vary(scene *copy, const scene *original);
 
 /*
- * Release a copy of a scene from scene_vary; the caller releases the formulas of the loads that it
- * added.
+ * Release a copy of a scene from scene_vary. Formulas of loads that the caller has added to the
+ * copy are not released; the caller does that.
  */
 void scene_vary_free(scene *copy);
 

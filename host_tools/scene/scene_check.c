@@ -12,8 +12,8 @@
 #include "surface_formula.h"
 
 /*
- * Largest distance from a mesh line, relative to the length of the mesh direction, at which a
- * coordinate counts as lying on that line.
+ * Relative rounding limit of geometric checks. A coordinate lies on a mesh line if its distance
+ * from the line is at most this fraction of the range of the coordinate over the mesh.
  */
 static const double on_line = 1e-9;
 
@@ -482,8 +482,9 @@ static int check_loads(const scene *scene, char *error)
 /* ---- bare faces ---- */
 
 /*
- * Check neighbouring layers that both have bare faces (without electrodes). The face between them
- * must be bare for both layers, or an electrode at 0 V for both.
+ * Check two neighbouring layers of which each has at least one bare face (face without electrode).
+ * The face that the two layers have in common must be bare in both descriptions, or in none; in the
+ * latter case it is an electrode at 0 V. Returns 0, or -1 with error filled.
  */
 static int check_bare_faces(const scene *scene, char *error)
 {

@@ -7,9 +7,9 @@
 #define SCENE_DIMENSION_H
 
 /*
- * Physical dimension of the numbers in the value of a key. OF_NOTHING is the dimension of a key
- * without numbers of its own. Values from DIMENSIONS on stand for dimensions that follow from
- * neighbouring keys or from other sections of the scene.
+ * Physical dimension of the numbers in the value of a key. OF_NOTHING: the value is no number, but
+ * a text or a mapping of further keys. From DIMENSIONS on the dimension depends on other keys: that
+ * of a load, for example, is a force, a force per length or a pressure.
  */
 typedef enum dimension {
     OF_NOTHING,
@@ -47,8 +47,9 @@ typedef enum dimension {
     OF_MOMENT,
     OF_INFLUENCE,
     DIMENSIONS,
-    OF_COORDINATE = DIMENSIONS, /* physical dimension of the surface coordinate theta1 or theta2,
-                                   whichever is the nearest enclosing key of the scene file */
+    OF_COORDINATE = DIMENSIONS, /* physical dimension of a surface coordinate: that of theta1 or
+                                   theta2, depending on which of the two keys the value belongs to
+                                   or is nested in */
     OF_POINT, /* physical dimension of a coordinate of a point (surface coordinate theta1 or theta2,
                  or x, y, z in space), by its position in a list */
     OF_OUTLINE, /* physical dimension of a coordinate or length in the plane of electrode outlines

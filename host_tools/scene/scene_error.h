@@ -22,9 +22,10 @@ typedef struct scene_origin {
  */
 typedef struct scene_at {
     int line, column;
-    const scene_origin *origin; /* scene file and changes of the option --set to which the line and
-                                   column of a value refer; NULL in a YAML tree, which has its own
-                                   path, and for values that come from no file */
+    const scene_origin *origin; /* where line and column count: the scene file, or the texts of the
+                                   options --set. NULL for values that come from no file, and while
+                                   a YAML text is read, because the reader of YAML has the path of
+                                   its file */
 } scene_at;
 
 /*

@@ -105,12 +105,13 @@ int require_kind(reader *reader, int node, tree_kind kind)
 }
 
 /*
- * Find a key at a given depth in the description of a scene value (form: type of the value and, for
- * a mapping, its table of keys).
- *   depth   in  number of keys from the form to the key; 1: a key of the form itself
- *   path    [LIST_ROOM] out  keys of the mappings that contain the key, joined by points
- *   length  in  length of the path to the form
- *   left    in/out  number of places with this key that are passed over before one is reported
+ * Search for a key at a given depth below a mapping, in the tables of keys of the scene file.
+ *   form   in  table of the mapping, or of a list of mappings
+ *   depth  in  1: keys of the mapping itself, 2: keys of the mappings in it, and so on
+ *   path   [LIST_ROOM] out  names of the enclosing keys, joined by points, such as simulate.sensors
+ *   length in  number of characters that the path has already
+ *   left   in/out  the key may occur in several places: number of places to skip before one is
+ *       reported
  * Returns whether there is such a key.
  */
 static bool find_key(const form *form, const char *key, int depth, char *path, int length,
@@ -140,11 +141,11 @@ static bool find_key(const form *form, const char *key, int depth, char *path, i
 }
 
 /*
- * Write in which other section of a scene file an unknown key would be valid, as "it is a key of
- * simulate.sensors; ".
- *   section  in  name of the mapping that has the unknown key; where the items of a list in this
- *            section may have the key, no other section is suggested
- *   advice  [LIST_ROOM] out  the advice; empty where the key is known nowhere else
+ * Write a hint for a key that is unknown in its mapping, in which other section of a scene file the
+ * key is valid: "it is a key of simulate.sensors; ".
+ *   section  in  name of the mapping with the unknown key. No hint is written if the key is valid
+ *       in a mapping or list of this name: the user has the right section then
+ *   advice  [LIST_ROOM] out  the hint; empty where there is none
  */
 static void point_to_section(const char *key, const char *section, char advice[LIST_ROOM])
 {

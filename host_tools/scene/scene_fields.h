@@ -36,7 +36,8 @@ typedef struct choice {
 
 /* Type of the value that a key of a scene accepts. */
 typedef enum form_type {
-    FORM_NUMBER,  /* FORM_NUMBER: constant formula, or plain number with a unit of measurement */
+    FORM_NUMBER,  /* FORM_NUMBER: the value is a number: plain (2.5), a formula without variables
+                     (pi/4), or a number with a unit (2.5 mm) */
     FORM_WHOLE,   /* FORM_WHOLE: value that is an integer number */
     FORM_FORMULA, /* FORM_FORMULA: value that is a formula in the coordinates of a point */
     FORM_NAME,    /* FORM_NAME: value that is a name of at most SCENE_NAME - 1 bytes */
@@ -79,8 +80,8 @@ typedef struct form {
                                    (FORM_MAP) */
     const form_case *cases; /* permitted combinations of the keys of a mapping (FORM_MAP); NULL: any
                                combination */
-    const struct form *const *any; /* array of the permitted descriptions, ended by NULL, for a
-                                      value that may have one of several forms (FORM_ANY) */
+    const struct form *const *any; /* FORM_ANY: array of forms, ended by NULL; the value must have
+                                      one of them */
 } form;
 
 /*
@@ -129,9 +130,9 @@ int case_next(const char **keys, case_item *item);
 int case_item_has(const case_item *item, const char *key);
 
 /*
- * Check the keys of a YAML mapping against the permitted combination (form_case) for its key `type`
- * with the given word as value. Returns 0, or -1 after writing an error message about the scene
- * file.
+ * Check the keys of a YAML mapping whose key `type` has the value `word`. The permitted combination
+ * of keys for this word is the row of `cases` that lists "type=word". Returns 0, or -1 after
+ * writing an error message about the scene file.
  */
 int check_type_case(reader *reader, int node, const form_case *cases, const char *word);
 

@@ -23,9 +23,9 @@ field_read read_film;
 extern const form film_form;
 
 /*
- * Return the piezoelectric constant d31 (direction 0) or d32 (direction 1) of a film that is poled
- * along +3: a positive voltage, whose field is -voltage/thickness, causes the strain of the data
- * sheet.
+ * Return the piezoelectric constant d31 (direction 0) or d32 (direction 1) of a film (m/V), strain
+ * per electric field along its poling direction +3. A voltage V causes the field -V/thickness, so
+ * that the constant is -strain thickness/V with the numbers of the data sheet.
  */
 double scene_film_constant(const scene_film *film, int direction);
 

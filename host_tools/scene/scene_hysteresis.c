@@ -16,8 +16,8 @@ typedef struct list_rule {
 } list_rule;
 
 /*
- * Read a list of numbers into the scene_short_list `to`.
- *   rule  in  a list_rule: permitted range of the numbers and permitted lengths of the list
+ * Read a YAML list of numbers into the array `to` with its count (scene_short_list).
+ *   rule  in  permitted range of the numbers, smallest and largest length of the list (list_rule)
  * Returns 0, or -1 after writing an error message about the scene file.
  */
 static int read_numbers(reader *reader, int node, void *to, const void *rule)
@@ -89,8 +89,11 @@ static const field hysteresis_fields[] = {
 const form hysteresis_form = {.type = FORM_MAP, .fields = hysteresis_fields};
 
 /*
- * Check the rules between the numbers of the section `hysteresis`: ascending voltages and slacks,
- * and lists of equal lengths. Returns 0, or -1 after writing an error message about the scene file.
+ * Check relations between numbers of the section `hysteresis`. The two voltages of the range must
+ * ascend, and so must the slacks of the play operators (change of the voltage after a reversal
+ * before an operator follows). The lists for the play operators must have equal lengths, and so
+ * must the two lists for creep. Returns 0, or -1 after writing an error message about the scene
+ * file.
  */
 static int check_hysteresis(reader *reader, int node, const scene_hysteresis *hysteresis)
 {

@@ -507,8 +507,9 @@ const char *scene_transposed_hint(const scene *scene)
 }
 
 /*
- * Return the name of an actuator that seems to be a coordinate with its unit, such as x_mm, or NULL
- * where there is none.
+ * Return the name of an actuator that looks like a coordinate with its unit, such as x_mm, or NULL
+ * where there is none. With such a name, a column of coordinates in the file of the influence
+ * matrix has probably been read as an actuator.
  */
 static const char *coordinate_like(const scene *scene)
 {

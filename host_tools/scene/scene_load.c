@@ -233,9 +233,11 @@ static const form support_form = {
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
 
 /*
- * Check the keys of a support for a direction. An oblique support needs a direction, and its key
- * `fix` may list no other word that needs one, such as `simple`. A direction given by formulas is
- * for oblique supports only. Returns 0, or -1 after an error message about the scene.
+ * Check the keys of a support that concern directions. The words `along` and `across` of the key
+ * `fix` make it an oblique support, which needs the key `direction`. Words of `fix` that use a
+ * direction in another way (simple, symmetric, x, y, z) are refused beside them. Formulas as
+ * `direction` are allowed for oblique supports only. Returns 0, or -1 after an error message about
+ * the scene.
  */
 static int check_oblique(reader *reader, int node, const scene_support *support)
 {
@@ -259,12 +261,13 @@ static int check_oblique(reader *reader, int node, const scene_support *support)
 }
 
 /*
- * Replace the word `rotation` of a support by the dof that it holds. With the local axes e1 and e2
- * of a node, differences of both faces' displacements over the thickness are rotations: the
- * difference along e1 is the rotation about e2, and minus that along e2 is the rotation about e1.
- * For a rotation about any other axis, the axes of the nodes are turned so that e1 is this axis. A
- * prescribed rotation also prescribes the difference of the normal displacements, so that it keeps
- * the thickness. Returns 0, or -1 after an error message about the scene.
+ * Replace the word `rotation` in the key `fix` of a support by bits of the dof that the support
+ * holds. A rotation of a node is the difference of both faces' displacements over the thickness:
+ * the difference along its local axis e1 is the rotation about e2, and minus that along e2 is the
+ * rotation about e1. For an axis in any other direction, the nodes get local axes whose e1 is this
+ * direction. If an angle is prescribed, the difference of the normal displacements is prescribed
+ * too, because a rotated director would otherwise become longer. Returns 0, or -1 after an error
+ * message about the scene.
  */
 static int find_rotation(reader *reader, int node, scene_support *support)
 {
@@ -301,7 +304,10 @@ static int find_rotation(reader *reader, int node, scene_support *support)
     return 0;
 }
 
-/* Name a support for which the scene file gives no name after its set or edge, or by its number. */
+/*
+ * Give a name to a support that has none in the scene file: the name of its set or edge, or else
+ * "support" with its number.
+ */
 static void name_support(const scene *scene, scene_support *support)
 {
     static const char *const edge_name[] = {[EDGE_THETA1_MINUS] = "theta1-",
@@ -330,8 +336,9 @@ static int read_support(reader *reader, int node, void *item)
 }
 
 /*
- * Return the number of supports that an item of the list of supports stands for: the number of sets
- * of the mesh file that fit where its set is a name with *, else 1.
+ * Return the number of supports that one item of the list of supports describes. If the name of its
+ * set contains *, which stands for any text, each set of the mesh file with a matching name gets a
+ * support of its own; all other items describe one support.
  */
 static int supports_of(const reader *reader, int node)
 {

@@ -17,8 +17,9 @@ enum { MOST_MODES = 200 };
 typedef struct mode_text {
     double frequency, damping; /* natural frequency of the vibration mode (Hz), and damping ratio,
                                   which is 0 if the scene file gives none */
-    int shape, response; /* YAML nodes of the displacements of the outputs in the vibration mode and
-                            of its static responses to the actuators; 0 for a key that is absent */
+    int shape, response;       /* YAML nodes of the keys `shape` (displacement of each output in the
+                                  vibration mode) and `response` (static response of the mode to 1 V
+                                  of each actuator, as a multiple of the shape); 0: no such key */
 } mode_text;
 
 static const range ratio = {

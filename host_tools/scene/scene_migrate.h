@@ -9,10 +9,12 @@
 #include <stddef.h>
 
 /*
- * Rewrite the scene file at a path. A step limit that was called slew becomes a rate limit if the
- * scene file gives a tick rate and the quotient of both is exactly the step limit.
+ * Rewrite the text of the scene file at a path. A step limit (V a tick) under its old name slew
+ * becomes the rate limit (V/s) that is its product with the tick rate. It keeps the form of a step
+ * limit if the scene file gives no tick rate, or if rounding would change it (rate limit/tick rate
+ * is not exactly the step limit).
  *   text, bytes  out                new text and its length, to be released with free; NULL after
- *   an error
+ *       an error
  *   error        [SCENE_ERROR] out  one line with the position of the fault
  * Returns 0, or -1 with error filled: the file cannot be read, a name cannot be replaced in the
  * text, or the new text is no valid scene.

@@ -15,12 +15,14 @@
 field_read read_surface, read_mesh;
 
 /*
- * Readers for meshes from a file (scene_quads.c, scene_disc.c). The argument `to` is
+ * Functions that read keys of scenes with a mesh from a file (scene_quads.c, scene_disc.c). The C
+ * object at `to`, which receives the value, is
  *   read_mesh_file, read_mesh_disc      the scene
- *   read_layer_sets, read_patch_sets    the scene_layer or scene_patches that has the element sets
- *   read_set                            the scene_where of a place that is a named set
- *   read_set_pattern                    the scene_where of a place that is a named set, or several
- *                                       sets whose names fit a pattern with *
+ *   read_layer_sets                     a scene_layer, which gets the elements of the named sets
+ *   read_patch_sets                     a scene_patches, which gets the elements of the named sets
+ *   read_set                            a scene_where (place on the mesh), which gets the name of a
+ *       set
+ *   read_set_pattern                    the same; a * in the name stands for any text
  *   read_vector, read_unit              double[3]: a vector, and a vector scaled to length 1
  */
 field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, read_set,
@@ -41,9 +43,10 @@ int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[
 int read_place(reader *reader, int node, scene_where *where);
 
 /*
- * Assign the elements of a mesh from a file to regions of equal layers (check_regions), and let the
- * supports determine its directors (unit normals), axes and constrained dof (check_triads). Each
- * returns 0, or -1 with error filled.
+ * Complete a mesh from a file after the scene has been read. check_regions groups its elements into
+ * regions with the same layers. check_triads applies the supports: symmetry planes turn the
+ * directors (unit normals) of their nodes into the plane, directions of supports become the local
+ * axis e1, and the held dof are marked. Each returns 0, or -1 with error filled.
  */
 int check_regions(scene *scene, char *error);
 int check_triads(scene *scene, char *error);
@@ -159,9 +162,9 @@ field_read read_reversed, read_swapped;
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
 /*
- * Readers of limits between amplifiers (scene_rows.c): of a difference of two voltages, of a
- * weighted sum, and of a sum of absolute values. The forms describe their keys for the schema and
- * the help.
+ * Functions that read limits of several voltages together (scene_rows.c): of a difference of two
+ * voltages, of a weighted sum, and of a sum of absolute values. The objects of type `form` describe
+ * the keys of each limit for the JSON schema and the help.
  */
 field_read read_difference, read_sum, read_absolute_sum;
 extern const form difference_form, sum_form, absolute_sum_form;
@@ -193,11 +196,12 @@ extern const choice place_axes[], place_faces[], place_pers[];
 extern const int place_components[];
 
 /*
- * Rows for tables of keys of the scene file. DIRECTIONS: the displacement components u1, u2, u3
- * (along the local axes) and x, y, z (in space) as keys, each read by the function `read`, whose
- * argument `rule` is the component. PLACE: the keys that describe a set of nodes, read into the
- * scene_where at an offset (bytes) in the C struct that is filled. PLACE_ON_SURFACE: those of these
- * keys that do not name a set of a mesh file.
+ * Macros for rows of a table of keys (array of `field`, scene_fields.h). DIRECTIONS: six rows with
+ * the keys u1, u2, u3 (displacement components along the local axes), x, y, z (in space). The
+ * function `read` reads their values and gets the component as its argument `rule`. PLACE: rows of
+ * the keys that name a set of nodes; the set is stored in the scene_where (place on the mesh) at
+ * the byte `offset` of the C struct that the table fills. PLACE_ON_SURFACE: the same rows without
+ * the key `set`, the name of a set of a mesh file.
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \

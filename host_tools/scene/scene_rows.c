@@ -183,7 +183,8 @@ static int refuse_repeated(reader *reader, int node, const int *list, int count)
 
 typedef struct sum_text {
     double voltage[2];
-    int *list; /* [count] indices of the amplifiers whose voltages form the limited sum */
+    int *list; /* [count] indices of the amplifiers whose voltages are summed; the sum has a lower
+                  and an upper limit */
     int count;
 } sum_text;
 
@@ -229,8 +230,10 @@ int read_sum(reader *reader, int node, void *to, const void *rule)
 
 typedef struct absolute_text {
     double limit;
-    int *list;      /* [count] indices of the amplifiers in the limited sum of absolute values */
-    double *weight; /* [weights] weight of each amplifier in the limited sum of absolute values */
+    int *list;      /* [count] indices of the amplifiers the absolute values of whose voltages are
+                       summed; the sum has an upper limit */
+    double *weight; /* [weights] factor of the absolute value of each amplifier's voltage in the sum
+                     */
     int count, weights;
 } absolute_text;
 

@@ -771,9 +771,11 @@ static int check_motion(reader *reader, int node)
 }
 
 /*
- * Check the state in which the influence matrix is computed against the kinematics. The nonlinear
- * optimum and the loaded equilibrium need a scene with nonlinear kinematics; the loaded equilibrium
- * also needs a simulated structure (plant) with nonlinear kinematics.
+ * Check the key `influence` of the simulation, which tells in which state of the structure the
+ * influence matrix is computed. `target` (nonlinear equilibrium with the optimal voltages) and
+ * `loaded` (nonlinear equilibrium under the loads) need a scene with nonlinear kinematics; `loaded`
+ * also needs a simulated structure (plant) with nonlinear kinematics. Returns 0, or -1 after
+ * writing an error message about the scene file.
  */
 static int check_influence(reader *reader, int node)
 {

@@ -160,9 +160,10 @@ static const form spring_form = {.type = FORM_MAP, .fields = spring_fields, .cas
 const form springs_form = {.type = FORM_LIST, .item = &spring_form};
 
 /*
- * Check how springs or stacks are attached: to a place of the mesh or to points, not both. Their
- * direction and their other end must agree. Returns 0, or -1 after writing an error message about
- * the scene file.
+ * Check the keys of an item of springs or stacks. It must name either a place of the mesh or
+ * points. It needs a direction, a node at the other end, or an axis. An axis (torsional spring)
+ * excludes the other two, and a stiffness per length or area requires a place, a direction and no
+ * other node. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_ends(reader *reader, int node, const scene_spring *spring)
 {
@@ -222,8 +223,8 @@ static const form_case stack_cases[] = {
 const form stacks_form = {.type = FORM_MAP, .fields = stack_fields, .cases = stack_cases};
 
 /*
- * Count the stacks of an actuator: one for each point or node. Returns 0, or -1 after writing an
- * error message about the scene file.
+ * Count the piezoelectric stacks (or voice coils) of a stack actuator: one at each attachment point
+ * or node. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int count_stacks(reader *reader, int node, const scene_spring *stacks, int *count)
 {

@@ -258,9 +258,9 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * Table of the keys of a sensor. The key `drives` names the patches that the sensor reads. The
- * function that reads this key serves actuators too; an argument `rule` that is not NULL, here
- * `circuits`, tells it that the object is a sensor.
+ * Table of the keys of a sensor. The key `drives`, the patches whose electrodes the sensor reads,
+ * is read by the same function as that of an actuator. Its argument `rule` is NULL for an actuator;
+ * for a sensor any other pointer will do, here `circuits`.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
@@ -340,8 +340,9 @@ static int read_amplifier(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Smallest limit (V) of the change of a voltage in one tick that is accepted. A smaller one is a
- * typing error; it would vanish in rounding when it is added to a voltage.
+ * Smallest permitted value of a step limit (V), which is the largest change of a voltage in one
+ * tick. A smaller step limit is a typing error: the change would vanish in rounding when it is
+ * added to a voltage.
  */
 static const double smallest_step_limit = 1e-60;
 

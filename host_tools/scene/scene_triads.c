@@ -399,9 +399,12 @@ static int apply_supports(triads *triads)
     for (int k = 0; k < triads->scene->supports; k++)
         if (turn_directors(triads, &triads->scene->support[k]) != 0)
             return -1;
-    for (int pass = 0; pass < 2; pass++) /* The first iteration of the loop applies the supports
-                                            with a prescribed value, so that other supports cannot
-                                            change the triads (local axes) of their nodes. */
+    /*
+     * The first iteration applies the supports with a prescribed value, the second one the
+     * others. The first support that needs a direction at a node sets the triad (local axes) of
+     * the node, and a support with a prescribed value requires its own direction as axis e1.
+     */
+    for (int pass = 0; pass < 2; pass++)
         for (int k = 0; k < triads->scene->supports; k++) {
             const scene_support *support = &triads->scene->support[k];
             if ((support->value != NULL) != (pass == 0))

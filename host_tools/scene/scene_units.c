@@ -80,10 +80,10 @@ static const char *text_of(const tree *tree, int map, const char *key)
 }
 
 /*
- * Return the physical dimension of the value that a support prescribes: an angle for a rotation,
- * otherwise a length. Some dof are divided by the thickness, so that the value is dimensionless:
- * differences of both faces, and the seventh dof (normal displacement of the middle surface minus
- * the mean of both faces).
+ * Return the physical dimension of the value that a support prescribes. It is an angle for a
+ * rotation. For the dof that are displacements over the thickness it is a number: differences of
+ * both faces, and the normal displacement of the middle surface minus the mean of both faces. For
+ * all other dof it is a length.
  */
 static dimension of_support(const tree *tree, int map)
 {

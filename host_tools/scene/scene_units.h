@@ -23,9 +23,10 @@ enum { SCENE_UNITS_TEXT = UNITS_NUMBER + 8 };
 int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], const char **plain);
 
 /*
- * Find the power of ten that converts a value from the given unit to the units of the scene.
- * Returns -1 on success; otherwise the index in units_base of the base unit for which the scene has
- * no SI unit.
+ * Find the power of ten by which a value in a given unit is multiplied to convert it to the units
+ * of the scene. Returns -1 on success. It fails if the unit contains a base unit, such as the
+ * metre, for which the scene names no SI unit; then it returns the index of this base unit in
+ * units_base.
  */
 int scene_units_ten(const scene *scene, const units_unit *unit, int *ten);
 

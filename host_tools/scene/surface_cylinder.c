@@ -14,13 +14,15 @@ static void set(double vector[3], double x, double y, double z)
 }
 
 /*
- * Return the point of a cylinder over a plane curve.
- *   axis   in  surface coordinate along the axis: 0: theta1, along x; 1: theta2, along z
+ * Return the point of a cylinder whose cross-section is a curve in the plane normal to its axis.
+ * The curve is given by its radius as a function of the polar angle phi.
+ *   axis   in  0: the axis is x and its coordinate theta1; 1: the axis is z and its coordinate
+ *       theta2
  *   along  in  coordinate along the axis
- *   phi    in  polar angle: along x, 0 at the top and +y at 90 degrees; along z, 0 at +x and +y at
- *              90 degrees
+ *   phi    in  polar angle (rad), counted from +z towards +y if the axis is x, and from +x towards
+ *       +y if it is z
  *   radius in  radius of the curve at phi
- *   rise   in  derivative of the radius, per radian
+ *   rise   in  derivative of the radius with respect to phi
  */
 static surface_point round_at(int axis, double along, double phi, double radius, double rise)
 {

@@ -10,8 +10,8 @@
 #include "surface_point.h"
 
 /*
- * Bits that stand for a set of surface coordinates: theta1, theta2, and the angle around the axis
- * of a cylinder or spiral, which may be theta1 or theta2.
+ * Bits for sets of the surface coordinates theta1 and theta2. AROUND_AXIS stands for the angle
+ * around the axis of a cylinder or spiral, which is theta1 or theta2, as scene_surface.axial tells.
  */
 enum { ALONG_THETA1 = 1, ALONG_THETA2 = 2, AROUND_AXIS = 4 };
 
@@ -41,15 +41,18 @@ typedef double surface_area_function(const scene_surface *surface, const double 
                                      const double t2[2]);
 
 /*
- * Table of surface types. A row holds
- *   the type, the word for it in a scene file, and its keys in a scene file (?a is optional;
- *   SURFACE_NUMBERS
- *   defines the keys that are numbers);
- *   the function that computes its points, that of its meridian (0 unless it is a surface of
- *   revolution, whose
- *   points are revolution_at) and of its area (0: numerical integral);
- *   the set of coordinates with the period 2 pi, the set of coordinates that are angles, the advice
- *   for a mesh that reaches a pole, and a sentence of help.
+ * Table of surface types. A row holds, in this order:
+ *   1. the value of scene_surface_type;
+ *   2. the word for it in a scene file;
+ *   3. its keys in a scene file (?a is optional; SURFACE_NUMBERS defines the keys that are
+ *       numbers);
+ *   4. the function that computes a point of the surface; revolution_at for surfaces of revolution;
+ *   5. the function of the meridian of a surface of revolution; 0 for other surfaces;
+ *   6. the function that computes an area; 0: the area is integrated numerically;
+ *   7. the surface coordinates with the period 2 pi (bits);
+ *   8. the surface coordinates that are angles (bits);
+ *   9. the advice for a mesh that reaches a pole;
+ *   10. a sentence of help.
  */
 #define SURFACE_TYPES(ROW)                                                                         \
     ROW(SURFACE_PLATE, "plate", "", plate_at, 0, plate_area, 0, 0, "",                             \
@@ -141,8 +144,10 @@ typedef struct surface_type {
                                             surface of revolution */
     surface_area_function *area; /* function that returns the area of a part of the surface (length
                                     squared); NULL: the area is integrated numerically */
-    int closed, angles; /* sets of coordinates (bits ALONG_THETA1, ALONG_THETA2 and AROUND_AXIS):
-                           those with the period 2 pi, and those that are angles */
+    int closed, angles; /* closed: surface coordinates with the period 2 pi; angles: surface
+                           coordinates that are angles. Each is a sum of bits: ALONG_THETA1,
+                           ALONG_THETA2, and AROUND_AXIS for the one of theta1 and theta2 that is
+                           the angle around the axis of a cylinder or spiral */
     const char *pole_cure;
 } surface_type;
 

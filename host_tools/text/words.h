@@ -32,14 +32,19 @@ enum { WORDS_UNIT = 3 * SCENE_NAME };
 const char *words_unit(const scene_unit_names *units, words_quantity quantity,
                        char text[WORDS_UNIT]);
 
-/* Size of the name of the potentials of a face, including its NUL (characters). */
+/*
+ * Size of the text that words_bare_face writes, such as "potential of layer 1 upper, inner face",
+ * including its NUL (characters).
+ */
 enum { WORDS_FACE = SCENE_NAME + 48 };
 
 /*
- * Write the name of the potentials of the inner (k even) or outer face (k odd) of layer k / 2, such
- * as "potential of layer 1 upper, inner face". Returns whether the face is bare (without
- * electrode).
+ * Write a text that names the electric potentials on a face of a layer, such as "potential of layer
+ * 1 upper, inner face", where upper is the name of the layer. Returns whether the face carries no
+ * electrode; only then its potential varies from node to node.
  *   layer [layers] in  layers of the scene
+ *   k              in  face: 2 layer for the inner and 2 layer + 1 for the outer face, layers from
+ *       0
  */
 bool words_bare_face(const scene_layer *layer, int k, char text[WORDS_FACE]);
 

@@ -470,8 +470,9 @@ fmi2Status fmu_check_finite(fmu_values *values, int first, int count)
 static const double period_tolerance = 1e-6;
 
 /*
- * Check that a step begins where the last one ended, up to the permitted difference of a step's
- * length and the rounding errors of the times. Returns fmi2OK, or fmi2Error after a message.
+ * Check that a step begins at the time at which the last one ended. The permitted difference is
+ * period_tolerance times the tick period, plus rounding errors of the times. Returns fmi2OK, or
+ * fmi2Error after a message.
  */
 static fmi2Status check_time(const instance *of, double from)
 {

@@ -55,10 +55,10 @@ typedef struct plant {
     double deviation[PLANT_ROWS]; /* part of each displacement in `rows` that is vibration: the
                                      displacement less its value in static equilibrium (length unit
                                      of the scene) */
-    double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* ring buffer with the readings without
-                                                          noise of the present tick and of the
-                                                          PLANT_DELAY ticks before, by which
-                                                          readings may be late */
+    double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* sensor readings without noise of the last
+                                                          PLANT_DELAY + 1 ticks, as a ring buffer:
+                                                          the controller receives readings that are
+                                                          at most PLANT_DELAY ticks old */
     double reading[PLANT_SENSORS],
         sensed[PLANT_SENSORS]; /* reading: readings of the latest tick, with noise; sensed: readings
                                   that the controller receives, late by the delay of the sensors */
