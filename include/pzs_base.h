@@ -124,9 +124,9 @@ typedef enum pzs_status {
     PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other; the loop does not
                        yet control the voltages. */
     /*
-     * Warning of a problem with limits of sums of voltages: the limits allow no direct change to
-     * the voltage at which pzs_hold fixed input info.where, or from the voltages at which the
-     * controller was started. All voltages therefore go to the safe voltages of pzs_limit_rows in
+     * Warning where sums of voltages are limited: input info.where is not yet at the voltage at
+     * which pzs_hold has fixed it, or the voltages at which the controller was started exceed a
+     * limit (info.where is -1). All voltages therefore go to the safe voltages of pzs_limit_rows in
      * several ticks, or stay if the limits do not allow this either.
      */
     PZS_W_LIMIT_ROWS,

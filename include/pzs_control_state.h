@@ -175,25 +175,29 @@ typedef struct pzs_optimiser {
     pzs_real pivot_rounding; /* estimated rounding error of the pivots that belong to limits of sums
                                 of voltages in the dual active-set method (V2/m2); 0: no sums are
                                 limited */
-    pzs_real multiplier_change; /* sum over the present round of iterations of the changes of the
-                                   Lagrange multipliers in the dual active-set method (m2/V), from
-                                   which rounding errors of the voltages are estimated */
-    pzs_real model_rounding;  /* rounding-error bound of each entry of model_gradient (m2/V), which
-                                 is the part of half the gradient of the objective that depends on
-                                 the voltages */
-    pzs_real start_rounding;  /* rounding-error bound of each entry of start_gradient (m2/V), which
-                                 is half the gradient of the objective at the start of the present
-                                 round (sequence of iterations) */
-    pzs_real target_rounding; /* rounding-error bound of each entry of target_gradient (m2/V), which
-                                 is the part of half the gradient of the objective that depends on
-                                 the target shape */
-    pzs_real target_energy;   /* scale of the objective, with which its rounding errors are compared
-                                 (m2): weighted squared norm of the target shape minus the shape
-                                 without voltages */
+    pzs_real multiplier_change; /* size of the changes of multipliers in the present round of
+                                   iterations (m2/V), from which rounding errors of the voltages
+                                   are estimated; used only where sums of voltages are limited.
+                                   It begins with the largest gradient of a free voltage. Each
+                                   iteration of the dual active-set method adds the change of the
+                                   multiplier of the input that becomes active */
+    pzs_real model_rounding;    /* rounding-error bound of each entry of model_gradient (m2/V). The
+                                   array model_gradient is the part of half the gradient of the
+                                   objective that depends on the voltages */
+    pzs_real start_rounding;    /* rounding-error bound of each entry of start_gradient (m2/V). The
+                                   array start_gradient is half the gradient of the objective at
+                                   the start of the present round (sequence of iterations) */
+    pzs_real target_rounding;   /* rounding-error bound of each entry of target_gradient (m2/V).
+                                   The array target_gradient is the part of half the gradient of
+                                   the objective that depends on the target shape */
+    pzs_real target_energy; /* scale of the objective, with which its rounding errors are compared
+                               (m2): weighted squared norm of the target shape minus the shape
+                               without voltages */
     /*
-     * largest violation of the optimality (KKT) conditions by an input (m2/V). An iteration that
-     * only predicts the gradient from the tableau (pivoted Hessian) stores another number instead:
-     * the sum of the prediction errors of two inputs, whose gradients are also computed exactly
+     * largest violation of the optimality (KKT) conditions by an input (m2/V). In a tick that only
+     * predicts the gradient, by the tableau (pivoted Hessian), the gradient is checked at two
+     * inputs in turn; then this number is the sum of both prediction errors, and must not exceed
+     * the same bound
      */
     pzs_real kkt_violation;
     pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)
@@ -451,9 +455,11 @@ typedef struct pzs_pulse_detector_state {
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
                                input (unit of each sensor / V) */
     /*
-     * L D L^T factors of D'S^2 D plus regularisation (1/V2), with the static readings D per volt
-     * and the scales S of the sensors. With this matrix the fault detector estimates, by least
-     * squares, the voltages that amplifiers gave but that do not show in the readings
+     * L D L^T factors of the matrix D'S^2 D + ridge (1/V2). D [sensors][inputs] holds the static
+     * readings per volt, the diagonal matrix S the scales of the sensors. With these factors the
+     * fault detector estimates the voltage error of each electrode from the readings by least
+     * squares. The voltage error is the voltage that the readings show minus the one that the
+     * amplifier gave
      */
     pzs_envelope columns;
     /*
@@ -465,9 +471,10 @@ typedef struct pzs_pulse_detector_state {
                                 in which readings are averaged) or test pulse; after a window its
                                 mean voltages (V) */
     /*
-     * [inputs] weighted sum of voltages over the ticks of the present test pulse, or of the present
-     * window (interval in which readings are averaged) (V): voltage minus that of the first tick,
-     * times the weight of the tick in the mean
+     * [inputs] weighted sum of the voltages (V), each minus the voltage in the first tick. In a
+     * window (an interval in which readings are averaged) the sum is a weighted mean: the weights
+     * add up to 1. In a test pulse the weights are symmetric in time about the middle of the pulse,
+     * and the sum measures the pulse
      */
     pzs_real *voltage;
     pzs_real *late_voltage; /* [inputs] weighted sum of voltages over the ticks of the present test
@@ -506,9 +513,10 @@ typedef struct pzs_pulse_detector_state {
                                 in which readings are averaged) or test pulse; after a window its
                                 mean readings (unit of each sensor) */
     /*
-     * [sensors] weighted sum of readings over the ticks of the present test pulse, or of the
-     * present window (interval in which readings are averaged) (unit of each sensor): reading minus
-     * that of the first tick, times the weight of the tick in the mean
+     * [sensors] weighted sum of the readings (unit of each sensor), each minus the reading in the
+     * first tick. In a window (an interval in which readings are averaged) the sum is a weighted
+     * mean: the weights add up to 1. In a test pulse the weights are symmetric in time about the
+     * middle of the pulse, and the sum measures the response to the pulse
      */
     pzs_real *reading;
     pzs_real *late_reading; /* [sensors] weighted sum of readings over the ticks of the present test
@@ -528,13 +536,15 @@ typedef struct pzs_pulse_detector_state {
                        during which an electrode that has passed its test is not suspected */
     uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present window (interval in
                             which readings are averaged) or test pulse */
-    pzs_real ridge; /* regularisation weight of a least-squares estimate (1/V2): the fault detector
-                       estimates the voltages that amplifiers gave but that do not show in the
-                       readings */
-    pzs_real share_factor; /* factor, at least 1, by which few sensors raise a threshold of the
-                              fault detector (1): the part of the change of the readings that a
-                              fault of one electrode must explain before the detector suspects this
-                              electrode */
+    pzs_real ridge; /* regularisation weight (1/V2) when the fault detector estimates the voltage
+                       errors of all electrodes by least squares. The voltage error of an
+                       electrode is the voltage that the readings show minus the one that its
+                       amplifier gave */
+    pzs_real share_factor; /* factor, at least 1, by which a threshold of the fault detector is
+                              multiplied; larger than 1 where the sensors are few (1). The
+                              threshold is the smallest part of the change of the readings that
+                              makes an electrode suspected: a fault of this electrode must
+                              explain at least this part */
     pzs_real least_energy; /* smallest response of the shape to a full test pulse (m2): sum of the
                               squared weighted changes of the outputs, for the input for which it is
                               smallest */
@@ -722,9 +732,12 @@ typedef struct pzs_monitor_state {
     pzs_real answered; /* exponentially decaying sum of predicted times measured change of the shape
                           in the last ticks (m2); divided by `moved` it tells how well the structure
                           follows its model */
-    uint32_t fixed; /* number that changes when voltages are fixed or released, so that the monitor
-                       ignores that tick: 2 * (number of inputs whose voltage limits were equal in
-                       the last tick), plus 1 if the fault detector applied a test signal */
+    uint32_t fixed;    /* number by which the divergence monitor notices that voltages were fixed
+                          or released, or that a test signal began or ended: 2 * (number of
+                          inputs with equal lower and upper voltage limit in the last tick), plus
+                          1 if the fault detector applied a test signal. The monitor does not
+                          judge a tick in which the number changes, because the predicted shape
+                          may have jumped */
     bool is_started;
 } pzs_monitor_state;
 
@@ -795,14 +808,14 @@ typedef struct pzs_selftest_sums {
      * one amplifier, or of one sensor to all amplifiers
      */
     pzs_real size;
-    pzs_real measured; /* squared norm of the measured response (1/V2), a vector: the response of
-                          all sensors to one amplifier, or of one sensor to all amplifiers, as
-                          change of a reading per volt, times the scale factor of its sensor (1/V)
-                        */
-    pzs_real modelled; /* squared norm of the modelled response (1/V2), a vector: the response of
-                          all sensors to one amplifier, or of one sensor to all amplifiers, as
-                          change of a reading per volt, times the scale factor of its sensor (1/V)
-                        */
+    pzs_real measured; /* squared norm of the vector of measured responses (1/V2). The vector
+                          holds the responses of all sensors to one amplifier, or of one sensor
+                          to all amplifiers. A response is the change of the reading per volt,
+                          times the scale factor of the sensor (1/V) */
+    pzs_real modelled; /* squared norm of the vector of modelled responses (1/V2). The vector
+                          holds the responses of all sensors to one amplifier, or of one sensor
+                          to all amplifiers. A response is the change of the reading per volt,
+                          times the scale factor of the sensor (1/V) */
     pzs_real noise; /* part that noise and vibration are expected to contribute to the squared norm
                        of the measured response (1/V2); a response is the change of a reading per
                        volt, times the scale factor of its sensor (1/V) */
@@ -845,10 +858,11 @@ typedef struct pzs_selftest_state {
                                response, of all amplifiers [0] and of all sensors [1], as squared
                                norm of a vector (1/V2). A response is the change of a reading per
                                volt, times the scale factor of its sensor (1/V) */
-    pzs_real least_angle; /* smallest squared sine of the angle between the modelled response of one
-                             amplifier (or sensor), as a vector, and those of the others compared so
-                             far (1); it begins with the value below which exchanged cables would
-                             not be noticed */
+    pzs_real least_angle;   /* smallest squared sine of the angle between two vectors of modelled
+                               responses (1): that of the amplifier (or sensor) under examination,
+                               and those of the others compared so far. The start value is the
+                               largest one at which the self-test could not notice that the cables
+                               of both are exchanged */
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
                                        sensor) under evaluation with two modelled responses: with
                                        its own (own), and with the nearest one found so far
@@ -885,15 +899,17 @@ typedef struct pzs_calibration_state {
     pzs_real *noise;    /* [outputs] variance of the noise of each output's readings (m2) */
     pzs_real *centre;   /* [inputs] voltages around which the test voltages of a calibration lie (V)
                          */
-    pzs_real *proposal; /* [inputs] test voltages of a calibration before they are brought inside
-                           all limits (V); also a work vector for the reciprocals of the diagonal
-                           entries of its triangular factor (1/V) */
-    pzs_real *free; /* [inputs] NaN for each input, passed to the last gate in place of the voltages
-                       that pzs_hold keeps: a calibration keeps no voltage constant */
-    pzs_real *least;    /* [inputs] size below which a diagonal entry of the triangular factor
-                           (`factor`) of a calibration counts as zero (V) */
-    pzs_real *last[3];  /* [inputs] three copies of the test voltages of a calibration, so that two
-                           outvote a damaged third (V) */
+    pzs_real *proposal; /* [inputs] test voltages that a calibration has chosen for the present
+                           tick, before they are clamped to all limits (V). While the influence
+                           matrix is computed: reciprocals of the diagonal entries of the
+                           triangular factor in the array `factor` (1/V) */
+    pzs_real *free;    /* [inputs] array filled with NaN, for pzs_output_gate, which clamps voltages
+                          to their limits. There it stands for the voltages at which pzs_hold keeps
+                          inputs: NaN means that the voltage of the input is not fixed */
+    pzs_real *least;   /* [inputs] size below which a diagonal entry of the triangular factor
+                          (`factor`) of a calibration counts as zero (V) */
+    pzs_real *last[3]; /* [inputs] three copies of the test voltages of a calibration, so that two
+                          outvote a damaged third (V) */
     uint32_t limit_sum; /* checksum of the voltage limits and the step limits of a calibration */
     uint32_t pattern;   /* number of the present test pattern of a calibration, from 0 */
     uint32_t rest; /* number of consecutive ticks in which the test voltages of a calibration have

@@ -67,9 +67,10 @@ extern const struct pzs_absolute_row_calls pzs_absolute_rows_calls;
 #define PZS_LIMIT_ROW_WORK_LIMIT(inputs, rows) PZS_WORK_LIMIT((inputs) + (rows))
 
 /*
- * Number of multiply-adds by which limits of weighted sums of absolute values of voltages raise the
- * smallest work limit of the optimiser above PZS_LIMIT_ROW_WORK_LEAST. `rows` is the number of all
- * limited sums, absolute_count the number of sums of absolute values among them.
+ * Additional work (multiply-adds) for limits of weighted sums of absolute values of voltages. With
+ * such limits the smallest work limit of the optimiser in a tick is PZS_LIMIT_ROW_WORK_LEAST plus
+ * this number. `rows` is the number of all limited sums, absolute_count the number of sums of
+ * absolute values among them.
  */
 #define PZS_ABSOLUTE_ROW_WORK(inputs, rows, absolute_count)                                        \
     ((uint64_t)(absolute_count) * ((inputs) + 8u) * PZS_PRODUCT_WORK((inputs) + (rows)))

@@ -240,44 +240,46 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
 /*
  * Run one tick of a control loop: all blocks (stages of the tick) in the order of their list, then
- * the last gate, a check of the voltages.
+ * a check of the voltages.
  *   wanted   [outputs] in  target shape (m)
  *   readings [sensors] in  sensor readings, NaN where a sensor gives nothing; in a loop without
  *                          estimator and damper the measured shape [outputs] (m); NULL: no readings
- *                          arrived, and the last deviations from the model are kept
- * Status: an error ends the tick, and the following blocks do not run. Otherwise the status is the
- * warning of pzs_step_block, or else the first warning in the order of the list. info.block is the
- * type of the block that returned the status. After an error info.voltage keeps the voltages of the
- * last tick. After PZS_W_HELD of pzs_step_block the voltages are kept, clamped to the present
- * limits. After PZS_W_HELD of the estimator or the damper (no usable reading) the last deviations
- * from the model are kept, and the voltages still follow the target.
+ *                          arrived
+ * A tick without readings keeps the last disturbance, the measured minus the predicted shape. An
+ * error ends the tick, and the following blocks do not run. Otherwise the status is the warning of
+ * pzs_step_block, or else the first warning in the order of the list. info.block is the type of the
+ * block that returned the status. After an error info.voltage keeps the voltages of the last tick.
+ * PZS_W_HELD has two meanings. From pzs_step_block: the voltages are kept, clamped to the present
+ * limits. From the estimator or the damper: no reading was usable, so the last disturbance is kept,
+ * and the voltages still follow the target.
  *
- * The last gate compares each voltage with the limits in flash and with the voltage of the last
- * tick. A voltage beyond a voltage limit or a step limit is clamped, and one that is not finite is
- * replaced by the last one; both mean that working memory was damaged, and PZS_W_OUTPUT takes
- * precedence over other warnings.
+ * The check of the voltages compares each voltage with the limits in flash and with the voltage of
+ * the last tick. A voltage beyond a voltage limit or a step limit is clamped, and one that is not
+ * finite is replaced by the last one. In both cases working memory was damaged, and the status is
+ * PZS_W_OUTPUT, which takes precedence over other warnings.
  *
  * Damaged memory: each tick derives pointers, sizes and limits again from three copies of the list
- * of blocks, of which two outvote a damaged third. It compares one row of the optimiser's Hessian
- * with the tables, so that all rows are compared within `inputs` ticks, and adds 64 bytes of
- * pzs_problem and 64 bytes of the tables of the other blocks to checksums. PZS_E_CRC reports
- * damaged tables, with info.block unless they are those of pzs_problem: at once where limits are
- * damaged, otherwise after at most three complete readings of the tables. Damage of the loop
- * therefore does not reach the amplifiers beyond voltage limits and step limits, except between the
- * end of a tick and the moment at which info.voltage is read.
+ * of blocks, of which two outvote a damaged third. A tick compares one row of the optimiser's
+ * Hessian with the tables, so that all rows are compared within `inputs` ticks. It also adds 64
+ * bytes of pzs_problem and 64 bytes of the tables of the other blocks to their checksums. PZS_E_CRC
+ * reports damaged tables: limits at once, other tables after at most three complete readings of the
+ * tables. info.block is then the block with the damaged tables, unless those of pzs_problem are
+ * damaged. Voltages from a damaged loop therefore stay inside voltage limits and step limits,
+ * unless the damage occurs between the end of a tick and the moment at which the program reads
+ * info.voltage.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
 /*
- * Copy the voltages to apply that the last tick of a control loop has computed, for a part of the
- * program that does not wait for the tick: an interrupt that feeds converters, or a task of lower
- * priority.
+ * Copy the voltages to apply that the last tick of a control loop has computed. This function is
+ * for a part of the program that may run while a tick runs: an interrupt that feeds converters, or
+ * a task of lower priority.
  *   voltage [inputs] out  voltages to apply (V)
- * All copied voltages belong to one tick, because a tick fills the array to which info.voltage does
- * not point, and then moves the volatile members info.voltage and info.frames. On a processor that
- * reorders writes, or with DMA, place the memory barrier of the processor after the tick.
- * PZS_W_HELD: ticks kept interrupting the copy, so `voltage` must be ignored. Errors:
- * PZS_E_ARGUMENT, PZS_E_STAGE.
+ * All copied voltages belong to one tick. A tick writes its voltages to a second array, not to that
+ * which info.voltage points to. Only then it sets info.voltage to the second array and adds 1 to
+ * the counter info.frames; both members are volatile. On a processor that reorders writes, or with
+ * DMA, place the memory barrier of the processor after the tick. PZS_W_HELD: ticks kept
+ * interrupting the copy, so `voltage` must be ignored. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage);
 
@@ -687,11 +689,14 @@ typedef struct pzs_damper_info {
      * the angular frequency
      */
     pzs_real deviation;
-    pzs_real innovation; /* RMS over the sensors of reading minus predicted reading in the last tick
-                            (m), 0 where no reading was usable. Only the part of the vibration modes
-                            counts if such modes are observed, every target node is measured, and
-                            parts of the target shape are free (may take any size, such as a rigid
-                            motion) */
+    /*
+     * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick
+     * (m); 0 where no reading was usable. Where shapes such as rigid motions may be added to the
+     * target at no cost, all target nodes are measured, and vibration modes are observed, the
+     * readings contain such shapes, which the model does not predict. There only the part of the
+     * innovations that the vibration modes explain counts
+     */
+    pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
 } pzs_damper_info;
@@ -752,7 +757,7 @@ extern const pzs_block_type pzs_vibration_block;
                 PZS_ALIGNED(PZS_DAMPER_BYTES(modes, inputs, sensors, delay)) +                     \
                 (size_t)(outputs) * sizeof(pzs_real))
 
-/* ---- governor: moving targets of a damped tick (lib/control/governor.c) */
+/* ---- governor: slows targets down in a loop that damps vibration (lib/control/governor.c) */
 
 /*
  * Tables of the governor, a stage of the control tick that slows a moving target down so that the
@@ -792,8 +797,8 @@ typedef struct pzs_governor_state {
     pzs_real *reference;
     /*
      * [inputs] voltages (V) whose predicted shape the governor (which slows targets down) subtracts
-     * from the target: optimal voltages, minus `reference`, minus the change of `reference` in this
-     * tick divided by pzs_governor.share
+     * from the target: (optimal voltages - `reference`) - (change of `reference` in this tick) /
+     * pzs_governor.share. The tick then moves the voltages as `reference` moves
      */
     pzs_real *ahead;
     pzs_real *target; /* [outputs] target shape for which the voltages that are optimal in static
@@ -1267,11 +1272,12 @@ typedef struct pzs_selftest_tables {
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Normalised energy of the response that white noise of a sensor causes in the self-test (1). The
- * response is the sum of the readings times weights, one set symmetric in time and one
- * antisymmetric. Its energy is divided by the variance of the noise, and multiplied by the number
- * of ticks of a test pulse and by the squared height of the pulse. The value is the sum of the
- * squared weights, divided by the squared sum of the pulse times the symmetric weights.
+ * Squared response of the self-test to white noise in the readings of a sensor, for noise of
+ * variance 1 and test pulses of height 1 with N ticks, times N (1). With the weights e (symmetric
+ * in time) and o (antisymmetric) by which readings are multiplied, and the voltage p of the pulse,
+ * it is
+ *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2
+ * with sums over the ticks of the pulse, for large N.
  */
 #define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
 
@@ -1282,19 +1288,19 @@ typedef struct pzs_selftest_tables {
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 
 /*
- * Work that a tick of the self-test's evaluation does before it ends. The unit of work is one
- * compared entry of the measured responses; the comparison of the response of one amplifier or
- * sensor counts PZS_SELFTEST_STEP_WORK more. The last comparison of a tick may exceed this work by
- * the larger of the numbers of inputs and sensors, plus PZS_SELFTEST_STEP_WORK.
+ * Work after which a tick of the self-test's evaluation ends. The evaluation compares measured with
+ * modelled responses of all sensors to one amplifier, or of one sensor to all amplifiers. The work
+ * of a comparison is its number of responses plus PZS_SELFTEST_STEP_WORK. A comparison is not
+ * interrupted, so that a tick may exceed its limit by less than the work of one comparison.
  */
 #define PZS_SELFTEST_WORK 768u
 #define PZS_SELFTEST_STEP_WORK 16u
 
 /*
- * PZS_SELFTEST_EVALUATION_WORK: work of the whole evaluation of a self-test if every amplifier and
- * every sensor has a fault, the worst case. The unit of work is one compared entry of the measured
- * responses; the comparison of the response of one amplifier or sensor counts
- * PZS_SELFTEST_STEP_WORK more.
+ * PZS_SELFTEST_EVALUATION_WORK: work of the whole evaluation of a self-test in the worst case, in
+ * which every amplifier and every sensor has a fault. The evaluation compares measured with
+ * modelled responses of all sensors to one amplifier, or of one sensor to all amplifiers. The work
+ * of a comparison is its number of responses plus PZS_SELFTEST_STEP_WORK.
  */
 #define PZS_SELFTEST_LINES(inputs, sensors) ((uint64_t)(inputs) + (uint64_t)(sensors))
 #define PZS_SELFTEST_STAGE_WORK(inputs, sensors)                                                   \
@@ -1308,8 +1314,9 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 /*
  * Largest number of ticks of a self-test. All amplifiers move together for two pulse durations.
  * Noise and vibration are then measured for two pulse durations without motion. One pulse for each
- * input follows, and last the evaluation, which takes about a third of its share of ticks where no
- * fault is found. A tick of a pulse takes 8 operations for each sensor and input.
+ * input follows. The evaluation comes last; its ticks are counted for the case that every amplifier
+ * and every sensor has a fault, and without faults it takes about a third of them. A tick of a
+ * pulse takes 8 operations for each sensor and input.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
     (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) + 4u +                \
@@ -1399,24 +1406,26 @@ extern const pzs_block_type pzs_selftest_block;
  * The fault detector for structures that vibrate finds electrodes that are dead, stuck or reversed,
  * and keeps their voltages constant, while the loop goes on. It compares mean readings with those
  * of an earlier interval in which the target stood still. If the readings show less voltage on an
- * electrode, or less change of it, than its amplifier gave, the electrode makes slow test pulses of
- * voltage, together with an electrode that seems healthy. The suspected electrode is faulty if it
- * does not respond although the other one does, or if it responds with the wrong sign: in one pulse
- * that nothing disturbs, otherwise in two.
+ * electrode, or less change of it, than its amplifier gave, the electrode is suspected. It then
+ * makes slow test pulses of voltage, at the same time as an electrode that seems healthy. The
+ * suspected electrode is faulty if it does not respond although the other one does, or if it
+ * responds with the wrong sign. One pulse without disturbance is enough to decide, otherwise two
+ * are needed.
  *
  * The pulses begin a quarter of a pulse after the last motion of the target. During the pulses the
  * loop damps vibration, but does not follow loads. A target that moves interrupts them, and they
  * begin again afterwards: in a loop whose target never stands still for one and a quarter pulses,
- * no electrode is found. An electrode that lacks less than about 5 % of its voltage range is not
- * suspected until it lacks more.
+ * no electrode is found. An electrode is not suspected while the voltage that it lacks is below 5 %
+ * of the height of its test pulse.
  *
  * The gain (measured divided by modelled response) of the suspected electrode is compared with that
- * of the other electrode, so that what hides both responses makes no healthy electrode a faulty
- * one. Where the loop compensates hysteresis, the readings are predicted by the model of hysteresis
- * as it was measured. Where this model predicts that a pulse hardly moves an electrode, as with
- * strong hysteresis, or where both electrodes respond weakly, the pulses have up to four times
- * their height, at most half the voltage range. With 30 % hysteresis that is not compensated most
- * faults are not found. A load that jumps during a pulse is noticed, and the pulse is repeated.
+ * of the other electrode. A cause that makes both responses small therefore makes no healthy
+ * electrode seem faulty. Where the loop compensates hysteresis, the readings are predicted by the
+ * measured model of hysteresis. The pulses have up to four times their height, at most half the
+ * voltage range, in two cases: both electrodes respond weakly, or the model predicts that a pulse
+ * hardly moves an electrode, as with strong hysteresis. With 30 % hysteresis that is not
+ * compensated most faults are not found. A load that jumps during a pulse is noticed, and the pulse
+ * is repeated.
  *
  * At least four sensors are needed, because the evaluation of a pulse fits three responses to the
  * readings. Fewer sensors than electrodes cannot tell all electrodes apart: several electrodes are

@@ -21,9 +21,9 @@ typedef struct emitter {
 } emitter;
 
 /*
- * Write a number in decimal with so many digits that a program reads the same bits. The number is
- * not counted: emit_count_reals or emit_count_bytes adds an array to the checksum and to the size
- * of the tables before it is written.
+ * Write a number to a file in decimal, with enough digits that a program reads the same bits. This
+ * function does not add the number to the checksum and the size in the emitter: for the array that
+ * contains the number, call emit_count_reals or emit_count_bytes first.
  */
 void emit_real(FILE *file, double value);
 uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count);

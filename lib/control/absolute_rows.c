@@ -13,9 +13,9 @@
  * obey the bounds of the next optimisation, so that the objective never rises. It falls each time,
  * so that no choice of signs occurs twice and their number is finite.
  *
- * The matrix of row_solver.c has a row for each limited sum. Changed signs change the rows of the
- * sums of absolute values and nothing else; these rows are combinations of the rows of the same
- * matrix that belong to the inputs.
+ * The tableau of row_solver.c has a row for each input and a row for each limited sum. When signs
+ * change, only the rows of the sums of absolute values must be computed again. Such a row is the
+ * sum of the rows of the inputs, each times its weight with the chosen sign.
  */
 #include <string.h>
 #include "row_solver.h"
@@ -114,11 +114,12 @@ static bool follow_voltages(const rows_run *run)
 }
 
 /*
- * Reverse the chosen sign of each input at 0 V (in a sum of absolute values of voltages) if this
- * may lower the objective more than changes of voltages with the present signs may. If the last
- * iterations have not lowered the objective, only a pseudo-random part of these signs is reversed:
- * where several limits meet in a point, only some choices of signs let the objective fall. Returns
- * whether a sign has changed.
+ * Reverse the chosen sign of each input at 0 V (in a sum of absolute values of voltages) if a
+ * change of its voltage with the other sign may lower the objective by more than solver->gap. This
+ * duality gap bounds how much the objective can fall with the present signs. If the last iterations
+ * have not lowered the objective, only a pseudo-random half of these signs is reversed. Where the
+ * voltages are at several limits at once, some choices of signs do not let the objective fall.
+ * Returns whether any input met the condition.
  */
 static bool cross_zero(const rows_run *run)
 {
@@ -146,9 +147,10 @@ static bool cross_zero(const rows_run *run)
 
 /*
  * Set the bounds of the voltages of all inputs in limited sums of absolute values: those of the
- * present tick, and 0 V on the side that the sign chosen for the voltage excludes. The sums of
- * voltages with the chosen signs are then not negative. A lower bound below zero therefore never
- * limits them; it is set so that the duality gap stays finite.
+ * present tick, and 0 V on the side that the sign chosen for the voltage excludes. The limited
+ * sums, formed with the chosen signs, are then never negative. Their lower bound is set to the
+ * negative upper bound. It never limits the sums; it is needed because the duality gap would be
+ * infinite with an infinite bound.
  */
 static void split_bounds(const rows_run *run)
 {
@@ -191,10 +193,11 @@ static void renew_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Compute anew what depends on the signs chosen for some voltages, after these have changed: the
- * rows that belong to limits of sums of absolute values. They are rows of the optimiser's tableau
- * (matrix that gives changes of voltages and sums from changes of multipliers) and of the Cholesky
- * factor for the active limits. Active limits stay active with their multipliers.
+ * After the optimiser has chosen other signs for some voltages, compute the data of limited sums of
+ * absolute values of voltages anew. These are the rows of the sums in the optimiser's tableau
+ * (matrix that gives changes of voltages and sums from changes of multipliers). For active limits
+ * they are also the rows of the Cholesky factor. Active limits stay active and keep their
+ * multipliers.
  */
 static void renew_rows(const rows_run *run)
 {

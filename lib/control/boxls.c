@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser: a primal active-set method that works on one symmetric matrix, the
- * tableau, which is the Hessian after one pivot exchange for each free input. F denotes the free
- * set (inputs whose voltages may change), A the active set (inputs whose voltages are kept, mostly
- * at a bound), H the Hessian.
+ * tableau. The free set F holds the inputs whose voltages may change. The active set A holds all
+ * others: their voltages are kept, most of them at a bound, and some between their bounds. H is the
+ * Hessian. The tableau is H after one pivot exchange for each input of F.
  *
- * A round, which is a sequence of iterations, starts from the gradient and from the search
- * direction to the minimum over the voltages of F. If the full step along the direction violates no
- * bound and leaves no multiplier of the wrong sign, the round makes this step. Otherwise it makes
- * iterations of three types:
+ * Round. A round is a sequence of iterations. It starts from the gradient and from the search
+ * direction to the minimum over the voltages of F. The round makes the full step along this
+ * direction if the step violates no bound and leaves no multiplier of the wrong sign. Otherwise it
+ * makes iterations of three types:
  *   descent           go along the direction; an input that meets a bound stays there and leaves F;
  *   release together  at a minimum over F, move all inputs of A that would each run to their
  *                     other bound there at once, while F follows so that its gradient stays zero;
@@ -20,18 +20,20 @@
  * A round ends with the true gradient, computed from H. Rounding errors of the tableau therefore
  * never reach the voltages; they only cost another round.
  *
- * Termination. A descent that a bound stops shrinks F. A release prefers inputs strictly between
- * their bounds, and each such iteration lowers 2 (number of these inputs) + (size of F). After at
- * most 3 inputs iterations every input strictly between its bounds has zero gradient: the point is
- * the minimum of a face of the feasible box, and its objective depends only on which inputs are at
- * which bound. Only there an input at a bound is released. Iterations of zero length only shrink F,
- * and the next one of positive length strictly lowers the objective. The objective of successive
- * faces thus falls strictly, no face occurs twice, and the number of faces is finite. Releases
- * together never raise the objective, and their number in a round is limited.
+ * Termination. A descent that a bound stops makes F smaller by one. Inputs of A strictly between
+ * their bounds are released first: each such iteration lowers the number 2 (inputs of A strictly
+ * between their bounds) + (inputs of F). After at most 3 inputs iterations all inputs strictly
+ * between their bounds have zero gradient. The point is then the minimum of a face of the feasible
+ * box, so that its objective depends only on which inputs are at which bound. An input at a bound
+ * is released only at such a point. Iterations of zero length only make F smaller, and the next one
+ * of positive length strictly lowers the objective. The objective of successive faces thus falls
+ * strictly, no face occurs twice, and the number of faces is finite. Releases together never raise
+ * the objective, and their number in a round is limited.
  *
- * Many inputs. From PZS_DUAL_INPUTS inputs on, if none depends linearly on the others, the tableau
- * stays the negative inverse of the whole Hessian, and the iterations of a round are those of the
- * dual active-set method (boxls_dual.h). Rounds begin and end in the same way.
+ * Many inputs. This applies from PZS_DUAL_INPUTS inputs on, if no input depends linearly on the
+ * others. All inputs are then exchanged once, so that the tableau is the negative inverse of H,
+ * whichever inputs are free. The iterations of a round are those of the dual active-set method
+ * (boxls_dual.h). Rounds begin and end in the same way.
  *
  * Work. Multiply-adds are counted, and nothing is begun that could exceed the work limit together
  * with the product that ends the round. What the limit cuts off is continued in the next tick, from
@@ -53,10 +55,10 @@
  * hardly reduced the KKT violation (violation of the optimality conditions), or after a wrong
  * prediction of the gradient if there were many exchanges.
  *
- * Rounding. Only KKT violations above their rounding bound count. A round that neither ends at the
- * optimum nor lowers the objective (by the gradients at both ends) is undone. The voltages are
- * feasible after every iteration, because they are clamped, or accepted where each compares as
- * inside its bounds.
+ * Rounding. Only KKT violations above their rounding bound count. A round is undone if it neither
+ * ends at the optimum nor lowers the objective; the change of the objective follows from the
+ * gradients at both ends. The voltages are feasible after every iteration: a new voltage is clamped
+ * to its bounds, or accepted only if it lies between them in floating point.
  */
 #include <string.h>
 #include "boxls.h"
@@ -96,9 +98,9 @@
  */
 #define ROUNDING_FACTOR 4
 /*
- * Factor by which the gradient with respect to a free voltage may exceed its rounding-error bound
- * at the optimum. The excess must raise the objective by less than the machine epsilon times the
- * scale of the objective.
+ * Largest gradient with respect to a free voltage at the optimum, divided by its rounding-error
+ * bound. A gradient above the bound is accepted on a second condition: it raises the objective
+ * above its minimum by less than the machine epsilon times the scale of the objective.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
@@ -284,10 +286,11 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether a gradient whose entries for the free inputs (whose voltages may change) are at most
- * `size` (m2/V) raises the objective above its minimum by less than the machine epsilon times
- * target_energy, the scale of the objective. The rise is at most the squared size times the trace
- * of the inverse of the Hessian restricted to the free inputs.
+ * Whether the objective at a point is so near its minimum that the rest of the gradient can be
+ * neglected. `size` is the largest entry of the gradient for a free input, an input whose voltage
+ * may change (m2/V). The objective exceeds its minimum over the free voltages by at most size^2
+ * times the trace of the inverse of the Hessian, restricted to the free inputs. This excess is
+ * compared with the machine epsilon times target_energy, the scale of the objective.
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {

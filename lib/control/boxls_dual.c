@@ -60,9 +60,9 @@
  */
 #define TRIAL_PART 4u
 /*
- * The dual active-set method chooses its active set anew at once, without iterations before, if too
- * few inputs are right: fewer than one in this number is free with its voltage inside its bounds,
- * or active (kept at a bound) with a multiplier of the right sign.
+ * The dual active-set method chooses its active set anew without trial iterations if at most one in
+ * this number of inputs is right. An input is right if it is free with its voltage inside its
+ * bounds, or active (kept at a bound) with a multiplier of the right sign.
  */
 #define FEW_RIGHT 5u
 
@@ -464,11 +464,12 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Find the active input (voltage at a bound) that must become free first, because its multiplier
- * becomes zero. Meanwhile the multiplier of the input that is to become active changes in the
- * direction `sense`.
- *   part in/out  in: largest change of the multiplier of the input that is to become active; out:
- *                change at which the multiplier found becomes zero (m2/V)
+ * Find the active input (voltage at a bound) whose multiplier becomes zero first, so that it must
+ * become free. In the present iteration a free input becomes active, and its multiplier changes by
+ * sense * part with growing `part`. The multipliers of the active inputs change in proportion.
+ *   sense in      sign of the change of the multiplier of the input that becomes active: 1 or -1
+ *   part  in/out  in: largest size of this change; out: size at which the multiplier that was found
+ *                 becomes zero (m2/V)
  * Returns the index of the row of the found input in the Cholesky factor of the inverse Hessian, or
  * the number of active inputs if no multiplier becomes zero.
  */

@@ -81,10 +81,11 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 
 /*
- * Iterate the dual active-set method from the voltages after the predicted step until no voltage is
- * outside its bounds and no multiplier has the wrong sign, or until the work limit stops the
- * iterations. The voltages of the optimiser become those reached, clamped to the bounds. Returns
- * whether all iterations were made.
+ * Iterate the dual active-set method until no voltage is outside its bounds and no multiplier has
+ * the wrong sign. It starts from the array next_voltage that pzs_predict_step_dual has set. The
+ * voltages of the optimiser become those reached, clamped to the bounds. Returns false if the
+ * iterations ended early, for example at the work limit.
+ *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
  */
 bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
 

@@ -62,11 +62,12 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 }
 
 /*
- * For many inputs, let the optimiser collect more pivot exchanges before it applies them, so that
- * its pivoted Hessian (tableau) is read and written less often while it is computed. The exchanges
- * are stored in memory of the dual active-set method, which is not in use meanwhile. The first
- * third of the memory of the Cholesky factor holds their rank-one updates, the rest of it two
- * copies of the updates in groups of columns. The memory of the two vectors holds the pivots.
+ * For many inputs, let the optimiser collect more pivot exchanges before it applies them to its
+ * pivoted Hessian (tableau). The tableau is then read and written less often while it is computed.
+ * The exchanges use memory of the dual active-set method, which is not in use meanwhile. The memory
+ * of its Cholesky factor `factor` holds the rank-one updates of the exchanges in the first third,
+ * and two copies of the updates in groups of columns behind them. The memory of its arrays `side`
+ * and `order` holds the inputs, signs and pivots of the exchanges.
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
@@ -125,15 +126,17 @@ static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t fir
 
 /*
  * Compute row k of the tableau, the pivoted Hessian of the optimiser, including the pivot exchanges
- * that are collected but not yet applied to the matrix. An exchange of input k changes the tableau
- * as follows, where row_i is entry i of row k before the exchange, p = row_k is the pivot, and u is
- * the row divided by sqrt |p|:
- *   entry i, j  by  -sign(p) u_i u_j,
- *   entry i, k  to  row_i / |p|, which is the same formula on a zero entry if u_k is set to
- *               -sign(p) / sqrt |p|,
- *   entry k, k  to  -1 / p.
- * The row of an exchanged input is thus a multiple of u, independent of its earlier values. In the
- * updates collected before, its entry has been set to zero when it was exchanged.
+ * that are collected but not yet applied to the matrix. Let r be row k before an exchange of input
+ * k, p = r_k the pivot, and u = r / sqrt |p|. The exchange changes the tableau T as follows, for i
+ * and j other than k:
+ *   T_ij  becomes  T_ij - sign(p) u_i u_j,
+ *   T_ik  becomes  r_i / |p|,
+ *   T_kk  becomes  -1 / p.
+ * The second line has the form of the first one with T_ik = 0 and u_k = -sign(p) / sqrt |p|. Both
+ * are therefore applied as one rank-one update, after row and column k have been set to zero. If
+ * input k itself has a collected exchange, its row follows from u alone, and only later exchanges
+ * are applied to it. Updates collected before that exchange do not change row k, because their
+ * entry k was set to zero.
  */
 static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
@@ -186,10 +189,10 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 }
 
 /*
- * Set entries of the tableau (the optimiser's pivoted Hessian) to zero, to which the rank-one
- * updates of collected exchanges then give new values: those in the columns of exchanged inputs, in
- * at most `most` rows from row i on. Only columns up to the square block on the diagonal that
- * contains the row are set.
+ * In some rows of the tableau (the optimiser's pivoted Hessian), set the rows and columns of
+ * exchanged inputs to zero. The rank-one updates of the collected exchanges, which are applied
+ * next, give these entries their new values. The rows are i to i + most - 1, or fewer at the end of
+ * the matrix. Columns to the right of column i + most - 1 are not set.
  */
 static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
@@ -289,10 +292,10 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 
 /*
  * On a host with the vector unit AVX2, apply all collected rank-one updates to the optimiser's
- * pivoted Hessian (tableau) while the tableau is being computed, up to and including its diagonal.
- * Copies of the updates in groups of columns lie behind the updates, in memory of the dual
- * active-set method. Returns whether the updates were applied, which is not possible on other
- * processors.
+ * pivoted Hessian (tableau). This function is for tableaus with many inputs that are being
+ * computed. It changes the lower triangle with the diagonal. It uses two copies of the updates in
+ * groups of columns, in memory of the dual active-set method behind the updates. Returns whether
+ * the updates were applied; false on other processors, and if few updates are collected.
  */
 static bool apply_wide(pzs_optimiser *optimiser)
 {

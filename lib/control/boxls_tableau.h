@@ -86,9 +86,10 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending);
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /*
- * Return the trace of the inverse of the Hessian restricted to the inputs whose voltages are free
- * (V2/m2). An input at a bound whose effect depends linearly on those of the free inputs adds an
- * upper bound of its diagonal entry in the inverse, as if it were free.
+ * Return the trace of the inverse of the Hessian, restricted to the inputs whose voltages are free
+ * (V2/m2). With this trace the optimiser bounds by how much a small gradient can raise the
+ * objective. An input depends linearly on the free inputs if its pivot is below a smallest accepted
+ * pivot. Each such input at a bound adds 1 / (smallest accepted pivot) to the trace.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

@@ -69,10 +69,10 @@ static size_t width_of(const pzs_calibration *calibration)
 }
 
 /*
- * Return row `index` of the matrix that a calibration stores. The row has an entry of the
- * triangular factor for each input, then an entry of the rotated readings for each output. The
- * triangular factor is that of the information matrix, the sum of v v' over the recorded voltages
- * v.
+ * Return row `index` of the matrix [inputs + 1][inputs + outputs] that a calibration stores. The
+ * first `inputs` entries of a row belong to the triangular factor R, where R'R is the sum of v v'
+ * over the recorded voltages v. The other entries are combinations of the recorded readings: the
+ * rotations that make R triangular are applied to them as well.
  */
 static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
 {
@@ -385,11 +385,11 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 }
 
 /*
- * Rotate the rows of the triangular factor so that its first row contains all information about one
- * direction of the voltage vector. Afterwards every other row has one nonzero entry to the left of
- * the diagonal. The factor is that of the information matrix, the sum of v v' over the recorded
- * voltages v.
- *   direction [inputs] in/out  triangular factor times voltages in this direction; overwritten (V2)
+ * Rotate the rows of the triangular factor R of a calibration, where R'R is the sum of v v' over
+ * the recorded voltages v. The rotations turn the vector R v, for the voltages v of a new record,
+ * into a multiple of the first unit vector. The first row then contains all information about the
+ * direction v. Afterwards every other row has one nonzero entry to the left of the diagonal.
+ *   direction [inputs] in/out  in: R v (V2); out: overwritten
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 {

@@ -129,12 +129,13 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
 }
 
 /*
- * Compute the part B'W^2 (wanted - shown) of the gradient that depends on the target, with
- * influence matrix B and output weights W. The shape `shown` is that of the base voltages (around
- * which the gradient is computed) plus the disturbance (measured minus predicted shape). Returns |W
- * (wanted - shown)|^2. From this number follows target_energy, the squared norm of the weighted
- * target error and scale of the objective, which is bounded below by its rounding error. Both
- * numbers are finite only if the gradient is.
+ * Compute the part B'W^2 (wanted - shown) of the gradient that depends on the target, with the
+ * influence matrix B and the output weights W. The shape `shown` is that of the base voltages
+ * (around which the gradient is computed) plus the disturbance (measured minus predicted shape).
+ * Also computes optimiser->target_energy, the scale of the objective: the squared norm of W (wanted
+ * - shape without voltages). It is at least epsilon times the result, its rounding error. Returns
+ * the squared norm |W (wanted - shown)|^2 (m2). The result and the scale are finite only if the
+ * gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -335,8 +336,9 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 
 /*
  * Let the free voltages ignore the motion of voltages that pzs_hold has just fixed. A tick that
- * damps vibration limits the change of the shape, and would therefore compensate such a motion. To
- * prevent this, the gradient that the fixed voltages cause is added to target_gradient.
+ * damps vibration resists changes of the shape, so that the free voltages would compensate the
+ * effect of such a motion. To prevent this, the function adds to target_gradient the gradient that
+ * the motion of the fixed voltages causes.
  */
 static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -500,10 +502,12 @@ static int32_t bad_limit(const pzs_problem *problem)
 /*
  * Check the influence matrix of a controller. The checksum of the controller's tables must have
  * been checked before.
- *   influence [outputs][inputs] in  full influence matrix that is used (m/V); NULL: the sparse one
- *   bad                         in  index of the first number of the tables that is not finite, or
- *                                   -1
- * Returns PZS_OK, or an error with *where as pzs_control_init states them.
+ *   influence [outputs][inputs] in   full influence matrix that is used (m/V); NULL: the sparse one
+ *   bad                         in   index of the first number of the tables that is not finite, or
+ *                                    -1
+ *   where                       out  index of the number that is not finite, or of the faulty entry
+ *                                    of the sparse matrix; -1: none
+ * Errors: PZS_E_NONFINITE, and those of the check of the sparse matrix.
  */
 static pzs_status check_influence(const pzs_problem *problem, const pzs_real *influence,
                                   int32_t bad, int32_t *where)

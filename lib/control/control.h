@@ -52,10 +52,11 @@ void pzs_control_predict(pzs_control *control);
 void pzs_control_moved(pzs_control *control);
 
 /*
- * Make the next ticks damp vibration: at the present voltages half the gradient of the objective is
- * multiplied by `share`, and the damping gradient is subtracted from it. Voltages that do not
- * change obey all limits of such a tick, and in static equilibrium the voltages are those without
- * damping.
+ * Make the next ticks damp vibration. At the present voltages, half the gradient of their objective
+ * is `share` times that without damping, minus the array `damping`. The Hessian does not change, so
+ * that a tick goes only the part `share` of the way to the optimum. In static equilibrium `damping`
+ * is zero, and the voltages converge to those without damping. Voltages that stay unchanged obey
+ * all limits of such a tick.
  *   share            in      factor of the static gradient, at most 1; 0: the ticks damp vibration
  *                            alone
  *   damping [inputs] in      gradient by which the vibration damper moves the voltages, read in

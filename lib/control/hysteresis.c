@@ -523,8 +523,10 @@ static void move_play(effect_walk *walk)
 }
 
 /*
- * Let the search for a voltage with a wanted effect pass the next change of slope of the piecewise
- * linear part of the effect (voltage without hysteresis).
+ * Pass the next knot in the search for the voltage of an electrode that has a wanted effect, and
+ * update the slope of the effect. The effect is the voltage that would move the structure as far
+ * without hysteresis. Knots are the three voltages at which its piecewise linear part changes its
+ * slope.
  */
 static void pass_knot(effect_walk *walk)
 {

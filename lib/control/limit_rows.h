@@ -107,9 +107,10 @@ struct pzs_absolute_row_calls {
      */
     bool (*choose_signs)(pzs_control *control, bool may_cross);
     /*
-     * Return the largest violation of the optimality (KKT) conditions (m2/V) by voltages at 0 V in
-     * limited sums of absolute values: the objective would fall if such a voltage got the other
-     * sign. What such changes of signs may gain is added to the duality gap, solver->gap (m2).
+     * Return the largest violation of the optimality (KKT) conditions (m2/V) by a voltage at 0 V
+     * that is part of a limited sum of absolute values. Such a voltage violates the conditions if
+     * the objective falls when the voltage gets the other sign. For each violation a bound of this
+     * fall is added to the duality gap, solver->gap (m2).
      *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);

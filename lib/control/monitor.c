@@ -73,8 +73,8 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
 }
 
 /*
- * Mean squares over all outputs with which the divergence monitor compares the measured and the
- * predicted shape in one tick (m2).
+ * Results of the comparison of the measured and the predicted shape by the divergence monitor in
+ * one tick: means over all outputs of squares or products of displacements (m2).
  */
 typedef struct squares {
     pzs_real deviation; /* mean square over the outputs of the sudden deviation (m2): measured minus
@@ -148,10 +148,10 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
 }
 
 /*
- * Compare the measured, predicted and target shapes of this tick with those of the last one.
- * info.predicted is the shape that the voltages of this tick will make; the disturbance (measured
- * minus predicted shape) belongs to the shape that was predicted one tick earlier, whose change
- * monitor->move holds.
+ * Compare the measured, predicted and target shapes of this tick with those of the last one, and
+ * store those of this tick. info.predicted is the shape that the voltages of this tick will make.
+ * The disturbance is the measured shape minus the shape that was predicted one tick earlier. The
+ * array monitor->move therefore holds the change of the predicted shape in the tick before.
  */
 static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -195,9 +195,10 @@ static pzs_real change_of_target(pzs_monitor_state *monitor, const pzs_loop_sign
 }
 
 /*
- * Update two variables of the divergence monitor where the loop has a vibration damper: the
- * amplitude by which the structure deviates from the model, which the damper has computed, and its
- * envelope, the amplitude that changes of the target explain.
+ * Update two variables of the divergence monitor in a loop with a vibration damper (m, RMS over the
+ * outputs). `amplitude` is the recent peak of the amplitude of vibration that the damper estimates.
+ * `envelope` bounds the amplitude that motions of the target can have caused: it adds up the
+ * changes of the target and decays as the vibration does.
  */
 static void follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
                          const pzs_loop_signals *signals)

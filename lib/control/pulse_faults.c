@@ -77,10 +77,11 @@
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
- * Trace of the resolution matrix of the readings (effective number of independent combinations of
- * readings) from which on the thresholds LEAST_SHARE and LEAST_MOVING_SHARE hold. With a smaller
- * trace t these thresholds are multiplied by (2 + MANY_READINGS / t) / 3: with few readings and
- * many electrodes, some electrode explains a large part of any change by chance.
+ * Limit of the trace of the resolution matrix, the effective number of independent combinations of
+ * readings. If the trace t is below this limit, LEAST_SHARE and LEAST_MOVING_SHARE are multiplied
+ * by (2 + MANY_READINGS / t) / 3. These thresholds must be higher with few readings and many
+ * electrodes, because some electrode then explains a large part of any change of the readings by
+ * chance.
  */
 #define MANY_READINGS PZS_R(24)
 /*
@@ -91,9 +92,9 @@
  */
 #define LEAST_RESOLUTION PZS_R(0.01)
 /*
- * Range of the voltage that an electrode must seem to lack to be suspected of a fault, relative to
- * the voltage that a fault would take from it: the whole voltage if it were dead, the change of
- * voltage if it were stuck or reversed.
+ * An electrode is suspected of a fault only if the voltage that it seems to lack is LEAST_LOSS to
+ * LARGEST_LOSS times the voltage that the fault would take from it. A dead electrode lacks its
+ * whole voltage. A stuck or reversed electrode lacks the change of its voltage.
  */
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
@@ -131,11 +132,11 @@
 #define WEAK PZS_R(0.75)
 #define REVERSED PZS_R(0.3)
 /*
- * Largest jump of the readings during a test pulse at which the pulse still proves a fault of an
- * electrode, relative to the modelled response of the suspected electrode. Weights that are
- * antisymmetric in time about the middle of the pulse measure the jump (test_pulse.h). A jump of a
- * load that is not noticed changes the gain (measured divided by modelled response) by less than
- * 2.4 times this number.
+ * Largest jump of the readings during a test pulse, divided by the modelled response of the
+ * suspected electrode. A pulse with a larger jump proves no fault. The jump is a sum of the
+ * readings with weights that are negative before the middle of the pulse and positive after it. A
+ * load that jumps less than this limit changes the gain (measured divided by modelled response) by
+ * less than 2.4 times the limit.
  */
 #define JUMPED PZS_R(0.1)
 /*
@@ -146,19 +147,19 @@
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
- * Conditions under which one test pulse proves a fault of the suspected electrode without a second
- * one. A gain is a measured response divided by the modelled one; the reference electrode is a
- * healthy one.
- *   SURE, SURE_REVERSED  the gain of the suspected electrode is smaller than SURE times that of the
- *                        reference electrode, or below the negative of SURE_REVERSED times it;
- *   SURE_CALM            the readings have jumped by less than this part of the permitted jump;
- *   SURE_UNEXPLAINED     the sum of squares of the response that the model does not explain,
- *                        relative to the modelled one, is smaller than this;
- *   SURE_STRONG          the gain of the reference electrode is at most this. Larger gains do not
- *                        occur within the gains for which loops are certified (up to 1.33); they
- *                        show that the load has jumped twice, which no single jump explains.
- * A load that jumps unnoticed changes a gain by less than 0.12; the program
- * tests/unit/sweep_faults.c fixes no healthy electrode in millions of ticks.
+ * Conditions under which one test pulse proves a fault of the suspected electrode, so that no
+ * second pulse is needed. A gain is a measured response divided by the modelled one; the reference
+ * electrode is a healthy one.
+ *   SURE, SURE_REVERSED  The gain of the suspected electrode is smaller than SURE times that of the
+ *                        reference electrode, or below the negative of SURE_REVERSED times it.
+ *   SURE_CALM            The jump of the readings is at most this part of the largest permitted
+ * jump (JUMPED, REFERENCE_JUMPED). SURE_UNEXPLAINED     The sum of squares of the measured response
+ * that the model does not explain is at most this part of the sum of squares of the modelled
+ * response. SURE_STRONG          The gain of the reference electrode is at most this limit. Control
+ * loops are tested for stability on structures with gains up to 1.33, and one jump of a load that
+ * SURE_CALM permits changes a gain by less than 0.12. A larger gain therefore shows that the load
+ * has jumped twice. The program tests/unit/sweep_faults.c simulates millions of ticks in which this
+ * rule declares no healthy electrode faulty.
  */
 #define SURE PZS_R(0.1)
 #define SURE_REVERSED PZS_R(0.6)
@@ -191,9 +192,9 @@
  */
 #define MISSING_LIMIT 8u
 /*
- * The target shape counts as unmoved while the weighted sum of its squared changes over the outputs
- * is below 1/STILL of the sum for the smallest shape change that the test pulse of an electrode
- * causes.
+ * The target shape counts as unmoved while its squared change is below 1/STILL of the smallest
+ * squared response of the shape to the test pulse of an electrode. Both are sums of squares over
+ * the weighted outputs (m2). The change is that since the last tick in which the target moved.
  */
 #define STILL PZS_R(64)
 
@@ -215,9 +216,10 @@ static pzs_real square(pzs_real number)
  */
 #define GROWTH PZS_R(4)
 /*
- * Where the loop compensates hysteresis, test pulses are high from the beginning if normal ones
- * would hardly move one of both electrodes: by the identified model of hysteresis, a pulse of
- * normal height would move it by less than this part of what it would move without hysteresis.
+ * Limit of the predicted motion of an electrode in a test pulse of normal height, divided by the
+ * motion without hysteresis. If a loop that compensates hysteresis predicts less for the suspected
+ * or for the reference electrode, all test pulses of both are higher (GROWTH). The prediction uses
+ * the identified model of hysteresis.
  */
 #define WEAK_PULSE PZS_R(0.25)
 
@@ -675,9 +677,10 @@ static void resolve_moves(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums over the electrodes whose voltages are not fixed. From these sums follows the voltage error
- * that all electrodes have in common because the gain of the structure differs from the model. The
- * voltage error of an electrode is the voltage that the readings show minus the given one.
+ * Sums of products over the electrodes whose voltages are not fixed. They serve to estimate the
+ * part of all voltage changes that seems to be missing because the gain of the structure differs
+ * from the model. The voltage error of an electrode is the voltage that the readings show minus the
+ * given one.
  */
 typedef struct loss_sums {
     pzs_real losses; /* sum of the squared voltage errors of the electrodes (V2) */
@@ -711,8 +714,9 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
- * What the readings show of one electrode, if no other electrode is faulty, and if a common part of
- * all voltage changes is missing because the gain of the structure differs from the model.
+ * Result of a least-squares fit of the readings on two assumptions. Only one electrode is faulty,
+ * and the gain of the structure differs from the model, so that the same part of every voltage
+ * change seems to be missing.
  */
 typedef struct own_loss {
     pzs_real common; /* part of every voltage change that seems to be missing at all electrodes
@@ -739,14 +743,13 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
 }
 
 /*
- * Return how much of the change of the readings, since an earlier interval in which the target
- * stood still, a fault of electrode j explains (0 to 1). The fault is that the electrode has not
- * received a part of its voltage. The result is 0 if this part does not fit a dead, stuck or
- * reversed electrode.
- *   sums in  sums over all electrodes whose voltages are not fixed: of squared missing voltages,
- *            of squared voltage changes, and of the products of both (V2)
- *   rest in  sum of squares of the unexplained changes of the readings, divided by the weight of
- *            the regularisation (V2)
+ * Return which part of the change of the readings (0 to 1) a fault of electrode j explains. The
+ * change is that from the base readings, the mean readings of an earlier interval in which the
+ * target stood still. The result is 0 if the voltage that electrode j seems to lack does not fit a
+ * dead, stuck or reversed electrode.
+ *   sums in  sums of products over all electrodes whose voltages are not fixed (V2)
+ *   rest in  part of the change that the voltage errors of all electrodes together leave
+ * unexplained: its sum of squares, divided by the weight of the regularisation (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -777,12 +780,12 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 }
 
 /*
- * Return the electrode whose apparent loss of voltage explains the largest part of the change of
- * the readings since an earlier interval in which the target stood still, or NO_INPUT if no
- * electrode is suspected.
- *   rest  in  sum of squares of the unexplained changes of the readings, divided by the weight of
- *             the regularisation (V2)
- *   least in  smallest part of the change that makes an electrode suspected (1)
+ * Return the electrode whose fault explains the largest part of the change of the readings, or
+ * NO_INPUT if no electrode is suspected. The change is that from the base readings, the mean
+ * readings of an earlier interval in which the target stood still.
+ *   rest  in  part of the change that the voltage errors of all electrodes together leave
+ * unexplained: its sum of squares, divided by the weight of the regularisation (V2) least in
+ * smallest part of the change that makes an electrode suspected (1)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
 {
@@ -858,8 +861,9 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
 }
 
 /*
- * Whether the voltage of any electrode has changed by twice the height of its test pulse or more
- * since an earlier interval in which the target stood still.
+ * Whether the voltage of any electrode differs from its base voltage by more than twice the height
+ * of its test pulse. Base voltages are the mean voltages of an earlier interval in which the target
+ * stood still; set_base stores them.
  */
 static bool has_moved(const pzs_pulse_detector_state *state)
 {

@@ -14,9 +14,10 @@
  */
 #define DISTURBED PZS_R(0.25)
 /*
- * The evaluation of a test pulse expects that the gain (measured divided by modelled response) of
- * all electrodes without a pulse is 1. This is the weight of the expectation, relative to the sum
- * of squares of the modelled response to the pulse.
+ * Weight of an additional equation in the least-squares fit of a test pulse, relative to the sum of
+ * squares of the modelled response to the suspected electrode. The equation states that the common
+ * gain (measured divided by modelled response) of all electrodes without a pulse is 1. The
+ * controller goes on to change the voltages of these electrodes during the pulse.
  */
 #define EXPECTED PZS_R(0.05)
 /*
@@ -72,10 +73,11 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
 }
 
 /*
- * Compute the scalar products of the measured and of the modelled responses to a test pulse. One
- * equation is added: the gain (measured divided by modelled response) of the electrodes without a
- * pulse is expected to be 1. Without it the fit could be undetermined, because their response may
- * be a combination of those of the two electrodes with a pulse.
+ * Compute the scalar products, over the sensors, of the measured and of three modelled responses
+ * during a test pulse: to the suspected electrode, to the healthy one, and to all others, whose
+ * voltages the controller goes on to change. An equation is added to the least-squares fit: the
+ * gain (measured divided by modelled response) of the others is 1. Without this equation the fit is
+ * undetermined if the response to the others is a combination of the two other responses.
  */
 static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 {

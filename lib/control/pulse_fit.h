@@ -42,8 +42,9 @@ typedef struct pulse_response {
      */
     pzs_real gain[2];
     /*
-     * jump of the readings during the test pulse that resembles the modelled response to the
-     * electrode suspected of a fault [0] and to the healthy one [1], relative to this response (1)
+     * jump of the readings between the first and the second half of the test pulse (1), fitted by
+     * two vectors: the modelled responses to the electrode suspected of a fault [0] and to the
+     * healthy one [1]. The two entries are the factors of these vectors in the least-squares fit
      */
     pzs_real jumped[2];
     /*

@@ -87,14 +87,16 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Shift of the diagonal of a Hessian that is singular or nearly so, stated as the smallest diagonal
- * entry after the shift, divided by the largest one. A Hessian whose pivots all exceed this
- * fraction of its largest diagonal entry is not shifted.
+ * First shift that is added to the diagonal of a Hessian that is singular or nearly so. It is
+ * stated as a ratio of diagonal entries: the smallest one after the shift, divided by the largest
+ * one. A Hessian whose pivots all exceed this fraction of its largest diagonal entry is not
+ * shifted.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
- * Largest shift of the diagonal of the Hessian, to which the optimiser may go after iterations that
- * failed. A shift is stated as the smallest diagonal entry after it, divided by the largest one.
+ * Upper limit of the shift that the optimiser adds to the diagonal of a singular Hessian, and
+ * raises after iterations that failed. The shift is stated as a ratio of diagonal entries: the
+ * smallest one after the shift, divided by the largest one.
  */
 #define MOST_CURVATURE PZS_BY_BITS(PZS_R(3e-1), PZS_R(1e-5))
 /*
@@ -192,10 +194,10 @@ static void set_scales(const rows_run *run)
 
 /*
  * Begin to compute the tableau anew, from the Hessian and the coefficients of the limited sums of
- * voltages. The complete tableau gives, with negative sign, the changes of voltages and limited
- * sums from a change of the multipliers of their limits. It is computed by one pivot exchange
- * (elimination step) for each input, none of which has been made yet, and no voltage or sum is kept
- * at a bound any more.
+ * voltages. Let dq be the changes of all voltages and limited sums that a change dm of their
+ * multipliers causes: dq = -T dm with the complete tableau T. T results from one pivot exchange
+ * (elimination step) for each input, and this function sets the matrix before the first exchange.
+ * Afterwards no voltage and no sum is kept at a bound.
  */
 static void reset_tableau(const rows_run *run)
 {
@@ -309,9 +311,10 @@ static bool complete_tableau(const rows_run *run)
 
 /*
  * Compute bounds and margin of all voltages and scaled limit rows (limits of sums of voltages). The
- * margin of a row is the distance by which its limits are narrowed. The margin of a voltage is the
- * largest margin of a row, because a row at its narrowed limit may change a voltage by so much. It
- * is at most an eighth of the distance between the bounds of the voltage.
+ * margin of a row is the distance by which both its limits are narrowed, for rounding errors. The
+ * margin of a voltage is the distance from a bound up to which the voltage counts as at this bound.
+ * It is the largest margin of a row, but at most an eighth of the distance between the bounds of
+ * the voltage.
  */
 static void load_bounds(const rows_run *run)
 {
@@ -436,9 +439,10 @@ static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
 
 /*
  * Compute the violation of the optimality (KKT) conditions at the start of a round (sequence of
- * iterations), and its rounding-error bound. The bound never falls below that in the first round of
- * the tick, so that an optimum with zero gradient counts as found. The array `scratch` of the
- * optimiser receives the gradient minus the contributions of the active limits of sums of voltages.
+ * iterations), and its rounding-error bound. The bound is at least that of the first round in the
+ * tick. Without this rule the bound could be nearly zero where the gradient is, and a violation by
+ * rounding errors alone would count. The array `scratch` of the optimiser receives the gradient
+ * minus the contributions of the active limits of sums of voltages.
  */
 static void measure_violation(const rows_run *run)
 {
@@ -465,12 +469,12 @@ static pzs_real largest_of(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Predict the step to the minimum of the objective with the active voltages and limited sums of
- * voltages at their bounds and all others free. The array next_voltage of the tableau's optimiser
- * receives the voltages and sums after the step; its array `direction` receives the multipliers of
- * the active ones. The equations are solved for the change of the present multipliers, so that
- * rounding errors of the tableau decay with repeated steps. The function uses the gradient that the
- * preceding call of measure_violation has computed.
+ * Predict the step to the minimum of the objective over the free voltages and limited sums of
+ * voltages, with the active ones at their bounds. The results are in arrays of run->tableau:
+ * next_voltage receives the voltages and sums after the step, `direction` the multipliers of the
+ * active ones. The function solves for the changes of the multipliers, not for the multipliers, so
+ * that rounding errors of the tableau decay with repeated steps. It needs the gradient in
+ * run->optimiser->scratch, which measure_violation sets.
  */
 static void predict_step(const rows_run *run)
 {
@@ -757,10 +761,10 @@ static pzs_real change_by_rounding(const rows_run *run)
 
 /*
  * After a round (sequence of iterations), undo it if it raised the objective by more than rounding
- * errors explain, and remember its duality gap if it made no progress. If a voltage at 0 V got the
- * other sign, the round made progress only if it lowered the objective by more than rounding errors
- * explain. Otherwise the optimiser could change signs at one corner of the limits for ever: the
- * margins of the limits move the corner a little with each choice of signs.
+ * errors explain. If the round made no progress, store its duality gap. A round in which a voltage
+ * at 0 V got the other sign made progress only if it lowered the objective by more than rounding
+ * errors explain. Without this rule the optimiser could reverse the same signs for ever: the
+ * margins by which limits are narrowed depend on the signs, and so does the optimum, a little.
  *   has_crossed in  whether a voltage at 0 V got the other sign
  */
 static void judge_round(const rows_run *run, bool has_crossed)

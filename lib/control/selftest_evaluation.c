@@ -126,10 +126,12 @@ typedef struct selftest_axis {
                                        (number of reals): model_line between the first entries of
                                        two successive columns or rows, model_entry between two
                                        successive entries of a column or row */
-    pzs_wiring *line, *entry; /* results of the self-test (healthy or kind of fault) for each column
-                                 and row of the matrix of responses. If `is_row` is false: `line`
-                                 for all amplifiers, `entry` for all sensors; otherwise `line` for
-                                 all sensors, `entry` for all amplifiers */
+    /*
+     * results of the self-test (healthy or kind of fault). If `is_row` is false, `line` [inputs] is
+     * for the amplifiers (columns) and `entry` [sensors] for the sensors. Otherwise `line`
+     * [sensors] is for the sensors (rows) and `entry` [inputs] for the amplifiers
+     */
+    pzs_wiring *line, *entry;
     bool has_gains; /* whether, before measured and modelled responses are compared, each modelled
                        response of a sensor to an amplifier is multiplied by the measured gain of
                        this amplifier */
@@ -256,10 +258,10 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Raise state.null, the squared response of each sensor to noise and vibration, to at least the
- * squared response that the noise of the sensor causes. The noise is the measured one, but at least
- * a small part of the largest plausible noise: readings without noise show nothing but rounding
- * errors.
+ * Raise the entries of state.null [sensors] to at least the squared response that the noise of each
+ * sensor causes in the self-test. The entries are squared responses of the sensors to noise and
+ * vibration. The noise used is the measured one, but at least LEAST_NOISE times the largest
+ * plausible noise, because readings without any noise still have rounding errors.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -364,10 +366,11 @@ static void begin_evaluation(pzs_selftest *selftest)
 /* ---- responses unlike the model ------------------------------------------- */
 
 /*
- * Whether the self-test may report a fault of an amplifier or sensor whose measured response
- * differs from the model. Entries of the response that belong to faulty sensors or amplifiers do
- * not count; if the rest of the modelled response is too small to be compared, the measured
- * response must be large. An amplifier or sensor with a reported fault gets no second one.
+ * Whether the self-test may report that an amplifier (or sensor) whose measured response differs
+ * from the model is faulty. No other fault may be reported of it already. The sums leave out
+ * responses that belong to faulty sensors (or amplifiers). In addition either the modelled response
+ * must be large enough to be compared, or the measured response must be large compared with noise
+ * and vibration.
  */
 static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *sums)
 {
@@ -378,9 +381,11 @@ static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *
 }
 
 /*
- * Return the sum of the squared modelled responses in a column or row (1/V2); faulty amplifiers and
- * sensors count, too. A difference that is tiny beside this sum is not reported: it may belong to a
- * sensor that mainly a faulty amplifier moves, and then shows little but errors of the model.
+ * Return the sum of the squared modelled responses of all sensors to amplifier `line`, or, if the
+ * axis is that of the sensors, of sensor `line` to all amplifiers (1/V2). Faulty amplifiers and
+ * sensors count, too. A difference from the model that is tiny beside this sum is not reported. For
+ * example, a sensor may respond mainly to a faulty amplifier; its other responses are as small as
+ * errors of the model.
  */
 static pzs_real whole_energy(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -568,10 +573,13 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 }
 
 /*
- * Return how much the measured responses of two amplifiers, or of two sensors, differ from two
- * modelled responses. The responses of two sensors are compared as one long vector if the modelled
- * ones contain the gains of the amplifiers: where two sensors see nearly the same shape, an
- * exchange of cables shows in the sizes of their responses alone.
+ * Return how much the measured responses of two amplifiers (or two sensors) differ from modelled
+ * responses (1). The modelled responses are their own, or each is that of the other one, as if
+ * their cables were exchanged. The responses of two sensors are compared as one long vector if the
+ * modelled ones are multiplied by the measured gains of the amplifiers. Two sensors may see nearly
+ * the same shape; an exchange of their cables then shows only in the sizes of their responses.
+ *   one, other in  comparisons of the measured response of the first and of the second amplifier
+ * (or sensor) with a modelled response
  */
 static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *one,
                            const pzs_selftest_sums *other)
@@ -678,7 +686,8 @@ static void give_verdict(pzs_selftest *selftest)
 /* ---- stages --------------------------------------------------------------- */
 
 /*
- * Comparisons of measured with modelled responses that a stage of the self-test's evaluation makes.
+ * Plan of a stage of the self-test's evaluation: which comparisons of measured with modelled
+ * responses of sensors to amplifiers the stage makes, one in each step.
  */
 typedef struct stage_plan {
     selftest_axis axis;
@@ -697,10 +706,10 @@ static uint32_t count_lines(const pzs_selftest *selftest)
 }
 
 /*
- * Return the comparisons that the self-test makes to find the modelled response nearest to a
- * measured one. The measured response of the amplifier (or sensor) that differs most from the model
- * is compared with the modelled responses of all amplifiers (or sensors). No comparison is made if
- * no amplifier and no sensor differs.
+ * Return the plan of a stage that finds the modelled response nearest to a measured one. The stage
+ * examines the amplifier (or sensor) whose response differs most from the model. It compares the
+ * measured response of this one with the modelled responses of all amplifiers (or sensors). The
+ * plan is empty if no amplifier and no sensor differs.
  */
 static stage_plan plan_of_worst(const pzs_selftest *selftest)
 {
@@ -714,10 +723,10 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
 }
 
 /*
- * Return the comparisons that the self-test makes to find out whether the cable of one amplifier
- * (or sensor), at which no fault has been found, is exchanged with that of another one. Its
- * measured response is compared with the modelled responses of all others, or, in the stage
- * STAGE_PAIR_EXCHANGED, only with the nearest one. If there are fewer sensors than amplifiers,
+ * Return the plan of a stage that finds out whether the cable of amplifier (or sensor) `core->pair`
+ * is exchanged with another cable. Nothing is compared if a fault of this one is known. Two stages
+ * compare it with all amplifiers (or sensors). The stage STAGE_PAIR_EXCHANGED examines the nearest
+ * other one, by two comparisons (compare_partner). If there are fewer sensors than amplifiers,
  * sensors are examined first, otherwise amplifiers: a fault of one among few changes the responses
  * of the others more.
  */
@@ -857,10 +866,10 @@ static uint32_t make_step(pzs_selftest *selftest)
 }
 
 /*
- * No responses are compared in two ticks of the self-test's evaluation: the first one prepares the
- * measured responses, and the last one sets the verdict (passed or not). The last one must be
- * short, because a loop without a fault already controls the voltages in it. A stage number beyond
- * the last stage shows damaged memory; then no amplifier may pass.
+ * The first tick of the self-test's evaluation only prepares the measured responses, and the last
+ * one only sets the verdict (passed or not). The last tick must be short: if there is no fault, the
+ * loop controls the voltages already in this tick. A stage number beyond the last stage shows
+ * damaged memory; then no amplifier may pass.
  */
 void pzs_selftest_evaluate(pzs_selftest *selftest)
 {

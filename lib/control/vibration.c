@@ -291,9 +291,10 @@ static void find_residuals(pzs_damper *damper, pzs_real *rest)
 }
 
 /*
- * Replace the innovations (reading minus predicted reading) of unusable readings by the residuals
- * of their sensors, the low-passed part of earlier innovations that the vibration modes do not
- * explain. Returns the number of unusable readings; *where receives the index of the first one.
+ * Replace the innovation (reading minus predicted reading) of each sensor whose reading is
+ * unusable. The replacement is the residual of the sensor: the low-passed innovation of earlier
+ * ticks, minus the part that the vibration modes explain. Returns the number of unusable readings;
+ * *where receives the index of the first one.
  */
 static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
@@ -364,10 +365,11 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 }
 
 /*
- * Whether three conditions hold: the target has free functions (shapes, such as rigid motions, that
- * may be added at no cost), every target node is measured, and some vibration modes are observed.
- * The readings then contain motion along the free functions, which the predicted readings leave out
- * and to which the mode shapes are orthogonal.
+ * Whether the readings contain motion that neither the predicted readings nor the vibration modes
+ * include. The motion is along free functions: shapes, such as rigid motions, that may be added to
+ * the target at no cost. Three conditions must hold: the target has free functions, every target
+ * node is measured, and some vibration modes are observed. Then only the part of the innovations
+ * (readings minus predicted readings) that the modes explain is reported in info.innovation.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A face of the shell (0 inner, 1 outer), on which loads and contact act. It lies half the
- * thickness below or above the mean of the two faces. Its displacement in the frame of a node is
- * the mean displacement plus the height of the face times the difference over the thickness.
+ * A face of the shell (0 inner, 1 outer), on which loads and contact act. The height of a face
+ * above the middle between both faces is half the thickness, with negative sign for the inner face.
+ * In the local axes of a node the displacement of a face is mean + height * difference. Here `mean`
+ * is the mean displacement of both faces, and `difference` is the displacement of the outer face
+ * minus that of the inner face, divided by the thickness.
  */
 #ifndef PZS_LIB_FACE_H
 #define PZS_LIB_FACE_H
