@@ -361,6 +361,35 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
 }
 
 /*
+ * Append the sentence that says how fast the control loop compensates a suddenly applied load, and,
+ * where this takes long, why.
+ */
+static void load_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    if (!isfinite(loop->load_step)) {
+        text_append(text, CERTIFICATE_TEXT,
+                    loop->observed > 0 ? "\nLoad step: not tried, because voltages compensate none "
+                                         "of the loads."
+                                       : "");
+        return;
+    }
+    text_append(text, CERTIFICATE_TEXT,
+                "\nLoad step: 5 %% of the effect of a suddenly applied load are left after %s%.3g "
+                "periods of the\nfirst observed mode (five loads that 30 %% of the voltage range "
+                "compensate).",
+                loop->load_step < CERTIFICATE_LOAD_MOST ? "" : "more than ", loop->load_step);
+    if (loop->angle >= CERTIFICATE_ANGLE)
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nThis mode turns by %.3g rad in a tick, more than %g: the tick is a slow "
+                    "low-pass by design;\na higher rate is faster.",
+                    loop->angle, CERTIFICATE_ANGLE);
+    else if (loop->load_step > CERTIFICATE_LOAD_STEP)
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nNo settings that pass all tests need at most %g periods.",
+                    CERTIFICATE_LOAD_STEP);
+}
+
+/*
  * Append the sentences that say by how many ticks the sensor readings may be older or newer than
  * the scene file states while the control loop stays stable.
  */
@@ -440,6 +469,7 @@ static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         "%.5g,\nat gain %g, frequency %g.",
         loop->modes, loop->radius, loop->at_gain, loop->at_frequency);
     storm_text(loop, text);
+    load_text(loop, text);
     target_text(&loop->target, text);
     if (loop->is_stable)
         age_text(loop, text);

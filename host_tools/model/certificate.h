@@ -20,7 +20,7 @@
 #include "vibration.h"
 
 enum {
-    CERTIFICATE_TEXT = 2000
+    CERTIFICATE_TEXT = 2500
 }; /* largest length of the text that describes the result of the stability tests (characters) */
 
 /*
@@ -29,6 +29,18 @@ enum {
  * the target (1).
  */
 #define CERTIFICATE_TOLERANCE 0.05
+
+/*
+ * Time within which the control loop must leave only 5 % of the effect of a suddenly applied load
+ * (periods of the first observed vibration mode), where this mode turns by less than
+ * CERTIFICATE_ANGLE (rad) in a tick. A control tick with fewer ticks in a period cannot damp the
+ * mode in full, and follows loads slowly.
+ */
+#define CERTIFICATE_LOAD_STEP 2.0
+#define CERTIFICATE_ANGLE 0.6
+
+/* Time after which the simulation of a load step ends (periods of the first observed mode). */
+#define CERTIFICATE_LOAD_MOST 8.0
 
 /*
  * Certificate of a control loop (result of simulations that test whether it is stable) on the
@@ -102,6 +114,11 @@ typedef struct certificate_loop {
                        target jumps), and its step limit relative to the scene's */
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
+    double load_step; /* time until 5 % of the effect of a suddenly applied load are left (periods
+                         of the first observed vibration mode), the longest of a few loads; 8:
+                         longer; NAN: no mode is observed, or no load can be compensated */
+    double angle; /* phase angle of the first observed vibration mode in a tick (rad); 0: no mode
+                     is observed */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */

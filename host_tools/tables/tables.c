@@ -659,6 +659,13 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
             loop->storms, prefix, loop->failed);
     emit_comment(emitter, "largest growth factor of small vibrations in a tick");
     fprintf(emitter->file, "#define %s_RADIUS PZS_R(%.6g)\n", prefix, loop->radius);
+    if (isfinite(loop->load_step)) {
+        emit_comment(emitter,
+                     "time until 5 % of the effect of a suddenly applied load are left, in "
+                     "periods of the first observed vibration mode");
+        fprintf(emitter->file, "#define %s_LOAD_STEP_PERIODS PZS_R(%.3g)\n", prefix,
+                loop->load_step);
+    }
     emit_comment(
         emitter,
         "ticks by which readings may be older and newer than %s_DELAY: every storm settles",
