@@ -19,10 +19,10 @@ typedef struct type_list {
 /*
  * Return the number of an element type, which is added to the list if no equal type is there, or -1
  * with error filled.
- *   type in/out    corner tables (displacements of the corners to strains), thickness and skew
- *                  must be filled; a new type also gets its stiffness and its warping correction
+ *   type in/out    corner tables (displacements of the corners to strains), thickness and skew must
+ *       be filled; a new type also gets its stiffness and its warping correction
  *   place in       plies and geometry of the element
- *   warp_share in  weight of the warping correction in the membrane shear strain (warp.h)
+ *   warp_share in  argument `share` of warp_fill: factor of the warping correction (1)
  */
 int type_list_add(type_list *list, pzs_element_type *type, const laminate_place *place,
                   double warp_share, char *error);

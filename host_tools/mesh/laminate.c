@@ -809,9 +809,9 @@ typedef struct free_field {
                       33, 12 (each mean and difference of both faces), 13, 23 */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
-    double constant[N][N]; /* stiffness for strains that are constant over the element (N/m), with
-                              the transverse shear stiffness that the element uses
-                              (constant_stiffness) */
+    double constant[N][N]; /* stiffness for strains that are constant over the element (N/m). Its
+                              transverse shear stiffness is the one that the element uses, after the
+                              element options `shear` and `rho` */
 } free_field;
 
 /*

@@ -22,18 +22,17 @@
  * sparse row). All arrays are NULL if there are no springs.
  */
 typedef struct mesh_springs {
-    int count;         /* number of springs and stack actuators */
-    int *first;        /* [springs of the scene file + actuators + 1] index of the first spring that
-                          belongs to each entry of the scene's list `springs`, then of the first
-                          stack of each actuator; the last element is the number of all springs and
-                          stacks */
-    uint32_t *start;   /* [count + 1] index of the first entry of each spring's sparse row; the last
-                          element is the number of all entries */
-    uint16_t *dof;     /* [entries of all springs] index of the free dof of each entry in the sparse
-                          rows of the springs */
-    double *value;     /* [entries of all springs] elongation of the spring per unit of the dof, for
-                          each entry of the sparse rows (1) */
-    double *stiffness; /* [count] stiffness of each spring or stack (N/m) */
+    int count;       /* number of springs and stack actuators */
+    int *first;      /* [springs of the scene file + actuators + 1] index of the first spring that
+                        belongs to each entry of the scene's list `springs`, then of the first
+                        stack of each actuator; the last element is the number of all springs and
+                        stacks */
+    uint32_t *start; /* [count + 1] index, in `dof` and `value`, of the first dof of each spring;
+                        the last element is the number of all entries */
+    uint16_t *dof;   /* [entries of all springs] index of a free dof on which the elongation of the
+                        spring depends */
+    double *value; /* [entries of all springs] elongation of the spring per unit of this dof (1) */
+    double *stiffness;       /* [count] stiffness of each spring or stack (N/m) */
     double envelope_without; /* number of entries that the factor L of the stiffness matrix (L D
                                 L^T) would have without springs */
 } mesh_springs;
@@ -63,8 +62,9 @@ typedef struct mesh {
                          of lengths */
     const quad_mesh *quads; /* mesh of quadrilaterals in any arrangement from which this mesh was
                                built; NULL for a mesh along lines of curvature */
-    bool accept_irregular;  /* true: elements that are too thin for an irregular mesh, so that their
-                               bending is far too stiff, are reported; false: they are refused */
+    bool accept_irregular;  /* elements that are too thin for an irregular mesh (factor
+                               quad_rule.lock above QUAD_LOCK) have too stiff a bending: true: they
+                               are accepted and counted in quad_report; false: they are an error */
     quad_report quad_report;
     laminate laminate;
     int lines[2]; /* number of node lines along the surface coordinates theta1 and theta2; along a

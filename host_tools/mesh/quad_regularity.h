@@ -38,9 +38,9 @@ typedef struct quad_rule {
     double irregularity; /* irregularity (1) of the element, the larger one of two numbers: the sum
                             of the absolute values of quad_geometry.skew (0 on a parallelogram), and
                             the largest irregularity of its four nodes (quad_irregularity) */
-    double bubble_share; /* factor, 0 to 1, by which the element multiplies the transverse shear
-                            flexibility that is added on coarse meshes: 1 on regular meshes, smaller
-                            where thin elements are irregular */
+    double bubble_share; /* factor, 0 to 1, of the flexibility that the element option `rho` adds to
+                            the transverse shears: 1 on regular meshes, smaller on thin elements of
+                            an irregular mesh */
     double lock; /* measure of how much too stiff the bending of the element is: [thinness c/70]^2,
                     where c rises linearly from 0 at the irregularity 0.2 to 1 at 0.3. A mesh with
                     an element above QUAD_LOCK is refused unless the scene accepts irregular meshes

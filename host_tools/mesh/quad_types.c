@@ -217,8 +217,9 @@ static int check_shape(const scene *scene, int element, int status, const quad_g
 }
 
 /*
- * Return whether an element is too coarse for its curvature on a thin, irregular mesh: squared
- * length times curvature exceeds eight times the thickness.
+ * Return whether an element is too long for its curvature in a thin shell with an irregular mesh:
+ * its largest curvature times squared length is above 8 times the thickness, its thickness below
+ * 1/1000 of its length, and its irregularity above 0.1.
  */
 static int is_coarse(const quad_rule *rule, const quad_geometry *geometry, double thickness)
 {

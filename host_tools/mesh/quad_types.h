@@ -44,16 +44,17 @@ typedef struct quad_report {
 int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
 
 /*
- * Build the element types of a mesh of quadrilaterals in any arrangement.
+ * Build the element types of a mesh of quadrilaterals in any arrangement. Elements whose factor
+ * quad_rule.lock is above QUAD_LOCK have too stiff a bending, because they are too thin for the
+ * irregular mesh around them.
  *   list             in/out  receives the element types; its laminate must be filled
  *   point   [nodes]  in      positions and triads (local axes) of the nodes
- *   accept_irregular in      true: elements that are too thin for an irregular mesh are reported;
- *       false: they are refused
+ *   accept_irregular in      true: such elements are accepted and counted in `report`; false: they
+ *       are an error
  *   element_type [elements] out  number of the type of each element
  *   report           out     elements whose bending may be too stiff or whose shape is distorted
  * Returns 0, or -1 with error filled: an element is degenerate or nearly a triangle, the directors
- * (unit normals) of its nodes are inclined too far to it, or elements are too thin for the
- * irregular mesh around them.
+ * (unit normals) of its nodes are inclined too far to it, or its bending is too stiff.
  */
 int quad_types_build(type_list *list, const quad_mesh *quads, const surface_point *point,
                      bool accept_irregular, uint16_t *element_type, quad_report *report,

@@ -17,11 +17,12 @@
 typedef struct piece_drawing {
     outline_plane plane;
     outline_cell cell;  /* quadrilateral of the element in the plane of the electrode outlines */
-    outline_cell moved; /* the member `cell` displaced by `shift` */
-    double shift[2]; /* displacement of the cell in the plane of the outlines: 0, 2 pi or -2 pi for
-                        a surface coordinate that is an angle. An outline may extend beyond the
-                        range of this angle in the mesh; it then covers the element after a full
-                        turn */
+    outline_cell moved; /* quadrilateral of the element in the plane of the electrode outlines
+                           (`cell`) after the displacement `shift` */
+    double shift[2];    /* displacement of the quadrilateral of the element in the plane of the
+                           electrode outlines: 0, 2 pi or -2 pi along a coordinate that is an angle.
+                           An outline may extend beyond the range of this angle in the mesh; it then
+                           covers the element after a full turn */
     int element;
     outline_draw *draw;
     void *context;

@@ -136,9 +136,9 @@ typedef struct scene_quads {
     char *file;            /* name of the mesh file as it is written in the scene file */
     double direction[3];   /* vector from which ply angles are measured, projected on each element;
                               zero vector: the direction from corner 1 to corner 2 of an element */
-    bool accept_irregular; /* treatment of elements that are too thin for an irregular mesh, so that
-                              their bending is far too stiff: true: they are reported; false: the
-                              mesh is refused */
+    bool accept_irregular; /* elements that are too thin for an irregular mesh (factor
+                              quad_rule.lock above QUAD_LOCK) have too stiff a bending: true: they
+                              are accepted with a warning; false: the mesh is refused */
     scene_at at;
 } scene_quads;
 
@@ -632,8 +632,8 @@ typedef struct scene_limit {
  */
 typedef struct scene_limit_row {
     int count;
-    int *amplifier; /* [count] numbers of the amplifiers whose voltages are summed */
-    double *factor; /* [count] factor of the voltage of each of these amplifiers in the sum (1) */
+    int *amplifier; /* [count] numbers of the amplifiers whose voltages occur in the weighted sum */
+    double *factor; /* [count] factor of the voltage of each amplifier in the weighted sum (1) */
     double lower, upper; /* lower and upper limit of a weighted sum of voltages (V) */
     bool is_absolute;    /* whether the sum of the absolute values of the voltages is limited */
     scene_at at;

@@ -80,8 +80,9 @@ typedef struct form {
                                    (FORM_MAP) */
     const form_case *cases; /* permitted combinations of the keys of a mapping (FORM_MAP); NULL: any
                                combination */
-    const struct form *const *any; /* FORM_ANY: array of forms, ended by NULL; the value must have
-                                      one of them */
+    const struct form *const *any; /* array of descriptions (forms), ended by NULL, for a value that
+                                      may be of several types, such as a number or a list
+                                      (FORM_ANY): the value must satisfy one of them */
 } form;
 
 /*

@@ -230,10 +230,10 @@ int read_sum(reader *reader, int node, void *to, const void *rule)
 
 typedef struct absolute_text {
     double limit;
-    int *list;      /* [count] indices of the amplifiers the absolute values of whose voltages are
-                       summed; the sum has an upper limit */
-    double *weight; /* [weights] factor of the absolute value of each amplifier's voltage in the sum
-                     */
+    int *list;      /* [count] indices of the amplifiers whose voltages enter, as absolute values, a
+                       weighted sum with an upper limit */
+    double *weight; /* [weights] factor of the absolute value of each amplifier's voltage, of which
+                       the weighted sum has an upper limit */
     int count, weights;
 } absolute_text;
 

@@ -90,8 +90,8 @@ static void write_single(emitter *emitter, double value)
 }
 
 /*
- * Write the element types without the numbers that a device computes from the nodes, member by
- * member in the order of the struct pzs_compact_type.
+ * Write the compact element types (pzs_compact_type), member by member in the order of the struct.
+ * They lack the matrices that the firmware computes from the nodes.
  */
 static void write_compact_types(emitter *emitter, const compact_types *compact, int types)
 {
@@ -202,8 +202,9 @@ static pzs_structure controlled(const analysis *analysis)
 
 /*
  * Return the structure that the tables contain. With the option --compact it has no stiffness
- * matrices of the elements. If nearly every element of the mesh is a type of its own, its element
- * types then also lack the numbers that a device computes from the nodes.
+ * matrices of the elements. If nearly every element of the mesh is a type of its own, it then has
+ * compact element types (pzs_compact_type), without the matrices that the firmware computes from
+ * the nodes.
  *   whole in  true: with all inputs and outputs; false: with those of the controller alone
  */
 static pzs_structure structure_of_tables(const analysis *analysis, int whole,

@@ -49,9 +49,9 @@ typedef struct tables_memory {
 tables_memory tables_need(const analysis *analysis, tables_image image, const tables_size *size);
 
 /*
- * Return whether, with the option --compact, the tables of the structure hold element types without
- * the numbers that a device computes from the nodes. They do on meshes where nearly every element
- * is a type of its own.
+ * Return whether, with the option --compact, the tables of the structure hold compact element types
+ * (pzs_compact_type), without the matrices that the firmware computes from the nodes. They do on
+ * meshes where nearly every element is a type of its own.
  */
 bool tables_are_compact(const analysis *analysis);
 
