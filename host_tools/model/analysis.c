@@ -382,8 +382,10 @@ static int solve_applied(analysis *analysis, int warm, double *displacement, cha
 }
 
 /*
- * Return the norm of the difference of two displacement vectors relative to the norm of the second,
- * where each dof is scaled by its stiffness.
+ * Return the norm of the difference of two displacement vectors divided by the norm of the second
+ * vector. Both are root sums of squares in which each entry is divided by the scale of its dof
+ * (`state.scale` of the model). This scale is about the inverse square root of the diagonal
+ * stiffness of the dof.
  *   first, second [free_dof] in  displacement vectors
  */
 static double distance(const analysis *analysis, const double *first, const double *second)

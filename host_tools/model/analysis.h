@@ -196,9 +196,10 @@ double analysis_reaction(const analysis *analysis, const reactions *reactions, i
 /* Number of values (nodes or electrodes) of the scene's output with index k. */
 int analysis_outputs(const analysis *analysis, int k);
 /*
- * Mesh node of the i-th value of the scene's output with index k; the first node of the place where
- * the output is one value for a place. Returns -1 for outputs without a node: voltages and charges
- * of electrodes, and force and number of nodes of the whole contact.
+ * Return the index of the mesh node at which the i-th value of the scene's output with index k is
+ * read. Where the output gives one value for several nodes, such as the force on a support, this is
+ * the first of these nodes. Returns -1 for outputs without a node: voltages and charges of
+ * electrodes, and force and number of nodes of the whole contact.
  */
 int analysis_output_node(const analysis *analysis, int k, int i);
 /*

@@ -26,8 +26,9 @@ static int row_of(const design *design, int potential)
 }
 
 /*
- * Compute the charges that a uniform field (voltage or temperature) draws at the eight electric
- * potentials of a layer in an element, at its four corners on two faces.
+ * Compute the eight nodal charges (C) that a uniform voltage or a uniform temperature change of one
+ * layer causes in one layer of an element at zero strain. A nodal charge is conjugate to the
+ * electric potential at a node: one node at each of four corners on two faces.
  */
 static void charges_of(const design *design, int layer, int element, const laminate_field *uniform,
                        double charge[POTENTIAL_NODES])

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Charges at the electric potentials of bare faces (without electrodes). They are rows of the
- * matrix of charges, which holds charges per unit of each input. The first rows of this matrix are
- * those of the electrodes of amplifiers and sensors; the rows of the potentials follow.
+ * Nodal charges of bare faces: faces of piezoelectric layers without electrodes. The electric
+ * potential of such a face is an unknown at each of its nodes. The nodal charge (C) is conjugate to
+ * this potential: the work of a change of the potential is the charge times the change. The charges
+ * are rows of the charge matrix [electrodes and potentials][inputs] (charge per unit of each
+ * input). Its first rows belong to the electrodes of amplifiers and sensors, the following ones to
+ * the potentials.
  */
 #ifndef BARE_CHARGES_H
 #define BARE_CHARGES_H

@@ -38,12 +38,16 @@ typedef struct bare_faces {
                                                                 potential of a layer; a layer has
                                                                 eight potentials in an element, at
                                                                 four corners of two faces */
-    double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] charges at
-                                                                the potentials of one layer per volt
-                                                                of the potentials of another layer
-                                                                (C/V); a layer has eight potentials
-                                                                in an element, at four corners of
-                                                                two faces */
+    double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] capacitance
+                                                                matrices [8][8] (C/V), one for each
+                                                                element type (set of equal elements)
+                                                                and each pair of layers. An entry is
+                                                                the charge at one nodal potential of
+                                                                the first layer per volt of one
+                                                                nodal potential of the second layer.
+                                                                A layer has eight nodal potentials
+                                                                in an element: four corners on two
+                                                                faces. */
 } bare_faces;
 
 /*
@@ -61,8 +65,9 @@ bool bare_faces_has(const bare_faces *bare, int layer, int element);
 /*
  * Compute the stress resultants that 1 V of a potential at one node of a bare face (without
  * electrode) causes in an element, multiplied by the area of the element.
- *   h0 [10] out  resultants (N m): for the strains 11, 22, 33 and 12 the mean and the difference
- *                of both faces, then those for the strains 13 and 23
+ *   h0 [10] out  resultants (N m), each conjugate to one strain: first the strains 11, 22, 33 and
+ *                12, each as two entries (mean of the strains on both faces, then difference of the
+ *                strains on both faces); then the strains 13 and 23
  * Returns whether the potential acts in the element.
  */
 bool bare_faces_resultants(const bare_faces *bare, int potential, int element,

@@ -21,20 +21,23 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Transition matrix of a control loop over one tick, while it is filled. The static coordinate of a
- * vibration mode is its modal coordinate in equilibrium under the voltages. The state just before a
- * tick holds for each mode:
- *   e     deviation of the modal coordinate from its static coordinate
+ * Transition matrix of a control loop over one tick, while it is filled. It multiplies the vector
+ * of states just before a tick. The static coordinate of a vibration mode under given voltages is
+ * its modal coordinate in equilibrium, computed with the model. For each mode there are these
+ * states:
+ *   e     deviation of the modal coordinate from equilibrium under the mean output voltages
  *   p     modal velocity divided by the angular frequency
- *   h     measured static coordinates of the last delay + 1 ticks
- *   with amplifiers that lag, the static coordinates of their output voltages at the tick, and of
- *   the mean output voltages over the interval before the tick
- * In the model, the voltages commanded at tick t have the static coordinates -h(t - delay).
+ *   h     [delay + 1] static coordinates under the voltages by which the controller reacts to the
+ *         measured shape, for the last delay + 1 measurements, the newest first
+ *   and where the amplifiers lag, static coordinates under two sets of voltages: their output
+ *   voltages at the tick, and their mean output voltages in the interval before the tick
+ * The controller subtracts the voltages: those that it commands at tick t have the static
+ * coordinate -h of the measurement at tick t - delay.
  */
 typedef struct transition {
-    const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the coordinate of mode i in
-                           equilibrium under the voltages that the controller subtracts per unit of
-                           mode j */
+    const double *loop; /* [modes][stride] loop matrix. The controller reacts to a measured unit of
+                           mode j by subtracting voltages. Entry (i, j) is the modal coordinate of
+                           mode i in static equilibrium under the subtracted voltages. */
     size_t stride, modes, order;
     const certificate_conditions *conditions;
     double kept, behind; /* kept: fraction of the difference between command and output voltage of
@@ -50,9 +53,10 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add a multiple of the controller's reading of vibration mode i to a row of the loop's transition
- * matrix. This reading contains the vibration of all modes, and the difference between the actual
- * and the modelled static effect of earlier voltages on mode i.
+ * Add to a row of the transition matrix `factor` times the coordinate h that the controller
+ * measures for vibration mode i at the coming tick. This is a sum of two terms. One is the
+ * vibration e of all modes, multiplied by the loop matrix. The other is the true static coordinate
+ * under the present voltages minus the one that the model predicts for them.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {
@@ -67,8 +71,9 @@ static void add_measured(const transition *transition, double *row, size_t i, do
 }
 
 /*
- * Add to a row of the transition matrix a multiple of the coordinate of vibration mode i in
- * equilibrium under the commanded voltages.
+ * Add to a row of the transition matrix `factor` times the static coordinate of vibration mode i
+ * (its modal coordinate in equilibrium) under the voltages that are commanded at the coming tick.
+ * It is minus the measured coordinate h of the tick `delay` ticks earlier.
  */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {
@@ -80,9 +85,9 @@ static void add_command(const transition *transition, double *row, size_t i, dou
 }
 
 /*
- * Add to a row of the transition matrix a multiple of the static coordinate of vibration mode i. It
- * is that in equilibrium under the mean output voltages of the amplifiers in the coming tick
- * interval.
+ * Add to a row of the transition matrix `factor` times the static coordinate of vibration mode i
+ * under the amplifiers' mean output voltages in the coming tick interval. The static coordinate is
+ * the modal coordinate in equilibrium, computed with the model.
  */
 static void add_driven(const transition *transition, double *row, size_t i, double factor)
 {
@@ -93,9 +98,11 @@ static void add_driven(const transition *transition, double *row, size_t i, doub
 }
 
 /*
- * Fill the rows of a vibration mode in the transition matrix. The equilibrium moves by `change`,
- * the change of the mean voltages' static coordinate. Deviation e and scaled velocity p then
- * vibrate about it, with the propagator `turn` of free vibration:
+ * Fill the two rows of vibration mode i in the transition matrix, for the deviation e from
+ * equilibrium and the scaled velocity p. At the tick the equilibrium moves by `change`:
+ * conditions->gain times the change of the mode's static coordinate under the mean output voltages,
+ * from one tick interval to the next. Until the next tick, e and p then follow the propagator
+ * `turn` of free vibration:
  *     e' = turn[0] (e - change) + turn[1] p
  *     p' = turn[2] (e - change) + turn[3] p
  */
@@ -116,9 +123,10 @@ static void fill_vibration(const transition *transition, size_t i, const double 
 }
 
 /*
- * Fill the rows of the transition matrix for the memory of the loop: the past measurements of
- * vibration mode i, which grow one tick older. If the amplifiers lag, also the static effect of
- * their output voltages on the mode.
+ * Fill the other rows of vibration mode i in the transition matrix. One row computes the newest
+ * measured coordinate h. The next `delay` rows copy the older ones, each to the place of the one
+ * before it. If the amplifiers lag, two more rows advance the static coordinates under their output
+ * voltages and their mean output voltages.
  */
 static void fill_memory(const transition *transition, size_t i)
 {
@@ -158,8 +166,9 @@ static void fill_loop(transition *transition, const double *square, const double
 }
 
 /*
- * Number of vibration modes whose vibration lasts from tick to tick; the other modes contribute
- * only their static response to the loop.
+ * Return the number of vibration modes that still vibrate when the next tick comes: damping ratio
+ * times angular frequency times tick interval is below `decayed`. The other modes have reached
+ * their static equilibrium by then.
  */
 static int lasting_modes(const double *square, int modes, const double *damping, double interval)
 {

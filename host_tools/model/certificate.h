@@ -45,9 +45,9 @@ enum {
 /*
  * Certificate of a control loop (result of simulations that test whether it is stable) on the
  * structure linearised about the equilibrium at the target shape, where deformation and prestress
- * change its response and its modes. The loop keeps the tables that the firmware gets. The
- * simulated structures have 0.8 to 1.33 times the static response and 0.9 to 1.1 times the natural
- * frequencies of the deformed structure.
+ * change its response and its modes. The controller uses the same tables as in the firmware, which
+ * are not adapted to the deformed structure. The simulated structures have 0.8 to 1.33 times the
+ * static response and 0.9 to 1.1 times the natural frequencies of the deformed structure.
  */
 typedef struct certificate_target {
     bool is_made;
@@ -65,17 +65,20 @@ typedef struct certificate_target {
                        with no voltage at its limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
-    int older, newer; /* largest number of ticks, 0 or 1, by which all sensor readings may be older,
-                         or newer, than stated while the shape settles after fast jumps of the
-                         target, on the structure deformed to its target */
+    int older, newer; /* stability margins for the age of the sensor readings, each 0 or 1 tick, on
+                         the structure deformed to its target. The loop stays stable if all readings
+                         are older than the scene file states by `older` ticks, or newer by `newer`
+                         ticks. */
     double worst;     /* largest distance of the shape, at the end of a storm (simulation with fast
                          target jumps), from the one at which the loop should come to rest; relative
                          to the norm of the target */
-    double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
-                                     to the deformed structure, of the worst simulated structure:
-                                     the one whose storm (simulation with fast target jumps) ended
-                                     farthest from the best shape, if a storm failed; otherwise that
-                                     on which small vibrations grow most */
+    double at_gain, at_frequency; /* the simulated structure on which the loop did worst: its static
+                                     response to voltages (at_gain) and its natural frequencies
+                                     (at_frequency), both relative to the deformed structure. If a
+                                     storm (simulation with fast target jumps) failed, it is the
+                                     structure whose storm ended farthest from the best shape.
+                                     Otherwise it is the structure on which small vibrations grow
+                                     most. */
 } certificate_target;
 
 /*
@@ -104,10 +107,11 @@ typedef struct certificate_loop {
                                      small vibrations grow most */
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
-    double worst; /* largest distance of the shape at the end of a storm (simulation with fast jumps
-                     of the target) from the best shape within the voltage limits; relative to the
-                     norm of the target, or to 1/50 of the norm of the shapes that voltages can
-                     reach if that is larger */
+    double worst; /* largest distance, at the end of a storm (simulation with fast jumps of the
+                     target), of the shape from the best shape within the voltage limits. It is
+                     divided by the norm of the target, or by a fiftieth of a reference norm if that
+                     is larger. The reference norm is the root mean square norm of the shapes under
+                     half the voltage range of all amplifiers with random signs. */
     double worst_gain, worst_frequency,
         worst_step; /* static response to voltages and natural frequencies, relative to the
                        controller's model, of the structure in the worst storm (simulation with fast
@@ -177,20 +181,21 @@ typedef struct certificate {
     double rate;      /* tick rate of the scene (1/s); 0 where the scene file gives none */
     double radius;    /* spectral radius of the loop at the scene's tick rate, the growth factor of
                          vibrations per tick; NAN without a rate */
-    double gain; /* largest fraction, approximately, of the way to the optimal voltages that one
-                    tick of a stable control loop can make: 2 x damping ratio x phase angle of the
-                    first vibration mode in a tick (rad); NAN without a tick rate */
+    double gain; /* approximate stability limit of the step gain, the fraction of the way from the
+                    present to the optimal voltages that one tick makes. It is 2 x damping ratio x
+                    angular frequency x tick interval of the first vibration mode; NAN without a
+                    tick rate. */
     bool has_settings; /* true where simulations with fast jumps of the target have chosen the
                           settings of the control tick that damps vibration */
     damper_settings settings; /* settings of the control tick that damps vibration, chosen by
                                  simulations with fast jumps of the target */
     certificate_loop loop;    /* result of the stability tests of the loop whose control tick damps
                                  vibration */
-    double stable_rate; /* highest tick rate (1/s) up to which a control tick without a vibration
-                           model is stable at every lower rate, too; also on structures with 0.8
-                           to 1.33 of the model's response to voltages and 0.9 to 1.1 of its natural
-                           frequencies. 0: no stable rate was found; infinite: every rate is stable
-                         */
+    double stable_rate; /* tick rate (1/s) up to which a control loop without a vibration model is
+                           stable at all rates tested. It is then stable on the model, and on
+                           structures with 0.8 to 1.33 times its response to voltages and 0.9 to 1.1
+                           times its natural frequencies. 0: no stable rate was found; infinite:
+                           every rate is stable */
 } certificate;
 
 void certificate_free(certificate *certificate);
@@ -234,13 +239,14 @@ typedef struct certificate_conditions {
 
 /*
  * Spectral radius of the control loop on the vibration modes of a structure.
- *   loop [modes][modes] in loop matrix: column j is the equilibrium, in coordinates of all modes,
- *       under the voltages that the controller subtracts per unit of mode j
+ *   loop [modes][modes] in loop matrix. The controller reacts to a measured unit of mode j by
+ *       subtracting voltages. Entry (i, j) is the modal coordinate of mode i in static equilibrium
+ *       under the subtracted voltages.
  *   square  [modes]        in  squares of the angular frequencies (rad^2/s^2)
  *   damping [modes]        in  damping ratios
  *   conditions             in  response of the structure, delay, interval and lag
  *   squarings              in  number of matrix squarings from which the spectral radius is
- *       computed
+ *                       computed
  * Returns NAN where memory runs out.
  */
 double certificate_radius(const double *loop, const double *square, int modes,

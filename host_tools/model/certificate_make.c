@@ -50,8 +50,9 @@ static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
 
 /*
  * Natural frequencies, relative to the model's, of the structures on which a loop must be stable if
- * its amplifiers lag. Without lag, higher frequencies have the same effect as a lower tick rate;
- * with lag they do not, so that they are tested, too.
+ * its amplifiers lag. Without lag, frequencies that are higher by a factor have the same effect as
+ * a tick rate that is lower by this factor, and lower rates are tested anyway. With lag this is not
+ * so, because the time constant of the amplifiers stays the same.
  */
 static const double frequencies[] = {1, 0.9, 1.1};
 
@@ -118,14 +119,15 @@ typedef struct gains {
                        that are not held at one voltage */
     double *shape;  /* [targets] shape of one vibration mode at the target nodes, as the controller
                        measures or estimates it */
-    double *gradient; /* [moving] for one vibration mode: right-hand side of the normal equations of
-                         the voltage optimisation problem, replaced by their solution, the voltages
-                         of the amplifiers that are not held */
+    double *gradient; /* [moving] work vector for one vibration mode and the amplifiers that are not
+                         held at one voltage. First it holds the scalar products of the amplifiers'
+                         influence columns with the mode shape, with squared target weights. Then it
+                         holds the voltages (V) that fit the mode shape by least squares. */
     double *modal_response; /* [modes][moving] coordinate of each vibration mode in equilibrium per
                                volt of each amplifier that is not held at one voltage */
-    double *loop; /* [modes][modes] loop matrix: entry (i, j) is the coordinate of vibration mode i
-                     in equilibrium under the voltages that the controller subtracts per unit of
-                     mode j */
+    double *loop; /* [modes][modes] loop matrix. The controller reacts to a measured unit of mode j
+                     by subtracting voltages. Entry (i, j) is the modal coordinate of mode i in
+                     static equilibrium under the subtracted voltages. */
     bool assumes_measured; /* true where stability of the control loop is assessed as if every
                               target node were measured */
 } gains;
@@ -237,9 +239,10 @@ static bool fill_gains(gains *gains)
 }
 
 /*
- * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions:
- * coordinate of each mode in equilibrium under the voltages by which the controller reacts to a
- * unit of each mode. The caller frees the matrix; NULL where it cannot be computed.
+ * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions. The
+ * controller reacts to a measured unit of mode j by subtracting voltages. Entry (i, j) is the modal
+ * coordinate of mode i in static equilibrium under the subtracted voltages. The caller frees the
+ * matrix; it is NULL where it cannot be computed.
  */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
                           bool *assumes_measured)
@@ -270,8 +273,9 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 
 /*
  * Control loop whose stability is tested.
- *   matrix    [modes][modes] coordinates of the modes in equilibrium under the voltages with which
- *             the controller reacts to a unit of each mode
+ *   matrix    [modes][modes] loop matrix. The controller reacts to a measured unit of mode j by
+ *             subtracting voltages. Entry (i, j) is the modal coordinate of mode i in static
+ *             equilibrium under the subtracted voltages
  *   square    [modes] squared angular frequencies (rad^2/s^2)
  *   damping   [modes] damping ratios
  *   delay     delay of the sensor readings (ticks)
@@ -284,9 +288,10 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Conditions of a stability test on a structure that differs from the model. The test uses the
- * model's frequencies, with time in units of 1/`frequency`; only tick interval and lag of the
- * amplifiers change with the unit.
+ * Conditions of a stability test on a structure that differs from the model. All natural
+ * frequencies of the structure are `frequency` times those of the model. The test keeps the
+ * frequencies of the model and multiplies the tick interval and the lag of the amplifiers by
+ * `frequency` instead, which has the same effect.
  *   gain      in  static response of the structure to voltages, relative to the model
  *   frequency in  natural frequencies of the structure, relative to the model
  *   interval  in  time between ticks (s)
@@ -321,8 +326,9 @@ static bool is_stable_at(const assessed_loop *loop, double interval)
 
 /*
  * Whether the control loop is stable at a tick rate, on all structures to be tested. If the tick
- * interval contains many periods of the first vibration mode, stability also depends on the phase
- * of the vibration at the tick. Longer intervals, up to one period more, must then be stable too.
+ * interval contains more than four periods of the first vibration mode, stability also depends on
+ * the phase of the vibration at the tick. The loop must then also be stable at longer tick
+ * intervals, which add fractions k / PHASES of one period.
  */
 static bool is_stable(const assessed_loop *loop, double rate)
 {

@@ -34,7 +34,8 @@ typedef struct clipped {
 } clipped;
 
 /*
- * Prepare the least-squares problem for the voltages whose shape error is computed after clipping.
+ * Prepare the least-squares problem without voltage limits. clipped_solve computes its solution and
+ * then clips each voltage to its limits.
  *   lower, upper [amplifiers] in  voltage limits (V); an amplifier with equal limits is held at
  *       that voltage
  *   wanted       [targets]    in  displacements that the voltages are to cause

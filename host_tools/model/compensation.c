@@ -45,16 +45,19 @@ static double offset_of(const pzs_hysteresis *tables)
 }
 
 /*
- * Smallest effect that a voltage change has after a reversal of the voltage, relative to its effect
- * far from a reversal, in the hysteresis model whose inverse a control loop uses. A ceramic without
- * any hysteresis then follows small changes at most 1/0.6 times as far as the inverse assumes.
+ * Lower limit of a ratio of slopes of the hysteresis model whose inverse a control loop uses. The
+ * slope is the change of the voltage that acts on the ceramic per volt of the amplifier. The ratio
+ * is the slope just after a reversal of the voltage, divided by the slope far from a reversal. It
+ * limits the error on a ceramic without hysteresis, whose slope is the same everywhere: the inverse
+ * enlarges small changes after a reversal by at most 1/0.6.
  */
 static const double least_after_reversal = 0.6;
 
 /*
- * Replace play operators (elements with backlash) of the hysteresis model by a larger slope, on one
- * side of the middle of the voltage range. The operators of the smallest slack, which are first in
- * the list of weights, are replaced first.
+ * Make the hysteresis model weaker on one side of the middle of the voltage range. Weight is moved
+ * from play operators (elements with backlash) to the slope of the piecewise linear part, until the
+ * smallest slope is at least 0.6 of the sum of this slope and all weights. The operators with the
+ * smallest slack, which are first in the list, lose their weight first.
  *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part of the model on
  *                                               this side (1)
  *   weight                              in/out  weights of the plays on this side (1)

@@ -10,9 +10,10 @@
 #include "pzs.h"
 
 /*
- * Hysteresis tables for two blocks (stages of computation) that a control loop runs in each tick:
- * one computes the effects of the present voltages (voltages without hysteresis), the other
- * computes voltages from effects. All amplifiers use the same numbers.
+ * Hysteresis tables for two blocks (stages of computation) that a control loop runs in each tick.
+ * Effect is the name for a voltage that acts on a ceramic without hysteresis as the true voltage
+ * acts on the ceramic with hysteresis. One block computes effects from the present voltages. The
+ * other computes voltages from effects. All amplifiers use the same numbers.
  */
 typedef struct compensation {
     bool is_used; /* true where the scene has a section `hysteresis`; otherwise all other members
@@ -35,8 +36,9 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
                        const pzs_problem *problem, double rate);
 
 /*
- * Complete tables that compensate a weakened hysteresis model (compensation_weaken): add the
- * hysteresis model as it was identified. The fault detector predicts the sensor readings with it.
+ * Add the identified hysteresis model to the tables of a control loop. The tables already hold a
+ * model with less hysteresis (compensation_weaken), whose inverse the loop uses. The fault detector
+ * predicts the sensor readings with the identified model.
  */
 void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 

@@ -27,9 +27,9 @@ enum { MODE_LIMIT = 200 };
 static const double visible = 1e-3;
 
 /*
- * Gain of the low-pass filter for the residual readings (sensor readings minus those of the
- * observed vibration modes) if no mode is observed. The gain is slow_part x damping ratio x phase
- * angle of the first vibration mode in a tick (rad), at most slow_limit.
+ * Gain per tick of the low-pass filter for the residual readings, where the damping stage observes
+ * no vibration mode. All sensor readings are then residual. The gain is slow_part x damping ratio x
+ * angular frequency x tick interval of the first vibration mode, and at most slow_limit.
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -209,7 +209,8 @@ static double damping_ratio(const builder *builder, size_t mode)
 /*
  * Compute the readings of the sensors per unit of one vibration mode, and store them as column `k`
  * of builder->reading [sensors][modes].
- *   scale in  modal coordinate, at unit modal mass, that counts as one unit
+ *   scale in  factor that scales the mode shape, which has unit modal mass, to one unit of the
+ *             modal coordinate
  */
 static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 {
@@ -296,9 +297,11 @@ static void fill_precision(builder *builder)
 }
 
 /*
- * Compute three weighted sums. Over the sensors: products of the readings of every pair of
- * vibration modes. Over the targets: squares of each mode shape, and products of each mode shape
- * with each column of the influence matrix.
+ * Compute three sums over the observed vibration modes, where the reading of a mode is what a
+ * sensor shows per unit of its modal coordinate. overlap [modes][modes]: product of the readings of
+ * two modes, summed over the sensors with the weight of each. square [modes]: squared mode shape,
+ * summed over the targets with squared weights. lift [inputs][modes]: product of a column of the
+ * influence matrix and a mode shape, summed likewise.
  */
 static void fill_products(builder *builder)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gains of the control tick that damps vibration: Riccati equation by structured doubling,
- * observer, damping gradient (damper_gains.h).
+ * Gains of the control tick that damps vibration (damper_gains.h). The Riccati equation of the
+ * observer is solved by structured doubling. The damping gradient is the term that the tick
+ * subtracts from the gradient of its objective to damp vibration.
  */
 #include "damper_gains.h"
 #include <math.h>
@@ -130,8 +131,9 @@ typedef struct doubling {
     size_t n;
     double *a, *g, *h; /* [n][n] matrices that each iteration of the structured doubling replaces; h
                           converges to the solution of the vibration observer's Riccati equation */
-    double *w, *work, *aw, *other; /* [n][n] work matrices; w: inverse of (unit matrix + g h); aw:
-                                      product of the matrices a and w */
+    double *w, *work, *aw, *other; /* [n][n] work matrices; w: inverse of (unit matrix + g h), with
+                                      the iterates g and h of the doubling; aw: product of the
+                                      iterate a and w */
     double *memory;
 } doubling;
 

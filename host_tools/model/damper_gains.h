@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gains of the control tick that damps vibration (pzs_vibration), from a modal model: propagators,
- * observer, damping gradient.
+ * Gains of the control tick that damps vibration (pzs_vibration), from a modal model: propagators
+ * of free vibration, observer, and damping gradient. The damping gradient is the term that the tick
+ * subtracts from the gradient of its objective to damp vibration.
  *
  * The observer is a stationary Kalman filter. Its states are, for each mode, the position q, the
- * velocity p over the angular frequency, and the static position w under the loads. Over one tick,
- * p and the deviation d = q - g v - w from the equilibrium follow the propagator of free vibration;
- * g is the coordinate in equilibrium per volt, and v holds the voltages. There is process noise of
- * p and w, and sensor noise of variance 1. The covariance P solves the Riccati equation P = A P A'
- * - A P C' (C P C' + 1)^-1 C P A' + Q by structured doubling, with transition matrix A, readings C
- * per unit of each state and process noise Q.
+ * velocity p divided by the angular frequency, and the static position w under the loads. With the
+ * voltages v, and the static coordinate g per volt, the deviation from equilibrium is d = q - g v -
+ * w. Over one tick, d and p follow the propagator of free vibration. There is process noise of p
+ * and w. The readings are scaled by their sensors' noise, so that its variance is 1. With
+ * transition matrix A, scaled readings C per unit of each state, and process noise Q, the
+ * covariance P solves the Riccati equation P = A P A' - A P C' (C P C' + 1)^-1 C P A' + Q.
  *
- * All settings are free of units: they refer to the sensors' noise and to the phase angle of a mode
- * in a tick, its angular frequency times the tick interval.
+ * All settings are dimensionless. Noise settings are relative to the noise of the sensors. Times
+ * and rates are relative to the phase angle of a mode in a tick, its angular frequency times the
+ * tick interval.
  */
 #ifndef DAMPER_GAINS_H
 #define DAMPER_GAINS_H
@@ -30,26 +32,31 @@ typedef struct damper_settings {
                        deviation of the mode from its equilibrium */
     double cut; /* phase angle of a vibration mode in a tick (rad) up to which the mode is damped in
                    full; modes with more than twice this angle are not damped */
-    double observed; /* largest phase angle of an observed vibration mode in a tick (rad) */
-    double follow;   /* how far the voltages move in one control tick, as a fraction of the distance
-                        to the statically optimal voltages: `follow` times the phase angle of the
-                        first vibration mode in a tick (rad) */
+    double observed; /* upper limit of the phase angle in a tick (angular frequency times tick
+                        interval, rad) of the vibration modes that the observer estimates */
+    double follow; /* factor in the fraction of the distance to the statically optimal voltages that
+                      one control tick covers. The fraction is `follow` x angular frequency of the
+                      first vibration mode x tick interval, and at most follow_limit. */
     double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
                             voltages that the voltages cover in one control tick */
     double mix;  /* A vibration mode's deviation from its static equilibrium is computed twice: from
                     its position, with the weight 1 - mix, and from the change of its velocity, with
                     the weight mix (0 to 1). */
-    double kick; /* process noise of the observer: root mean square random change of the first
-                    vibration mode's velocity in a tick, relative to the noise of one sensor */
-    double drift; /* process noise of the observer: root mean square random change of the load on
-                     the first vibration mode in a tick, relative to the noise of one sensor */
+    double kick; /* process noise of the observer for the first vibration mode: root mean square of
+                    the random change per tick of its velocity divided by its angular frequency. The
+                    unit is the standard error of the modal coordinate in a fit to the readings of
+                    one tick. */
+    double drift; /* process noise of the observer for the first vibration mode: root mean square of
+                     the random change per tick of its static coordinate under the loads. The unit
+                     is the standard error of the modal coordinate in a fit to the readings of one
+                     tick. */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus
                      those of the observed vibration modes */
     int later; /* number of ticks by which the readings are assumed to be older than the scene file
                   states; the observer tolerates newer readings better than older ones */
-    bool is_gradient; /* true: damp along the gradient of the vibration energy, which decreases even
-                         where voltages are at their limits; false: damp along the gradient of the
-                         squared error of the shape */
+    bool is_gradient; /* quantity whose gradient with respect to the voltages damps vibration. true:
+                         vibration energy, which decreases even where voltages are at their limits;
+                         false: squared error of the shape */
 } damper_settings;
 
 /*
@@ -70,8 +77,10 @@ typedef struct damper_model {
     const double *ratio;   /* [modes] damping ratio of each vibration mode */
     const double *modal;   /* [modes][inputs] coordinate of each vibration mode in equilibrium per
                               volt of each input */
-    const double *overlap; /* [modes][modes] products of the readings of every pair of vibration
-                              modes, summed over the sensors with their inverse variances */
+    const double *overlap; /* [modes][modes] entry (i, k): product of the readings of modes i and k,
+                              summed over the sensors with their inverse noise variances. The
+                              reading of a mode is what a sensor shows per unit of its modal
+                              coordinate. */
     const double *lift;   /* [inputs][modes] scalar products of each input's column of the influence
                              matrix with each mode shape over the outputs, weighted with the target
                              weights */
@@ -87,8 +96,9 @@ typedef struct damper_gains {
     double *turn; /* [4][modes] propagator of each vibration mode, a 2 x 2 matrix that advances its
                      free vibration by one tick */
     double *observer; /* [3][modes][modes] gains of the observer for position, velocity and static
-                         position (first index) of the vibration modes: matrices that multiply the
-                         errors of the fitted modal coordinates */
+                         position (first index) of the vibration modes. These matrices multiply the
+                         vector C' W r. r holds the errors of the predicted readings, W the inverse
+                         noise variances, and C the readings per unit of each mode. */
     double *explain; /* [modes][modes] inverse of the regularised normal matrix of the least-squares
                         fit of modal coordinates to sensor readings */
     double *damping; /* [modes][inputs] damping gradient (term that the control tick subtracts from

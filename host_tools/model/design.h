@@ -59,11 +59,11 @@ typedef struct design_rows {
  */
 typedef struct design_dropped {
     size_t entries; /* number of entries of the influence matrix that count as zero */
-    double error;   /* largest change of an output's displacement that is caused by treating small
-                       entries of the influence matrix as zero, with all voltages at their limits
-                       (length unit); infinite without limits */
-    int output; /* number, from 0, of the output (row of the influence matrix) whose displacement
-                   changes most where small entries of the influence matrix count as zero */
+    double error; /* error by the entries of the influence matrix that count as zero: largest change
+                     that they cause in the displacement of any output while all voltages are at
+                     their limits (length unit); infinite without limits */
+    int output;   /* number, from 0, of the output (row of the influence matrix) whose displacement
+                     changes most where small entries of the influence matrix count as zero */
 } design_dropped;
 
 /*
