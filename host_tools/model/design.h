@@ -62,8 +62,9 @@ typedef struct design_dropped {
     double error; /* error by the entries of the influence matrix that count as zero: largest change
                      that they cause in the displacement of any output while all voltages are at
                      their limits (length unit); infinite without limits */
-    int output;   /* number, from 0, of the output (row of the influence matrix) whose displacement
-                     changes most where small entries of the influence matrix count as zero */
+    int output;   /* index, from 0, of the output (row of the influence matrix) with the largest
+                     error: its displacement changes most if small entries of the matrix become zero
+                   */
 } design_dropped;
 
 /*
@@ -168,8 +169,9 @@ typedef struct design {
 } design;
 
 /*
- * Build the inputs and outputs of the scene on the mesh: the member `structure`, the rows of the
- * target and those of the named outputs. Returns 0, or -1 with error filled.
+ * Build the inputs and outputs of the scene on the mesh. Fills the member `structure`, whose output
+ * rows are first those of the target, then those of the outputs that the scene names. Returns 0, or
+ * -1 with error filled.
  */
 int design_structure(design *design, char *error);
 

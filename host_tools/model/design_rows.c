@@ -20,9 +20,9 @@ enum {
 };
 
 /*
- * Return the distance (V) that the safe voltages (voltages that obey all limits) keep from limit
- * row k, a limit of a weighted sum of voltages. A controller in single precision narrows the row by
- * a margin against rounding errors; the distance is twice this margin.
+ * Return the distance (V) that a weighted sum of voltages keeps from its limits in row k when
+ * voltages that obey all limits are computed. It is twice the margin against rounding errors by
+ * which a controller in single precision tightens these limits.
  */
 static double safe_margin(const design *design, int k)
 {
@@ -41,9 +41,9 @@ static double row_sum(const scene_limit_row *row, const double *voltage)
 
 /*
  * Move voltages [amplifiers] by the shortest distance to where a weighted sum of their absolute
- * values is at most `limit` (V). Each absolute value falls by its weight times one common number,
- * but not below zero. The number rises with each repetition, which leaves out the voltages at 0 V,
- * until no further voltage reaches 0 V.
+ * values is at most `limit` (V). Each absolute value falls by its weight times the number `common`,
+ * but not below zero. The number is found iteratively: it is computed for the voltages that stay
+ * above 0 V. More voltages may then reach 0 V, so that it is computed again for the others.
  */
 static void shrink(const scene_limit_row *row, double limit, double *voltage)
 {
@@ -67,9 +67,9 @@ static void shrink(const scene_limit_row *row, double limit, double *voltage)
 }
 
 /*
- * Move voltages [amplifiers] by the shortest distance to where they obey limit row k, the limit of
- * a sum of voltages, narrowed by a margin. Returns by how much the sum exceeded the limit (V); half
- * of the margin counts as obeyed.
+ * Move voltages [amplifiers] by the shortest distance to where they obey limit row k (limits of a
+ * weighted sum of voltages), tightened by the distance of safe_margin. Returns by how much the sum
+ * exceeded the tightened limit (V), minus half of this distance, and at least 0.
  */
 static double project(const design *design, int k, double *voltage)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Equilibrium solver of a scene with its tables of prescribed resultants, follower loads and
- * contact (equilibrium.h).
+ * Equilibrium solver of a scene (equilibrium.h): tables of the stress resultants that voltages and
+ * temperatures cause at zero strain (prescribed resultants), of follower loads and of contact.
  */
 #include "equilibrium.h"
 #include "../../lib/nonlinear/face.h"
@@ -78,8 +78,8 @@ static void append_actuator(resultant_builder *builder, const mesh *mesh,
 }
 
 /*
- * Append the stress resultants that each potential of the bare faces (without electrodes)
- * prescribes per volt.
+ * Append to the tables of prescribed resultants those of each electric potential of the bare faces
+ * (without electrodes): the stress resultants that 1 V causes at zero strain.
  */
 static void append_potentials(resultant_builder *builder, const design *design)
 {
@@ -448,8 +448,9 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
 
 /*
  * Set full_input, the input values of the scene at full load: applied voltages (V), and load
- * factors of 1. A follower load (load that turns with the shell) has two inputs: that of the load
- * keeps the factor 0, and a further one, behind the inputs of all loads, carries its factor.
+ * factors of 1. A follower load (load that turns with the shell) has two inputs. The one in the
+ * list of loads stays 0, because it would not turn. The one among the extra inputs, which follow
+ * the list of loads, is 1.
  */
 static void set_full(equilibrium *equilibrium)
 {

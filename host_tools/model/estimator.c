@@ -32,8 +32,11 @@ typedef struct estimation {
     double *eigenvector; /* [sensors][sensors] eigenvectors, as columns, of the covariance of the
                             sensor readings, each reading divided by the noise of its sensor */
     double *target_part, *side, *direction,
-        *rotated; /* work arrays; target_part [disturbances (loads and voltage errors)], side
-                     [sensors], direction [targets], rotated [sensors] */
+        *rotated; /* work arrays. target_part [disturbances]: response of one combination of
+                     displacements to each disturbance (load or voltage error). side [sensors]:
+                     right-hand side, then solution, of a linear system. direction [targets]:
+                     combination of displacements. rotated [sensors]: coordinates of `side` in the
+                     basis of eigenvectors. */
 } estimation;
 
 static int allocate(estimation *estimation)

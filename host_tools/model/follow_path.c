@@ -163,10 +163,11 @@ static void full_force(arc_search *arc_search)
 }
 
 /*
- * Complete a change of the displacement that was computed at constant voltages: add the part that
- * the voltages of the open electrodes cause, and append the change of these voltages.
- *   input  in  cause of the change: one unit of the input with this index; NEWTON: residual forces
- *              and charges; NO_INPUT: forces without charges
+ * Complete a change of the displacement that was computed while the voltages of the open electrodes
+ * were constant. Open electrodes keep their charge, so that their voltages change, too. The
+ * function appends the change of these voltages and adds the displacement that it causes.
+ *   input  in  cause of the change: one unit of the input with this index; NEWTON: the residual
+ *              forces and charges of Newton's method; NO_INPUT: nodal forces alone, without charges
  *   change [free dof, then open electrodes] in/out  changes of displacement and voltages
  * Returns false if the voltages cannot be solved for.
  */
@@ -182,10 +183,10 @@ static bool condense_voltages(arc_search *arc_search, uint32_t input, double *ch
 }
 
 /*
- * Add the effect of the charges on the open electrodes to `by_load`, the change of displacement and
- * voltages per unit of the load factor. These are the charges that the inputs at full load cause
- * while the shell is held undeformed. Returns false if the voltages of the open electrodes cannot
- * be solved for.
+ * Complete by_load, the change of displacement and of the open electrodes' voltages per unit of the
+ * load factor, which so far contains only the effect of nodal forces. An input also causes charges
+ * on the open electrodes, even at zero strain. The effect of these charges is added for all inputs
+ * at full load. Returns false if the voltages of the open electrodes cannot be solved for.
  */
 static bool add_charges_of_load(arc_search *arc_search)
 {
@@ -489,9 +490,10 @@ typedef struct step_control {
 } step_control;
 
 /*
- * Choose the length of the next step on the load path: longer after few iterations, shorter after
- * many. The number of iterations that counts as usual grows where a shorter step did not reduce it.
- * This happens with follower loads, whose approximate tangent slows convergence at any length.
+ * Choose the length of the next step on the load path: longer after fewer iterations than
+ * control->usual, shorter after more. With follower loads the tangent is approximate, and shorter
+ * steps do not converge faster. Where a shortened step has taken at least as many iterations as the
+ * one before, control->usual is therefore raised to this number.
  */
 static void adapt_length(step_control *control, double arc, int iterations)
 {

@@ -169,9 +169,10 @@ static void fill_slopes(const fit *fit, double s, double *row)
 }
 
 /*
- * Fill the row of the least-squares matrix for each measured position of the actuator. Entry j is
- * the effect (equivalent voltage without hysteresis, V) at the time of the sample, if unknown j is
- * 1 and all others are 0.
+ * Fill the rows of the least-squares matrix that fits the hysteresis model to the measured
+ * positions of the actuator. Row i belongs to sample i, column j to parameter j of the model (a
+ * slope, weight, creep amplitude or offset). The model is linear in these parameters. An entry is
+ * the effect (voltage that would act without hysteresis, V) per unit of the parameter.
  */
 static void fill_samples(fit *fit)
 {
@@ -288,9 +289,10 @@ static int solve(fit *fit, char *error)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Change of the ceramic's effect (equivalent voltage without hysteresis) per volt when the voltage
- * goes from its lowest to its highest value, without creep. The position of each play operator
- * changes by the range of the voltages minus twice its slack.
+ * Return the slope of the hysteresis model over the whole voltage range: change of the effect
+ * (voltage that would act without hysteresis) per volt, from the lowest to the highest voltage and
+ * without creep. A play operator stands still after a reversal until the voltage has changed by
+ * twice its slack. Its position therefore changes by the range minus twice the slack.
  */
 static double swing_gain(const fit *fit)
 {

@@ -18,9 +18,12 @@ enum {
     CHANNELS = 10, /* largest number of channels (weighted sums of the readings) in which
                       frequencies are searched */
     BLOCKS = 9,    /* smallest number of samples of each channel (weighted sum of the readings) in a
-                      vector of delayed samples; these vectors span the signal subspace */
-    LEAST_ROWS = 40, /* smallest number of samples of all channels (weighted sums of the readings)
-                        together in a vector of delayed samples */
+                      vector of delayed samples. Such a vector contains samples of all channels at
+                      several equally spaced times. The covariance of such vectors yields the
+                      frequencies and damping ratios. */
+    LEAST_ROWS = 40,    /* smallest number of entries of a vector of delayed samples: number of
+                           channels (weighted sums of the readings) times number of samples of each
+                           channel */
     LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
     SKIPPED = 4,        /* number of samples left out where an interval of constant voltages begins,
                            because the voltages may act with a delay of up to so many samples */
@@ -62,19 +65,21 @@ typedef struct fit {
     double rate;
     size_t intervals, longest, channels;
     size_t blocks; /* number of samples of each channel (weighted sum of the readings) in a vector
-                      of delayed samples; these vectors span the signal subspace */
+                      of delayed samples. Such a vector contains samples of all channels at several
+                      equally spaced times. */
     interval *interval; /* [intervals] intervals of constant voltages */
     double *mixer;      /* [channels][outputs] orthonormal weights of the outputs in each channel, a
                            weighted sum of the readings */
     double *signal; /* [channels][samples] signal of each channel (weighted sum of the readings),
                        without its mean in each interval of constant voltages (unit of the readings)
                      */
-    double *function, *slope; /* work arrays with one row of samples for each function of time, as
-                                 long as the longest interval of constant voltages. function:
-                                 orthonormal functions that span the vibration modes and a constant,
-                                 then derivatives of one signal with respect to frequencies and
-                                 damping ratios; slope: derivatives of cosine and sine of each
-                                 vibration mode with respect to its frequency and damping ratio */
+    double *function, *slope; /* work arrays with one row of samples for each function of time; a
+                                 row is as long as the longest interval of constant voltages.
+                                 function: first BASIS rows orthonormal functions that span a
+                                 constant and the decaying cosine and sine of each vibration mode;
+                                 further rows the derivatives of one fitted signal with respect to
+                                 frequencies and damping ratios. slope: derivatives of the cosines
+                                 and sines with respect to the same. */
     double *column; /* work vector for one signal in the longest interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the
@@ -262,12 +267,12 @@ static void fill_functions(const fit *fit, const interval *interval, double tria
 
 /*
  * Fit a constant, and the decaying cosine and sine of each vibration mode, to a signal in an
- * interval of constant voltages by least squares.
- *   triangle [BASIS][BASIS] in      coefficients by which cosines and sines are
- *                                   combinations of the orthonormal functions
- *   signal [count]          in/out  the signal, replaced by the part of it that the fit leaves
- *   coefficient [BASIS]     out     coefficients of the constant, and of cosine and sine of each
- *                                   mode
+ * interval of constant voltages by least squares. fit->function holds an orthonormal basis of these
+ * functions.
+ *   triangle [BASIS][BASIS] in  upper triangular matrix from fill_functions; column k holds the
+ *       coefficients of the constant, cosine or sine k in the orthonormal basis
+ *   signal [count] in/out  the signal, replaced by the residual of the fit
+ *   coefficient [BASIS] out  coefficients of the constant, and of cosine and sine of each mode
  */
 static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASIS], double *signal,
                        double coefficient[BASIS])
@@ -287,10 +292,11 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
 
 /*
  * Compute the derivatives of the decaying cosine and sine of each vibration mode with respect to
- * its angular frequency and its damping ratio, over an interval of constant voltages. The parts of
- * the derivatives along the orthonormal functions in fit->function (which span a constant and all
- * decaying cosines and sines) are removed. Rows 4 k to 4 k + 3 of fit->slope belong to mode k:
- * cosine and sine by the frequency, cosine and sine by the damping ratio.
+ * its angular frequency and its damping ratio, over an interval of constant voltages. fit->function
+ * holds an orthonormal basis of the constant and all decaying cosines and sines. Each derivative is
+ * made orthogonal to this basis. Rows 4 k to 4 k + 3 of fit->slope belong to mode k, in this order:
+ * derivatives of cosine and sine with respect to the frequency, then with respect to the damping
+ * ratio.
  */
 static void fill_slopes(const fit *fit, const interval *interval)
 {
@@ -334,10 +340,13 @@ typedef struct normal {
 } normal;
 
 /*
- * Add one signal in an interval of constant voltages to the normal equations of a step that refines
- * frequencies and damping ratios.
- *   left [count]        in  part of the signal that the fit leaves
- *   coefficient [BASIS] in  coefficients of the constant, and of cosine and sine of each mode
+ * Add one signal in an interval of constant voltages to the normal equations of a Gauss-Newton step
+ * that refines frequencies and damping ratios. The derivatives of the fitted signal are
+ * combinations of the rows of fit->slope, with the coefficients of cosine and sine of each mode.
+ *   left [count] in  residual of the least-squares fit of a constant and decaying cosines and sines
+ *                    to the signal
+ *   coefficient [BASIS] in  coefficients of this fit: the constant, then cosine and sine of each
+ *                       mode
  */
 static void add_signal(const fit *fit, size_t count, const double *left,
                        const double coefficient[BASIS], normal *normal)
@@ -508,13 +517,14 @@ static size_t next_largest(const double *matrix, size_t size, const bool *is_tak
 
 /*
  * Find the matrix X whose eigenvalues give the frequencies and damping ratios of the vibration
- * modes (subspace method). The columns of U and V are the dominant eigenvectors of the covariance
- * of the delayed signals. U leaves out their rows of the last delay, V those of the first delay. X
- * is the least-squares solution of U X = V.
- *   matrix [size][size]  in/out  covariance of the delayed signals, overwritten
+ * modes (subspace method). A vector of delayed samples holds one sample of each channel for each
+ * delay. The matrix E contains the dominant eigenvectors of the covariance of these vectors as
+ * columns. U is E without the rows of the last delay, and V is E without the rows of the first
+ * delay. X is the least-squares solution of U X = V; it advances vibration by one delay.
+ *   matrix [size][size]  in/out  covariance of the vectors of delayed samples, overwritten
  *   vector [size][size]  out     work array: eigenvectors of the covariance
  *   shift [ROOTS][ROOTS] out     the matrix X
- * Returns the dimension of the subspace, or 0 where X is not determined.
+ * Returns the number of eigenvectors used, or 0 where X is not determined.
  */
 static size_t shift_matrix(const fit *fit, double *matrix, double *vector, double *shift,
                            size_t wanted)
@@ -613,10 +623,10 @@ static void find_roots(const double *matrix, size_t rank, double complex *root)
 }
 
 /*
- * Convert the eigenvalues of the matrix that delays the signals by one lag into frequencies and
- * damping ratios, and keep those that vibration modes can have, up to the largest number of modes
- * (IDENTIFIED_MODES).
- *   lag in  delay by the matrix (samples)
+ * Convert the eigenvalues of the matrix that advances free vibration by one lag (shift_matrix) into
+ * frequencies and damping ratios. Keep those that vibration modes can have, up to the largest
+ * number of modes (IDENTIFIED_MODES).
+ *   lag in  time by which the matrix advances vibration (samples)
  */
 static void take_roots(fit *fit, const double complex *root, size_t rank, size_t lag)
 {
@@ -659,8 +669,9 @@ static void keep_strongest(fit *fit, int most)
 }
 
 /*
- * Estimate the vibration modes with several lags between the delayed samples, refine each estimate,
- * and keep the estimate that fits the signals best. Returns whether memory sufficed.
+ * Estimate the vibration modes by a subspace method, which uses vectors of samples at equally
+ * spaced times. This is done for several spacings (lags); each estimate is refined by nonlinear
+ * least squares. The estimate that fits the signals best is kept. Returns whether memory sufficed.
  */
 static bool estimate(fit *fit, int most)
 {

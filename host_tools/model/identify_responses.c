@@ -115,13 +115,14 @@ static bool invert_steps(steps *steps, double *factor)
 
 /*
  * Compute by how much each voltage step changes the static value of a vibration mode's coordinate.
- * This change is minus the jump that the step causes in the free vibration.
- *   delay         in   assumed delay with which the voltages act (samples)
- *   value [count] out  real parts of the changes (multiples of the mode's shape)
- *   total         in/out  sum of the squares of real and imaginary parts, to which those of this
- *       mode
- *                 are added
- * Returns the sum of the squares of the imaginary parts, which vanish for the true delay.
+ * The coordinate itself does not jump in the step, so that the free vibration about the new static
+ * value jumps by minus this change. The jump is computed from the complex amplitudes of the free
+ * vibration before and after the step. The computed changes are real if the assumed delay is right.
+ *   delay in  assumed delay with which the voltages act (samples)
+ *   value [count] out  real parts of the computed changes (multiples of the mode's shape)
+ *   total in/out  sum of the squares of the absolute values of the changes, to which those of this
+ *                 mode are added
+ * Returns the sum of the squares of the imaginary parts of the changes.
  */
 static double static_values(const steps *steps, size_t mode, double delay, double *value,
                             double *total)
@@ -176,10 +177,12 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return the fraction of the squared jumps of the free vibrations at the voltage steps that static
- * responses leave unexplained, if the voltages act with the given delay. The sums run over all
- * vibration modes.
- *   squares  out  unexplained sum of squares; modal coordinates are multiples of the mode shapes
+ * Return the relative squared residual of the static responses that are fitted to the voltage
+ * steps, if the voltages act with the given delay. The fitted data are the changes of the static
+ * modal coordinates in the steps, computed from the jumps of the free vibration. Both sums of
+ * squares run over all vibration modes and steps. The residual includes the imaginary parts of
+ * these changes.
+ *   squares  out  sum of the squared residuals; modal coordinates are multiples of the mode shapes
  */
 static double unexplained(const steps *steps, double delay, double *squares)
 {

@@ -50,12 +50,12 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Transform a load vector from the local axes of one node to those of another. The improved element
- * formulation interpolates displacement vectors in space; a load of fixed direction then keeps its
- * direction. The formulation `published` interpolates components along the local axes; the load
- * then keeps its components. A pressure always keeps its components: vectors interpolated between
- * two nodes would be too short by the fraction angle^2/6, where angle (rad) is that between the
- * normals of both nodes.
+ * Transform a load vector from the local axes of one node to those of another. With the scene's
+ * element formulation `improved`, displacement vectors are interpolated in space, so that a load of
+ * fixed direction keeps its direction. With the formulation `published`, components along the local
+ * axes are interpolated, so that the load keeps its components. A pressure always keeps its
+ * components, because it acts along the normal of the surface. If it were interpolated as a vector
+ * between two nodes, it would be too small.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])
@@ -106,9 +106,9 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
 }
 
 /*
- * Return the weight of a distributed load's value at the node `column` in the consistent nodal
- * force at the node `row`. With count = 4 nodes it is a multiple of 1/36 of the area of an element,
- * with count = 2 nodes a multiple of 1/6 of the length of an edge.
+ * Return an integer proportional to the weight of a distributed load's value at the node `column`
+ * in the consistent nodal force at the node `row`. With count = 4 nodes it counts 1/36 of the area
+ * of an element, with count = 2 nodes 1/6 of the length of an edge.
  */
 static double consistent_weight(int count, int row, int column)
 {

@@ -34,13 +34,13 @@ void load_temperature_resultants(const mesh *mesh, const scene_load *load, int e
                                  double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute the two base vectors of a face at a corner of an element, for pressures on elements with
- * Cartesian kinematics (interpolated displacement vectors). The base vectors are chords: they run
- * along the straight sides of the element. Where a side spans an arc of the angle a, its chord is
- * inclined by a/2 to the tangent plane at the corner. For pressures this inclination is reduced to
- * (1 - (a/2) cot(a/2))/(a/2), about a third of a/2. The in-plane part of the pressure then has the
- * same resultant and moment as on the arc. At any angle a, it balances the stretched sides of a
- * ring.
+ * Compute two base vectors of a face at a corner of an element, from which the nodal forces of a
+ * pressure follow, for elements with interpolated displacement vectors (Cartesian kinematics). The
+ * base vectors run along the two straight sides (chords) of the element that meet at the corner. A
+ * chord over an arc of the angle a is inclined by a/2 to the tangent plane at the corner. This
+ * gives the pressure an in-plane nodal force. The inclination is replaced by 1/(a/2) - cot(a/2),
+ * about a third of a/2, with which the in-plane nodal forces have the same resultant and moment as
+ * the pressure on the arc.
  *   flat [2][2] out  components of the base vectors in the tangent plane
  *   lean [2]    out  reduced component of each base vector normal to the tangent plane
  * Returns the area that the two base vectors span.

@@ -29,9 +29,9 @@ loaded_frequency loaded_first(const scene *scene);
  * nonlinear, otherwise about the reference state.
  */
 typedef struct loaded_modes {
-    analysis analysis; /* analysis of the scene; without loads, or with linear kinematics, it
-                          contains only the numerical model (design), so that supports may permit
-                          rigid motions */
+    analysis analysis; /* analysis of the scene. Without loads, or with linear kinematics, only its
+                          member `design` (numerical model) is filled: no equilibrium is computed,
+                          and the structure may have rigid motions. */
     vibration vibration;
     bool is_loaded; /* true: the modes are those about the equilibrium under the scene's loads and
                        applied voltages; false: those of the reference state */

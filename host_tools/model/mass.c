@@ -262,12 +262,12 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *vecto
 /* ---- rigid motion ----------------------------------------------------- */
 
 /*
- * Values of the dof of a node when the structure moves as a rigid body.
+ * Compute the values of the dof of a node when the structure moves as a rigid body.
  *   shift  [3] in  translation
  *   spin   [3] in  vector of a small rotation about the origin (rad)
- *   unit   [7] out  along the local axes: displacement, difference of both faces' displacements
- *          over the thickness, and 0 for the displacement of the middle surface relative to the
- *          faces
+ *   unit   [7] out  values of the dof. Entries 0 to 2: displacement along the local axes of the
+ *          node, midway between the faces. Entries 3 to 5: displacement of the outer face minus
+ *          that of the inner face, divided by the thickness. Entry 6: 0
  */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double unit[7])

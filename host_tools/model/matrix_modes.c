@@ -172,10 +172,10 @@ static double find_rest(const comparison *c)
 }
 
 /*
- * Return by how much the fraction of B's squared entries that the mode shapes explain grows if rows
- * i and j of the influence matrix B are swapped. Let Q [modes][outputs] be the orthonormal basis of
- * the mode shapes. The swap adds (column i - column j of Q) times (row j - row i of B) to the
- * product Q B.
+ * Return by how much the explained fraction |Q B|^2/|B|^2 of the influence matrix B
+ * [outputs][amplifiers] grows if its rows i and j are swapped. Q [modes][outputs] is an orthonormal
+ * basis of the mode shapes. The swap adds the product of two vectors to Q B: column i minus column
+ * j of Q, times row j minus row i of B.
  */
 static double gain_of_swap(const comparison *c, size_t i, size_t j)
 {
@@ -255,9 +255,10 @@ static void sum_up(const double *value, size_t count, size_t stride, double *sum
 }
 
 /*
- * Fraction of the squared entries of the influence matrix that mode shapes with randomly ordered
- * outputs would leave unexplained on average. For vectors x and y of n entries, with y in random
- * order, the mean of their squared product is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 -
+ * Return the fraction of the influence matrix's squared entries that the mode shapes leave
+ * unexplained on average if their outputs are put in random order. An orthonormal vector x of the
+ * mode shapes explains the squared scalar product of x and y in each column y of the matrix. For n
+ * entries in random order, the mean of this square is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 -
  * |y|^2)/(n (n - 1)).
  */
 static double random_rest(const comparison *c)

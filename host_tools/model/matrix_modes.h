@@ -21,9 +21,9 @@ typedef struct matrix_modes {
                   that the mode shapes explain more of the matrix */
     int swapped[2]; /* indices, counted from 0, of the two outputs (rows of the influence matrix)
                        that were swapped first */
-    double random_rest; /* fraction of the squared norm of the influence matrix that mode shapes
-                           with randomly ordered rows would leave unexplained on average; a
-                           reference value for `rest` */
+    double random_rest; /* value that `rest` would have on average if the outputs of the mode shapes
+                           were in random order. A value of `rest` near it suggests that mode shapes
+                           and influence matrix list the outputs in different orders. */
     double rest; /* fraction of the squared entries of the influence matrix that no combination of
                     the mode shapes represents */
     double swapped_rest; /* the fraction `rest` (squared entries of the influence matrix that the
@@ -32,8 +32,9 @@ typedef struct matrix_modes {
 } matrix_modes;
 
 /*
- * Largest number of outputs with which the program searches for outputs that are swapped between
- * the mode shapes and the influence matrix.
+ * Largest number of outputs with which the program searches for errors in the order of outputs:
+ * pairs of outputs that have exchanged places in the mode shapes, compared with the influence
+ * matrix.
  */
 enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 
@@ -48,19 +49,20 @@ enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle);
 
 /*
- * Compute the displacements of all vibration modes under 1 V at one amplifier. They are those that
- * the scene file gives, or else those of a least-squares fit of all mode shapes to the amplifier's
- * column of the influence matrix.
+ * Compute the static modal coordinates of all vibration modes under 1 V at one amplifier. If the
+ * scene file gives them, they are copied. Otherwise they are the coefficients with which the mode
+ * shapes fit the amplifier's column of the influence matrix best (least squares).
  *   basis     [modes][outputs] in  orthonormal basis of the mode shapes, from matrix_modes_basis
  *   triangle  [modes][modes]   in  mode shapes in this basis
- *   response  [modes] out  displacements, multiples of the mode shapes per volt
+ *   response  [modes] out  modal coordinates (multiples of the mode shapes per volt)
  */
 void matrix_modes_response(const scene_influence *measured, size_t amplifiers, size_t amplifier,
                            const double *basis, const double *triangle, double *response);
 
 /*
  * Compare the measured vibration modes of a scene with its influence matrix.
- *   with_swaps in  whether to search for outputs that are swapped between mode shapes and matrix
+ *   with_swaps in  whether to search for pairs of outputs that have exchanged places in the mode
+ *                  shapes, compared with the influence matrix
  * Returns 0, or -1 where memory runs out or a shape is a combination of others; call
  * matrix_modes_free in either case.
  */

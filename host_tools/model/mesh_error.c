@@ -9,8 +9,9 @@
 /* ---- estimate --------------------------------------------------------- */
 
 /*
- * Smallest uncertainty relative to the result, for the rounding errors of the linear solves. A
- * reaction that equilibrium alone determines differs between meshes only by them.
+ * Smallest uncertainty of a result, relative to the result. It covers the rounding errors of the
+ * linear solves. Some results, such as the reaction of a statically determinate support, have no
+ * discretisation error, only these rounding errors.
  */
 static const double LEAST_UNCERTAINTY = 1e-9;
 
