@@ -61,6 +61,13 @@ typedef struct pzs_element_type {
     pzs_real d[88];
     pzs_real thickness; /* thickness of the element (m) */
     /*
+     * Straight lines that replace z^2 in the in-plane strains 11, 22 and 12, with z the height
+     * above the middle of the shell: a + b z/thickness for each strain, all a (m2) and then all b
+     * (m2). The part of a strain that is quadratic in z enters the strain mean with the factor a
+     * and the strain difference with the factor b.
+     */
+    pzs_real height_squared[2][3];
+    /*
      * Correction of the shear strain of a warped (not plane) element: nine factors (1). The mean
      * strain 12 that is constant over the element is increased by the sum of nine other strains,
      * each times its factor. A strain is named by component, by m (mean) or d (difference) of the
@@ -87,7 +94,7 @@ typedef struct pzs_node {
 } pzs_node;
 
 /*
- * One element type in a short form of 104 instead of 293 reals, for meshes on which nearly every
+ * One element type in a short form of 110 instead of 299 reals, for meshes on which nearly every
  * element is a type of its own. The form lacks the matrices and base vectors of pzs_element_type
  * (its members s, t, g_mean and g_diff). The library computes them, to the same bits, from the
  * nodes of one element that has the type.
@@ -96,12 +103,14 @@ typedef struct pzs_compact_type {
     pzs_real d[88];     /* stiffness of the four strain modes (variations over the element) of an
                            element type, as in pzs_element_type.d (N m) */
     pzs_real thickness; /* thickness of the element (m) */
-    pzs_real middle;    /* height of the middle of the shell above the reference surface, on which
-                           the nodes lie (m) */
-    pzs_real warp[9];   /* factors of the nine strains that a warped element adds to its mean strain
-                           12, in the order of pzs_element_type.warp (1) */
-    pzs_real skew[3];   /* skew alpha_1, alpha_2 of the element and its length ratio, as
-                           pzs_element_type.skew defines them (1) */
+    pzs_real height_squared[2][3]; /* straight lines that replace z^2 in the strains 11, 22 and 12,
+                                      as in pzs_element_type.height_squared (m2) */
+    pzs_real middle;  /* height of the middle of the shell above the reference surface, on which
+                         the nodes lie (m) */
+    pzs_real warp[9]; /* factors of the nine strains that a warped element adds to its mean strain
+                         12, in the order of pzs_element_type.warp (1) */
+    pzs_real skew[3]; /* skew alpha_1, alpha_2 of the element and its length ratio, as
+                         pzs_element_type.skew defines them (1) */
     pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along
                                    theta2 (1/m) */
     uint16_t corner[4]; /* indices of the nodes at the four corners of one element of the compact

@@ -55,6 +55,7 @@ static void fill_type(const compact_types *compact, const mesh *mesh, int elemen
     memcpy(type->warp, full->warp, sizeof type->warp);
     memcpy(type->skew, full->skew, sizeof type->skew);
     type->thickness = full->thickness;
+    memcpy(type->height_squared, full->height_squared, sizeof type->height_squared);
     type->middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
     for (int direction = 0; direction < 2; direction++)
         type->inverse_length[direction] = -full->s[0][direction][0][0];

@@ -4,6 +4,7 @@
 #include "../../lib/model/shell_corner.h"
 #include "element_types.h"
 #include <math.h>
+#include <string.h>
 #include "warp.h"
 
 /*
@@ -84,12 +85,15 @@ int type_list_add(type_list *list, pzs_element_type *type, const laminate_place 
     if (known >= 0)
         return known;
     double full[4][LAMINATE_PACKED];
+    laminate_heights heights;
     if (laminate_modes(list->laminate, &scene->element, place, full) < 0)
         return scene_fault(
             scene->at_layers, error,
             "no layer is present outside the patches, so the stiffness is 0 there; add a layer "
             "without patches");
     keep_entries((const double(*)[LAMINATE_PACKED])full, type->d);
+    laminate_heights_of(list->laminate, &scene->element, place, &heights);
+    memcpy(type->height_squared, heights.line, sizeof type->height_squared);
     if (warp_fill(type, warp_share) < 0)
         return scene_fault(scene->at_surface, error,
                            "an element of %g x %g is degenerate; use other mesh lines",

@@ -336,6 +336,69 @@ static void natural_stress(const scene_element *element, const laminate_place *p
     turn_back(transform, stress, natural);
 }
 
+/* ---- strains over the height ------------------------------------------------ */
+
+/*
+ * Compute the stiffness of a ply against each in-plane strain, in the directions of the element,
+ * while its normal stress 33 is 0 (Pa).
+ */
+static void plane_stiffness(const scene_element *element, const laminate_place *place,
+                            const laminate_ply *ply, double z, double stiffness[HEIGHT_ROWS])
+{
+    static const int in_plane[HEIGHT_ROWS] = {0, 1, 5};
+    double c[6][6];
+    natural_stiffness(element, place, ply, z, c);
+    for (int row = 0; row < HEIGHT_ROWS; row++) {
+        const int i = in_plane[row];
+        stiffness[row] = c[i][i] - c[i][2] * c[2][i] / c[2][2];
+    }
+}
+
+/*
+ * Compute the change of the base vectors of an element with the height in terms of the base vectors
+ * in the middle of all plies: base vector a changes by the sum over c of change[c][a] times base
+ * vector c, per height (1/m).
+ */
+static void base_change(const laminate_place *place, double middle, double change[2][2])
+{
+    double dual[3][3];
+    memset(change, 0, 4 * sizeof(double));
+    for (int a = 0; a < 2 && !place->is_general; a++)
+        change[a][a] = place->curvature[a] / (1 + place->curvature[a] * middle);
+    if (!place->is_general)
+        return;
+    natural_dual_base(&place->natural, middle, dual);
+    for (int entry = 0; entry < 4; entry++)
+        for (int i = 0; i < 3; i++)
+            change[entry / 2][entry % 2] += dual[entry / 2][i] * place->natural.slope[i][entry % 2];
+}
+
+void laminate_heights_of(const laminate *laminate, const scene_element *element,
+                         const laminate_place *place, laminate_heights *heights)
+{
+    height_ply ply[LAMINATE_LAYERS];
+    double change[2][2];
+    int plies = 0;
+    memset(heights, 0, sizeof *heights);
+    heights->middle = (laminate->z[0] + laminate->z[1]) / 2;
+    heights->thickness = laminate->thickness;
+    for (int row = 0; row < HEIGHT_ROWS; row++)
+        heights->line[0][row] = laminate->thickness * laminate->thickness / 4;
+    if (!element->quadratic)
+        return;
+    for (int layer = 0; layer < laminate->plies; layer++)
+        if (place->present_plies >> layer & 1u) {
+            memcpy(ply[plies].z, laminate->ply[layer].z, sizeof ply[plies].z);
+            plane_stiffness(element, place, &laminate->ply[layer], heights->middle,
+                            ply[plies++].stiffness);
+        }
+    height_fit_lines(ply, plies, heights);
+    if (!element->metric)
+        return;
+    base_change(place, heights->middle, change);
+    height_quadratic_part(change, heights);
+}
+
 /* ---- thickness strain ------------------------------------------------- */
 
 static int inverse_of(double matrix[N][N], double inverse[N][N])
@@ -384,47 +447,118 @@ typedef struct ply_integrals {
 } ply_integrals;
 
 /*
- * Add the contribution of one quadrature point in a ply to the integrals over the thickness.
- *   natural [6][6] in      stiffness of the ply at this point (Pa), Voigt order 11 22 33 23 13 12
- *   share   [6]    in      factors by which strains are divided at this height (metric_at)
- *   weight         in      weight of the point (m)
- *   height         in      height above the middle of the laminate over its thickness: strain at
- *       this point for a unit difference of the strain between both faces
- *   sums           in/out  integrals of stiffness and compliance
+ * Strains in Voigt order (11 22 33 23 13 12) at one height per unit of one of the ten strains of an
+ * element: number of strains that are not 0, their indices and their values.
  */
-static void add_point(ply_integrals *sums, double natural[6][6], const double share[6],
-                      double weight, double height)
+typedef struct strain_share {
+    int count, voigt[HEIGHT_ROWS];
+    double value[HEIGHT_ROWS];
+} strain_share;
+
+/*
+ * Add the part of the in-plane strains that is quadratic in the height to the strains per unit of
+ * one in-plane strain of an element.
+ *   of_strain [3][3] in  quadratic part of the strains 11, 22 and 12 per unit of each (1/m2)
+ *   column           in  0, 1 or 2 for the strains 11, 22 or 12 of the element
+ *   excess    [3]    in  difference between the squared height and the straight line that replaces
+ *                        it in each of the three strains (m2)
+ */
+static void add_quadratic(const double of_strain[HEIGHT_ROWS][HEIGHT_ROWS], int column,
+                          const double excess[HEIGHT_ROWS], strain_share *share)
 {
-    const double function[2] = {1, height};
+    static const int in_plane[HEIGHT_ROWS] = {0, 1, 5};
+    for (int row = 0; row < HEIGHT_ROWS; row++) {
+        const double part = excess[row] * of_strain[row][column];
+        if (row == column) {
+            share->value[0] += part;
+        } else if (part != 0) {
+            share->voigt[share->count] = in_plane[row];
+            share->value[share->count++] = part;
+        }
+    }
+}
+
+/*
+ * Compute the strains at height z above the reference surface per unit of each of the ten strains
+ * of an element: 1 for a mean of both faces, height over thickness for their difference, and the
+ * part that is quadratic in the height.
+ */
+static void strain_shares(const laminate *laminate, const laminate_heights *heights, double z,
+                          strain_share share[N])
+{
+    static const int column[N] = {0, 0, 1, 1, -1, -1, 2, 2, -1, -1};
+    const double height = z - heights->middle,
+                 excess[HEIGHT_ROWS] = {laminate_height_excess(heights, height, 0),
+                                        laminate_height_excess(heights, height, 1),
+                                        laminate_height_excess(heights, height, 2)};
+    for (int i = 0; i < N; i++) {
+        share[i].count = 1;
+        share[i].voigt[0] = voigt[i];
+        share[i].value[0] = is_difference[i] ? height / laminate->thickness : 1;
+        if (column[i] >= 0 && is_difference[i])
+            add_quadratic(heights->of_difference, column[i], excess, &share[i]);
+        else if (column[i] >= 0)
+            add_quadratic(heights->of_mean, column[i], excess, &share[i]);
+    }
+}
+
+/*
+ * Add a quadrature point of a ply to the stiffness of two of the ten strains of an element, whose
+ * strains at the point are `first` and `second`.
+ *   metric [6] in  factors by which strains are divided, because lines are longer or shorter at
+ *                  this height than in the reference surface
+ */
+static void add_pair(double natural[6][6], const double metric[6], double weight,
+                     const strain_share *first, const strain_share *second, double *stiffness,
+                     double *plane)
+{
+    for (int k = 0; k < first->count; k++)
+        for (int l = 0; l < second->count; l++) {
+            const int i = first->voigt[k], j = second->voigt[l];
+            const double both = weight * first->value[k] * second->value[l];
+            const double scale = metric[i] * metric[j];
+            const double through = natural[i][2] * natural[2][j] / natural[2][2];
+            *stiffness += both * natural[i][j] / scale;
+            *plane += both * (natural[i][j] - through) / scale;
+        }
+}
+
+/*
+ * Add a quadrature point of a ply to the integrals over the thickness.
+ *   share [10] in  strains at the point per unit of each of the ten strains of an element
+ */
+static void add_point(ply_integrals *sums, double natural[6][6], const double metric[6],
+                      double weight, const strain_share share[N])
+{
     sums->compliance += weight / natural[2][2];
     sums->length += weight;
     for (int i = 0; i < N; i++)
-        sums->narrowing[i] += weight * function[is_difference[i]] / share[voigt[i]] *
-                              natural[voigt[i]][2] / natural[2][2];
+        for (int k = 0; k < share[i].count; k++)
+            sums->narrowing[i] += weight * share[i].value[k] / metric[share[i].voigt[k]] *
+                                  natural[share[i].voigt[k]][2] / natural[2][2];
     for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++) {
-            const double both = weight * function[is_difference[i]] * function[is_difference[j]];
-            const double scale = share[voigt[i]] * share[voigt[j]];
-            const double through = natural[voigt[i]][2] * natural[2][voigt[j]] / natural[2][2];
-            sums->stiffness[i][j] += both * natural[voigt[i]][voigt[j]] / scale;
-            sums->plane[i][j] += both * (natural[voigt[i]][voigt[j]] - through) / scale;
-        }
+        for (int j = 0; j < N; j++)
+            add_pair(natural, metric, weight, &share[i], &share[j], &sums->stiffness[i][j],
+                     &sums->plane[i][j]);
 }
 
 static void integrate_plies(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, ply_integrals *sums)
 {
-    const double middle = (laminate->z[0] + laminate->z[1]) / 2;
+    laminate_heights heights;
+    laminate_heights_of(laminate, element, place, &heights);
     memset(sums, 0, sizeof *sums);
     for (int layer = 0; layer < laminate->plies; layer++) {
         const laminate_ply *ply = &laminate->ply[layer];
         const double half = (ply->z[1] - ply->z[0]) / 2;
         for (int point = 0; point < POINTS && place->present_plies >> layer & 1u; point++) {
             const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
-            double share[6], natural[6][6];
-            const double weight = half * gauss_w[point] * metric_at(element, place, z, share);
+            double metric[6], natural[6][6];
+            strain_share share[N];
+            const double weight = half * gauss_w[point] * metric_at(element, place, z, metric);
             natural_stiffness(element, place, ply, z, natural);
-            add_point(sums, natural, share, weight, (z - middle) / laminate->thickness);
+            strain_shares(laminate, &heights, z, share);
+            add_point(sums, natural, metric, weight, share);
         }
     }
 }
@@ -580,16 +714,21 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
                              const laminate_place *place, const laminate_ply *ply,
                              const laminate_field *field, const double stress[6], double h0[N])
 {
-    const double half = (ply->z[1] - ply->z[0]) / 2, middle = (laminate->z[0] + laminate->z[1]) / 2;
+    const double half = (ply->z[1] - ply->z[0]) / 2;
+    laminate_heights heights;
+    laminate_heights_of(laminate, element, place, &heights);
     for (int point = 0; point < POINTS; point++) {
         const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
-        double share[6], natural[6];
-        const double weight = half * gauss_w[point] * metric_at(element, place, z, share) *
+        double metric[6], natural[6];
+        strain_share share[N];
+        const double weight = half * gauss_w[point] * metric_at(element, place, z, metric) *
                               laminate_field_at(laminate, element, place, field, z);
         natural_stress(element, place, z, stress, natural);
+        strain_shares(laminate, &heights, z, share);
         for (int i = 0; i < N; i++)
-            h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->thickness : 1) *
-                     natural[voigt[i]] / share[voigt[i]];
+            for (int k = 0; k < share[i].count; k++)
+                h0[i] += weight * share[i].value[k] * natural[share[i].voigt[k]] /
+                         metric[share[i].voigt[k]];
     }
 }
 

@@ -13,6 +13,7 @@
 
 #include <stdbool.h>
 #include "../scene/scene.h"
+#include "laminate_height.h"
 #include "natural_base.h"
 
 enum { LAMINATE_STRAINS = 10, LAMINATE_PACKED = 55, LAMINATE_LAYERS = 32 };
@@ -83,6 +84,10 @@ typedef struct laminate_place {
  * material is not positive definite.
  */
 int laminate_build(const scene *scene, laminate *laminate, char *error);
+
+/* Compute how the in-plane strains of an element depend on the height (laminate_height.h). */
+void laminate_heights_of(const laminate *laminate, const scene_element *element,
+                         const laminate_place *place, laminate_heights *heights);
 
 /*
  * Return the area of an element at height z over its area in the reference surface; 1 if the

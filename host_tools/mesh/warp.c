@@ -46,6 +46,20 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
+ * Compute the vector whose product with the derivative of the director along a direction is the
+ * difference of an in-plane strain between the faces: the thickness times the mean base vector, and
+ * the share of the part of the strain that is quadratic in the height.
+ *   strain in  0 for strain 11, 1 for strain 22, 2 for strain 12
+ */
+static void slope_base(const pzs_element_type *type, int corner, int direction, int strain,
+                       double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = type->thickness * type->g_mean[corner][direction][i] +
+                 type->height_squared[1][strain] * type->g_diff[corner][direction][i];
+}
+
+/*
  * Add the contribution of one corner to one equation of the linear system for the warping
  * correction (warp.h). In this equation the director of one node tilts along its local axis e1 (j =
  * 0) or e2 (j = 1). An amplitude of a strain in a strain mode (constant, or linear in xi1 or xi2)
@@ -56,12 +70,15 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
                        double *shear)
 {
-    const double thickness = type->thickness, *g1 = type->g_mean[corner][0],
-                 *g2 = type->g_mean[corner][1];
-    double along1[3], along2[3];
+    const double *g1 = type->g_mean[corner][0], *g2 = type->g_mean[corner][1];
+    double along1[3], along2[3], base[2][3], shear_base[2][3];
+    for (int direction = 0; direction < 2; direction++) {
+        slope_base(type, corner, direction, direction, base[direction]);
+        slope_base(type, corner, direction, 2, shear_base[direction]);
+    }
     tilt_derivative(type, corner, 0, node, j, along1);
     tilt_derivative(type, corner, 1, node, j, along2);
-    const double e11 = thickness * vector_dot(g1, along1), e22 = thickness * vector_dot(g2, along2);
+    const double e11 = vector_dot(base[0], along1), e22 = vector_dot(base[1], along2);
     const double e13 = corner == node ? g1[j] : 0;
     const double e23 = corner == node ? g2[j] : 0;
     const double strain[ROWS] = {
@@ -69,7 +86,7 @@ static void add_corner(const pzs_element_type *type, int corner, int node, int j
         xi1[corner] * e22};
     for (int k = 0; k < ROWS; k++)
         row[k] += strain[k] / 4;
-    *shear += thickness * (vector_dot(g1, along2) + vector_dot(g2, along1)) / 4;
+    *shear += (vector_dot(shear_base[0], along2) + vector_dot(shear_base[1], along1)) / 4;
 }
 
 static void fill_system(const pzs_element_type *type, tilt_system *equations)

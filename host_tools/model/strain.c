@@ -35,17 +35,62 @@ void strain_turn(const double strain[6], double angle, double turned[6])
         turned[i] *= 2;
 }
 
+/* Index of the means of the in-plane strains 11, 22 and 12 among the ten strains of an element. */
+static const int in_plane_mean[HEIGHT_ROWS] = {0, 2, 6};
+
+/*
+ * Compute the strains of an element at a displacement. The part that is quadratic in the height is
+ * the change of the mean strains when the square of the height is replaced by another constant.
+ */
+static void nonlinear_strains(const pzs_element_type *type, unsigned dof_per_node,
+                              const double *displacement, double strain[STRAIN_COUNT])
+{
+    const double change = type->thickness * type->thickness;
+    double modes[4][10], changed[4][10];
+    pzs_element_type other = *type;
+    for (int row = 0; row < HEIGHT_ROWS; row++)
+        other.height_squared[0][row] += change;
+    pzs_shell_strains_at(type, dof_per_node, displacement, modes);
+    pzs_shell_strains_at(&other, dof_per_node, displacement, changed);
+    memcpy(strain, modes[0], sizeof modes[0]);
+    for (int row = 0; row < HEIGHT_ROWS; row++) {
+        const int mean = in_plane_mean[row];
+        strain[STRAIN_QUADRATIC + row] = (changed[0][mean] - modes[0][mean]) / change;
+    }
+}
+
+/*
+ * Compute the part of the strains of an element that is quadratic in the height from mean and
+ * difference of the strains.
+ */
+static void linear_quadratic_part(const laminate_heights *heights, double strain[STRAIN_COUNT])
+{
+    for (int row = 0; row < HEIGHT_ROWS; row++) {
+        strain[STRAIN_QUADRATIC + row] = 0;
+        for (int column = 0; column < HEIGHT_ROWS; column++)
+            strain[STRAIN_QUADRATIC + row] +=
+                heights->of_mean[row][column] * strain[in_plane_mean[column]] +
+                heights->of_difference[row][column] * strain[in_plane_mean[column] + 1];
+    }
+}
+
+static void heights_of(const mesh *mesh, int element, laminate_heights *heights)
+{
+    laminate_heights_of(&mesh->laminate, &mesh->formulation,
+                        &mesh->place[mesh->element_type[element]], heights);
+}
+
 void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
-                       double strain[10])
+                       double strain[STRAIN_COUNT])
 {
     const pzs_element_type *type = &mesh->type[mesh->element_type[element]];
     const unsigned dof = 4 * mesh->dof_per_node;
     double modes[2][4][10], scaled[SHELL_MAX], largest = 0;
+    laminate_heights heights;
     for (unsigned i = 0; i < dof; i++)
         largest = fmax(largest, fabs(displacement[i]));
     if (is_nonlinear || !(largest > 0)) {
-        pzs_shell_strains_at(type, mesh->dof_per_node, displacement, modes[0]);
-        memcpy(strain, modes[0][0], 10 * sizeof *strain);
+        nonlinear_strains(type, mesh->dof_per_node, displacement, strain);
         return;
     }
     const double factor = 1e-6 * fmin(1, type->thickness) / largest;
@@ -56,6 +101,31 @@ void strain_of_element(const mesh *mesh, int element, const double *displacement
     }
     for (int i = 0; i < 10; i++)
         strain[i] = (modes[0][0][i] - modes[1][0][i]) / (2 * factor);
+    heights_of(mesh, element, &heights);
+    linear_quadratic_part(&heights, strain);
+}
+
+void strain_at_height(const mesh *mesh, int element, const double strain[STRAIN_COUNT], double z,
+                      double at_z[6])
+{
+    static const int mean[6] = {0, 2, 4, -1, -1, 6}, quadratic[6] = {0, 1, -1, -1, -1, 2};
+    double map[6][6], natural[6] = {0};
+    laminate_heights heights;
+    heights_of(mesh, element, &heights);
+    const double height = z - heights.middle;
+    for (int i = 0; i < 6; i++) {
+        if (mean[i] >= 0)
+            natural[i] = strain[mean[i]] + height / heights.thickness * strain[mean[i] + 1];
+        if (quadratic[i] >= 0 && mesh->formulation.quadratic)
+            natural[i] += laminate_height_excess(&heights, height, quadratic[i]) *
+                          strain[STRAIN_QUADRATIC + quadratic[i]];
+    }
+    laminate_strain_map(&mesh->formulation, &mesh->place[mesh->element_type[element]], z, map);
+    for (int i = 0; i < 6; i++) {
+        at_z[i] = 0;
+        for (int j = 0; j < 6; j++)
+            at_z[i] += map[i][j] * natural[j];
+    }
 }
 
 /* ---- outputs ---------------------------------------------------------------- */
@@ -90,17 +160,12 @@ double strain_area(const mesh *mesh, const scene_output *output, int node)
 }
 
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
-                        const double strain[10])
+                        const double strain[STRAIN_COUNT])
 {
-    static const int mean[3] = {0, 2, 6}, voigt[3] = {0, 1, 5};
-    const double z = height_of(mesh, output);
-    const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
-    const double share = (z - middle) / mesh->laminate.thickness;
-    double map[6][6], all[6] = {0}, turned[6];
-    laminate_strain_map(&mesh->formulation, &mesh->place[mesh->element_type[element]], z, map);
-    for (int i = 0; i < 6; i++)
-        for (int k = 0; k < 3; k++)
-            all[i] += map[i][voigt[k]] * (strain[mean[k]] + share * strain[mean[k] + 1]);
+    double in_plane[STRAIN_COUNT], all[6], turned[6];
+    memcpy(in_plane, strain, sizeof in_plane);
+    in_plane[4] = in_plane[5] = 0; /* a gauge on the surface does not see the thickness strain */
+    strain_at_height(mesh, element, in_plane, height_of(mesh, output), all);
     strain_turn(all, output->angle * 0.017453292519943295, turned);
     return turned[output->recovered_component];
 }
@@ -118,7 +183,7 @@ static void add_element(const mesh *mesh, const scene_output *output, int elemen
         const unsigned corner = k / mesh->dof_per_node;
         const uint16_t node = mesh->element[element][corner],
                        dof = mesh->node_dof[node * mesh->dof_per_node + k % mesh->dof_per_node];
-        double strain[10], unit[SHELL_MAX] = {0};
+        double strain[STRAIN_COUNT], unit[SHELL_MAX] = {0};
         if (dof == PZS_CONSTRAINED)
             continue;
         unit[k] = 1;

@@ -11,18 +11,34 @@
 #include "../mesh/mesh.h"
 
 /*
+ * Numbers that describe the strains of an element at its centre: mean and difference of both faces
+ * for the strains 11, 22, 33 and 12; the strains 13 and 23 (1); then the parts of the strains 11,
+ * 22 and 12 that are quadratic in the height (1/m2).
+ */
+enum { STRAIN_QUADRATIC = 10, STRAIN_COUNT = 13 };
+
+/*
  * Compute the strains of an element that are constant over the element from the displacements of
  * its nodes.
  *   displacement [4 dof_per_node] in  displacements of the four nodes of the element
  *   is_nonlinear in   true: Green's strains, quadratic in the displacement; false: their linear
  *       part
- *   strain [10]  out  mean and difference of both faces for the strains 11, 22, 33 and 12; then the
- *                     strains 13 and 23
+ *   strain [13]  out  strains, in the order of STRAIN_COUNT
  * The linear part is computed from the strains at a small multiple of the displacement and at its
- * negative: half of their difference, divided by the multiple.
+ * negative: half of their difference, divided by the multiple. Its strains quadratic in the height
+ * are those which the stiffness of the element contains (laminate_heights).
  */
 void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
-                       double strain[10]);
+                       double strain[STRAIN_COUNT]);
+
+/*
+ * Compute the strains of an element at height z above the reference surface in the shell axes,
+ * without transverse shear (Voigt order 11 22 33 23 13 12).
+ *   strain [13] in   strains of the element, in the order of STRAIN_COUNT
+ *   at_z   [6]  out  engineering strains
+ */
+void strain_at_height(const mesh *mesh, int element, const double strain[STRAIN_COUNT], double z,
+                      double at_z[6]);
 
 /*
  * Components of a stress, or of a strain, in axes that are turned by an angle (rad) about axis 3.
@@ -36,11 +52,10 @@ void strain_turn(const double strain[6], double angle, double turned[6]);
 /*
  * Return the strain that an output of the scene measures in an element: the strain component of the
  * output, at the height of the output, in axes turned by the angle of the output.
- *   strain [10] in strains of the element: mean and difference of both faces for the strains 11,
- *   22, 33 and 12; then the strains 13 and 23
+ *   strain [13] in  strains of the element, in the order of STRAIN_COUNT
  */
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
-                        const double strain[10]);
+                        const double strain[STRAIN_COUNT]);
 
 /*
  * Return whether an element contributes to an output that is a strain or stress at a node. The node

@@ -386,22 +386,16 @@ static void product_plus(const double matrix[6][6], const double vector[6], cons
 static void ply_state(const stress_field *field, int element, int layer, double z, double strain[6],
                       double stress[6])
 {
-    static const int first[6] = {0, 2, 4, -1, -1, 6};
     const mesh *mesh = &field->state.design->mesh;
     const double(*c)[6] = (const double(*)[6])mesh->laminate.ply[layer].c;
     const stress_element *own = &field->element[element];
     const bool is_free = mesh->formulation.lin33;
-    const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
-    const double share = (z - middle) / mesh->laminate.thickness;
-    double map[6][6], given[6], work = -own->normal_stress, stiffness = 0;
+    double map[6][6], given[6], in_plane[STRAIN_COUNT], work = -own->normal_stress, stiffness = 0;
     laminate_strain_map(&mesh->formulation, place_of(mesh, element), z, map);
-    for (int i = 0; i < 6; i++) {
-        strain[i] = 0;
-        for (int j = 0; j < 6; j++)
-            if (first[j] >= 0 && !(is_free && j == 2))
-                strain[i] +=
-                    map[i][j] * (own->strain[first[j]] + share * own->strain[first[j] + 1]);
-    }
+    memcpy(in_plane, own->strain, sizeof in_plane);
+    if (is_free)
+        in_plane[MEAN_33] = in_plane[MEAN_33 + 1] = 0;
+    strain_at_height(mesh, element, in_plane, z, strain);
     prescribed_stress(field, element, layer, z, given);
     product_plus(c, strain, given, stress);
     if (!is_free)

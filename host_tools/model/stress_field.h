@@ -16,6 +16,7 @@
 
 #include <stdbool.h>
 #include "design.h"
+#include "strain.h"
 
 /*
  * Number of heights in a layer at which stresses are recovered: its inner face, its middle and its
@@ -46,8 +47,8 @@ typedef struct stress_element {
                         of the scene file) */
     double axis[3][3]; /* unit vectors of the shell axes 1, 2 and 3 as rows; ply angles count from
                           axis 1 */
-    double strain[10]; /* strains of the element at its centre: mean and difference of both faces
-                          for the strains 11, 22, 33 and 12; then the strains 13 and 23 (1) */
+    double strain[STRAIN_COUNT]; /* strains of the element at its centre, in the order of
+                                    STRAIN_COUNT */
     double resultant[10];  /* stress resultants conjugate to the strains of the element (mean and
                               difference of both faces for the strains 11, 22, 33 and 12; then the
                               strains 13 and 23), per area of the element (N/m) */

@@ -115,6 +115,9 @@ typedef struct scene_element {
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
                                its layers; false: from a shear strain that is constant through the
                                thickness */
+    bool quadratic; /* true: the part of the in-plane strains that is quadratic in the height enters
+                       mean and difference of the strains as plies of their stiffness carry it;
+                       false: as its values at the two faces */
 } scene_element;
 
 typedef struct scene_line { /* Mesh lines along which one surface coordinate, theta1 or theta2, is

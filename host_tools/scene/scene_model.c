@@ -10,8 +10,8 @@
 
 /* ---- element ---- */
 
-const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7, 0};
-static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7, 0};
+const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7, 0, 1};
+static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7, 0, 0};
 
 static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
 static const form preset_form = {.type = FORM_WORD, .words = presets};
@@ -56,6 +56,9 @@ static const field element_fields[] = {
      .help = "Exact variation of the surface metric through the thickness."},
     {"area", read_either, offsetof(scene_element, exact_area), areas,
      .help = "Exact element area, or the area from the metric at the element centre."},
+    {"quadratic", read_flag, offsetof(scene_element, quadratic),
+     .help = "Average the part of the in-plane strains that is quadratic in the height over the "
+             "stiffness of the plies, instead of taking it at the two faces."},
     {.key = NULL}};
 
 static const form element_map_form = {.type = FORM_MAP, .fields = element_fields};

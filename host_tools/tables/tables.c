@@ -41,7 +41,7 @@ static void write_elements(emitter *emitter, const mesh *mesh)
 static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
-    static const int modes[1] = {88}, warps[1] = {9}, skews[1] = {3};
+    static const int modes[1] = {88}, squares[2] = {2, 3}, warps[1] = {9}, skews[1] = {3};
     emit_comment(emitter, "corner tables of each element type");
     fprintf(emitter->file, "static const pzs_element_type %s_element_types[%d] = {",
             emitter->prefix, mesh->types);
@@ -59,7 +59,9 @@ static void write_element_types(emitter *emitter, const mesh *mesh)
         emit_nested(emitter->file, type->d, modes, 1);
         fputs(", PZS_R(", emitter->file);
         emit_real(emitter->file, type->thickness);
-        fputs("),\n    ", emitter->file);
+        fputs("), ", emitter->file);
+        emit_nested(emitter->file, &type->height_squared[0][0], squares, 2);
+        fputs(",\n    ", emitter->file);
         emit_nested(emitter->file, type->warp, warps, 1);
         fputs(",\n    ", emitter->file);
         emit_nested(emitter->file, type->skew, skews, 1);
@@ -78,6 +80,18 @@ static void write_group(emitter *emitter, const double *value, int count)
     emit_nested(emitter->file, value, &count, 1);
     fputs(",\n    ", emitter->file);
     emit_count_reals(emitter, value, (size_t)count);
+}
+
+/*
+ * Write two rows of three reals as a nested value in braces, and add them to the size and the
+ * checksum of the tables.
+ */
+static void write_lines(emitter *emitter, const double value[2][3])
+{
+    static const int size[2] = {2, 3};
+    emit_nested(emitter->file, &value[0][0], size, 2);
+    fputs(",\n    ", emitter->file);
+    emit_count_reals(emitter, &value[0][0], 6);
 }
 
 /* Write a real, and add it to the size and the checksum of the tables. */
@@ -103,6 +117,7 @@ static void write_compact_types(emitter *emitter, const compact_types *compact, 
         fputs("{\n    ", emitter->file);
         write_group(emitter, type->d, 88);
         write_single(emitter, type->thickness);
+        write_lines(emitter, type->height_squared);
         write_single(emitter, type->middle);
         write_group(emitter, type->warp, 9);
         write_group(emitter, type->skew, 3);

@@ -47,6 +47,7 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node, pzs
     memcpy(type->warp, compact->warp, sizeof type->warp);
     memcpy(type->skew, compact->skew, sizeof type->skew);
     type->thickness = compact->thickness;
+    memcpy(type->height_squared, compact->height_squared, sizeof type->height_squared);
 }
 
 bool pzs_structure_has_types(const pzs_structure *structure)

@@ -106,18 +106,23 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
  * and 12, each as mean and difference of the two faces, 13 and 23. On each face the strain e_aa =
  * g.lambda + lambda.lambda/2 in direction a, with the base vector g and the derivative lambda of
  * the displacement, changes by (g + lambda).d lambda. Written in means and differences of the two
- * faces, this change has no terms that cancel each other.
+ * faces, this change has no terms that cancel each other. The part of an in-plane strain that is
+ * quadratic in the height enters mean and difference with the factors
+ * pzs_element_type.height_squared.
  */
-static void corner_strains(const shape *base, const shell_corner *change, pzs_real thickness,
-                           pzs_real strain[10])
+static void corner_strains(const shape *base, const shell_corner *change,
+                           const pzs_element_type *type, pzs_real strain[10])
 {
-    const pzs_real hh4 = thickness * thickness / 4;
+    const pzs_real thickness = type->thickness;
+    const pzs_real *square = type->height_squared[0], *slope = type->height_squared[1];
     for (int direction = 0; direction < 2; direction++) {
+        const pzs_real quadratic = vector3_dot(base->diff[direction], change->diff[direction]);
         strain[2 * direction] = vector3_dot(base->mean[direction], change->mean[direction]) +
-                                hh4 * vector3_dot(base->diff[direction], change->diff[direction]);
+                                square[direction] * quadratic;
         strain[2 * direction + 1] =
             thickness * (vector3_dot(base->mean[direction], change->diff[direction]) +
-                         vector3_dot(base->diff[direction], change->mean[direction]));
+                         vector3_dot(base->diff[direction], change->mean[direction])) +
+            slope[direction] * quadratic;
         strain[E13 + direction] =
             vector3_dot(base->mean[direction], change->beta) +
             vector3_dot(base->beta, change->mean[direction]) -
@@ -126,14 +131,15 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
     }
     strain[E33M] = vector3_dot(base->beta, change->beta) + 16 * base->q * change->q;
     strain[E33D] = -8 * (base->beta[2] * change->q + base->q * change->beta[2]);
+    const pzs_real quadratic =
+        vector3_dot(base->diff[0], change->diff[1]) + vector3_dot(base->diff[1], change->diff[0]);
     strain[E12M] = vector3_dot(base->mean[0], change->mean[1]) +
-                   vector3_dot(base->mean[1], change->mean[0]) +
-                   hh4 * (vector3_dot(base->diff[0], change->diff[1]) +
-                          vector3_dot(base->diff[1], change->diff[0]));
-    strain[E12D] =
-        thickness *
-        (vector3_dot(base->mean[0], change->diff[1]) + vector3_dot(base->diff[0], change->mean[1]) +
-         vector3_dot(base->mean[1], change->diff[0]) + vector3_dot(base->diff[1], change->mean[0]));
+                   vector3_dot(base->mean[1], change->mean[0]) + square[2] * quadratic;
+    strain[E12D] = thickness * (vector3_dot(base->mean[0], change->diff[1]) +
+                                vector3_dot(base->diff[0], change->mean[1]) +
+                                vector3_dot(base->mean[1], change->diff[0]) +
+                                vector3_dot(base->diff[1], change->mean[0])) +
+                   slope[2] * quadratic;
 }
 
 /*
@@ -142,10 +148,12 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
  *   stress [10] in  stresses conjugate to the strains 11, 22, 33 and 12 (each as mean and
  *                   difference of the two faces), 13 and 23
  */
-static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_real thickness,
-                            shell_corner *force)
+static void corner_stresses(const shape *base, const pzs_real stress[10],
+                            const pzs_element_type *type, shell_corner *force)
 {
-    const pzs_real hh4 = thickness * thickness / 4;
+    const pzs_real thickness = type->thickness;
+    pzs_real quadratic[3];
+    shell_quadratic_stresses(type, stress, quadratic);
     memset(force, 0, sizeof *force);
     for (int direction = 0; direction < 2; direction++) {
         const pzs_real membrane = stress[2 * direction],
@@ -156,9 +164,9 @@ static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_re
         add_scaled(force->mean[direction], shear, base->beta);
         add_scaled(force->mean[direction], stress[E12M], base->mean[1 - direction]);
         add_scaled(force->mean[direction], thickness * stress[E12D], base->diff[1 - direction]);
-        add_scaled(force->diff[direction], hh4 * membrane, base->diff[direction]);
+        add_scaled(force->diff[direction], quadratic[direction], base->diff[direction]);
         add_scaled(force->diff[direction], bending, base->mean[direction]);
-        add_scaled(force->diff[direction], hh4 * stress[E12M], base->diff[1 - direction]);
+        add_scaled(force->diff[direction], quadratic[2], base->diff[1 - direction]);
         add_scaled(force->diff[direction], thickness * stress[E12D], base->mean[1 - direction]);
         force->diff[direction][2] -= 2 * thickness * shear * base->q;
         add_scaled(force->beta, shear, base->mean[direction]);
@@ -297,7 +305,7 @@ static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
         const shell_corner derivative =
             corner_derivatives(type, dof_per_node, displacement, corner);
         pzs_real strain[10];
-        corner_strains(&rest, &derivative, type->thickness, strain);
+        corner_strains(&rest, &derivative, type, strain);
         add_modes(modes, strain, corner);
     }
     correct_modes(type, modes);
@@ -318,7 +326,7 @@ static void small_force(const pzs_element_type *type, unsigned dof_per_node,
         pzs_real stress[10];
         shell_corner force;
         stresses_of_modes(resultant, corner, stress);
-        corner_stresses(&rest, stress, type->thickness, &force);
+        corner_stresses(&rest, stress, type, &force);
         corner_scatter(type, dof_per_node, &force, corner, nodal_force);
     }
 }
@@ -410,7 +418,7 @@ static void add_variation(const pzs_element_type *type, const shell_corner deriv
         const shell_corner at = deformed_corner(type, &derivative[corner], part, corner);
         const shape base = shape_of(&at);
         pzs_real corner_e[10];
-        corner_strains(&base, &variation[corner], type->thickness, corner_e);
+        corner_strains(&base, &variation[corner], type, corner_e);
         add_modes(strain, corner_e, corner);
     }
 }
@@ -493,7 +501,7 @@ void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
     for (int corner = 0; corner < SHELL_NODES; corner++) {
         const shape base = shape_of(&at[corner]);
         shell_corner force;
-        corner_stresses(&base, stress[corner], type->thickness, &force);
+        corner_stresses(&base, stress[corner], type, &force);
         corner_scatter(type, dof_per_node, &force, corner, nodal_force);
     }
 }

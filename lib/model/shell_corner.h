@@ -6,7 +6,7 @@
 #ifndef PZS_LIB_SHELL_CORNER_H
 #define PZS_LIB_SHELL_CORNER_H
 
-#include "pzs_base.h"
+#include "pzs_model.h"
 
 /*
  * Strain components in the order of pzs_element_type.d. Suffix M stands for the mean of the two
@@ -48,5 +48,19 @@ static const uint8_t kept_strain[4][10] = {
  * triangle with a row for each strain that the mode takes into account (kept_strain).
  */
 static const uint8_t first_entry[4] = {0, 55, 70, 85};
+
+/*
+ * Compute the stresses 11, 22 and 12 at a corner of an element that are conjugate to the parts of
+ * the in-plane strains that are quadratic in the height (pzs_element_type.height_squared).
+ *   stress [10] in  stresses at the corner, in the strain order of pzs_element_type.d
+ */
+static inline void shell_quadratic_stresses(const pzs_element_type *type, const pzs_real stress[10],
+                                            pzs_real quadratic[3])
+{
+    const pzs_real *square = type->height_squared[0], *slope = type->height_squared[1];
+    quadratic[0] = square[0] * stress[E11M] + slope[0] * stress[E11D];
+    quadratic[1] = square[1] * stress[E22M] + slope[1] * stress[E22D];
+    quadratic[2] = square[2] * stress[E12M] + slope[2] * stress[E12D];
+}
 
 #endif

@@ -128,21 +128,24 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
  * Write two rows of the array of nodal strains (strains per unit of each nodal degree of freedom)
  * for one node: the mean of an in-plane strain over both faces of the shell, and its difference
  * between the faces.
+ *   strain   in  0 for strain 11, 1 for strain 22, 2 for strain 12
  *   mean [3] in  derivative of the strain by the displacement of the node, with the mean of the
  *                base vectors of both faces (1/m)
  *   diff [3] in  derivative of the strain by the displacement of the node, with the difference of
  *                the base vectors of both faces over the thickness (1/m2)
  */
-static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3],
-                                      const pzs_real diff[3], pzs_real *row_mean,
-                                      pzs_real *row_diff)
+static void write_mean_and_difference(const pzs_element_type *type, int strain,
+                                      const pzs_real mean[3], const pzs_real diff[3],
+                                      pzs_real *row_mean, pzs_real *row_diff)
 {
-    const pzs_real quarter = (pzs_real)0.25, h4 = thickness / 4, hh16 = thickness * thickness / 16;
+    const pzs_real quarter = (pzs_real)0.25, h4 = type->thickness / 4,
+                   square = quarter * type->height_squared[0][strain],
+                   slope = quarter * type->height_squared[1][strain];
     for (int i = 0; i < 3; i++) {
         row_mean[i] = quarter * mean[i];
-        row_mean[i + 3] = hh16 * diff[i];
+        row_mean[i + 3] = square * diff[i];
         row_diff[i] = h4 * diff[i];
-        row_diff[i + 3] = h4 * mean[i];
+        row_diff[i + 3] = h4 * mean[i] + slope * diff[i];
     }
 }
 
@@ -162,7 +165,7 @@ static void write_in_plane_strains(const pzs_element_type *type, const shell_cor
                              mean);
         transpose_derivative(type, node, direction, own->diff[direction], other->diff[direction],
                              diff);
-        write_mean_and_difference(type->thickness, mean, diff,
+        write_mean_and_difference(type, direction, mean, diff,
                                   nodal[A11M + 2 * direction] + NODE_DOF * node,
                                   nodal[A11D + 2 * direction] + NODE_DOF * node);
     }
@@ -175,7 +178,7 @@ static void write_in_plane_strains(const pzs_element_type *type, const shell_cor
     transpose_derivative(type, node, 1, own->diff[0], along2->diff[0], more);
     for (int i = 0; i < 3; i++)
         diff[i] += more[i];
-    write_mean_and_difference(type->thickness, mean, diff, nodal[A12M] + NODE_DOF * node,
+    write_mean_and_difference(type, 2, mean, diff, nodal[A12M] + NODE_DOF * node,
                               nodal[A12D] + NODE_DOF * node);
 }
 
@@ -423,15 +426,24 @@ static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COL
 /* ---- geometric part --------------------------------------------------- */
 
 /*
- * Geometric stiffness between two nodes of an element, as two 3 x 3 matrices. `mean` couples the
+ * Geometric stiffness between two nodes of an element, as three 3 x 3 matrices. `mean` couples the
  * mean displacements of both nodes (mean of both faces of the shell). `cross` couples the mean
- * displacement of one node with the difference over the thickness at the other node. Two such
- * differences are coupled by `mean` times a quarter of the squared thickness.
+ * displacement of one node with the difference over the thickness at the other node. `diff` couples
+ * two such differences.
  */
 typedef struct block {
     pzs_real mean[9];
     pzs_real cross[9];
+    pzs_real diff[9];
 } block;
+
+/*
+ * One in-plane stress at a corner of an element, conjugate to the products of mean and mean, mean
+ * and difference, difference and difference of the displacement derivatives.
+ */
+typedef struct conjugate {
+    pzs_real mean, cross, diff;
+} conjugate;
 
 /*
  * Return the index of the pair of corners (node, other), for node >= other, among the ten pairs of
@@ -445,19 +457,19 @@ static int pair_of(int node, int other)
 /*
  * Add the contribution of one stress to the geometric stiffness between two nodes of an element.
  * With P = left_map transposed times right_map, two 3 x 3 matrices that turn nodal displacements
- * into displacement derivatives, the function adds mean * P to the matrix `mean` of the pair and
- * cross * P to its matrix `cross`. The factor `mean` comes from the mean
- * stress of the two faces, the factor `cross` from their stress difference.
+ * into displacement derivatives, the function adds P times each member of `stress` to the matrix of
+ * the pair with the same name.
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
-                        const pzs_real *restrict right_map, pzs_real mean, pzs_real cross)
+                        const pzs_real *restrict right_map, conjugate stress)
 {
     UNROLLED
     for (int i = 0; i < 9; i++) {
         const pzs_real *left = left_map + i / 3, *right = right_map + i % 3;
         const pzs_real product = left[0] * right[0] + left[3] * right[3] + left[6] * right[6];
-        pair->mean[i] += mean * product;
-        pair->cross[i] += cross * product;
+        pair->mean[i] += stress.mean * product;
+        pair->cross[i] += stress.cross * product;
+        pair->diff[i] += stress.diff * product;
     }
 }
 
@@ -475,14 +487,16 @@ static void add_in_plane(const pzs_element_type *type, int corner, const pzs_rea
                                     type->t[corner][0][0], type->t[corner][1][0]};
     const int node[4] = {corner, corner, neighbour[corner][0], neighbour[corner][1]};
     const pzs_real thickness = type->thickness;
-    const pzs_real mean[3] = {stress[E11M], stress[E12M], stress[E22M]},
-                   cross[3] = {thickness * stress[E11D], thickness * stress[E12D],
-                               thickness * stress[E22D]};
+    pzs_real quadratic[3];
+    shell_quadratic_stresses(type, stress, quadratic);
+    const conjugate of_sum[3] = {{stress[E11M], thickness * stress[E11D], quadratic[0]},
+                                 {stress[E12M], thickness * stress[E12D], quadratic[2]},
+                                 {stress[E22M], thickness * stress[E22D], quadratic[1]}};
     for (int row = 0; row < 4; row++)
         for (int column = 0; column < 4; column++)
             if (node[row] >= node[column])
                 add_product(&pair[pair_of(node[row], node[column])], map[row], map[column],
-                            mean[row % 2 + column % 2], cross[row % 2 + column % 2]);
+                            of_sum[row % 2 + column % 2]);
 }
 
 /*
@@ -537,21 +551,20 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
  * element: product of nodal strains (strains per unit of each nodal degree of freedom) and stresses
  * plus geometric stiffness.
  */
-static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_real hh4,
-                      unsigned dof_per_node, int node, int i, pzs_real *restrict stiffness)
+static void write_row(const pzs_real *restrict sum, const block pair[10], unsigned dof_per_node,
+                      int node, int i, pzs_real *restrict stiffness)
 {
     const unsigned row = (unsigned)node * dof_per_node + (unsigned)i;
     stiffness += row * (row + 1) / 2;
     for (int other = 0; other <= node; other++, stiffness += dof_per_node, sum += NODE_DOF) {
         const block *between = &pair[pair_of(node, other)];
         const pzs_real *with_mean = (i < 3 ? between->mean : between->cross) + i % 3 * 3;
-        const pzs_real *with_diff = (i < 3 ? between->cross : between->mean) + i % 3 * 3;
-        const pzs_real factor = i < 3 ? 1 : hh4;
+        const pzs_real *with_diff = (i < 3 ? between->cross : between->diff) + i % 3 * 3;
         const int last = other < node ? NODE_DOF : i + 1;
         for (int j = 0; j < 3 && j < last; j++)
             stiffness[j] = sum[j] + with_mean[j];
         for (int j = 3; j < last; j++)
-            stiffness[j] = sum[j] + factor * with_diff[j - 3];
+            stiffness[j] = sum[j] + with_diff[j - 3];
     }
 }
 
@@ -562,18 +575,16 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
  *   stress [ROWS + 1] in  pointers to the ROWS (10) stresses at the node per unit of each nodal
  *                         degree of freedom [COLUMNS], followed by NULL
  */
-static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
-                       pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
-                       const block pair[10], pzs_real *stiffness)
+static void write_node(unsigned dof_per_node, int node, pzs_real nodal[ROWS][COLUMNS],
+                       const pzs_real *const *stress, const block pair[10], pzs_real *stiffness)
 {
-    const pzs_real hh4 = type->thickness * type->thickness / 4;
     for (int i = 0; i < NODE_DOF; i++) {
         pzs_real sum[2 * HALF];
         const int first = i < 3 ? WITHOUT_MEAN : 0;
         sum_rows(sum, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, 0);
         if (node >= 2)
             sum_rows(sum + HALF, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, HALF);
-        write_row(sum, pair, hh4, dof_per_node, node, i, stiffness);
+        write_row(sum, pair, dof_per_node, node, i, stiffness);
     }
 }
 
@@ -627,7 +638,7 @@ static void compute_tangent(const pzs_element_type *type, unsigned dof_per_node,
         for (int index = 0; index < ROWS; index++)
             stress[index] = stress_row_of[stress_row[node][index]];
         stress[ROWS] = NULL;
-        write_node(type, dof_per_node, node, nodal, stress, pair, stiffness);
+        write_node(dof_per_node, node, nodal, stress, pair, stiffness);
         if (dof_per_node == 7)
             write_q(node, nodal, stress, stiffness);
     }

@@ -22,6 +22,7 @@ from shellref import (IMPROVED, KEPT, PUBLISHED, SURFACES, WARP_ROWS, XI, Elemen
 
 # The bubble of the former element, the same in modes 01 and 10; known rows of plates use it.
 LINEAR_E33 = {**IMPROVED, "plies": False}  # a thickness strain that is linear through the package
+FACES = {**LINEAR_E33, "quadratic": False}  # and z^2 of the in-plane strains from the faces
 FORMER_BUBBLE = {**IMPROVED, "rho": 0.1, "torsion": 0.0}
 PRESETS = [(PUBLISHED, 7), (IMPROVED, 7), (IMPROVED, 6)]
 CHECKS = []
@@ -106,9 +107,9 @@ def improved_witness(words, a):
     layers = [(thick, angle, ply(constants[:9]))]
     if words["surface"] == "oblique":
         section = ObliqueSection(layers, a["base"])
-        return Element(Oblique(a["corners"]), (0, 1, 0, 1), section, LINEAR_E33)
+        return Element(Oblique(a["corners"]), (0, 1, 0, 1), section, FACES)
     surface = SURFACES[words["surface"]](*a["surface"][0])
-    return Element(surface, a["cell"][0], Section(layers), LINEAR_E33)
+    return Element(surface, a["cell"][0], Section(layers), FACES)
 
 
 @check
@@ -272,6 +273,92 @@ def force_and_tangent_are_derivatives():
         yield f"{name} at rest", relative(el.stiffness(), el.tangent(np.zeros(el.size))), 1e-14
 
 
+# ---------------------------------------------------------------- strains quadratic in the height
+
+@check
+def quadratic_part_of_shells_with_normal_directors():
+    """m = (c^T k + k c)/2 - c^T e c, from a smooth displacement of surfaces with two curvatures."""
+    rng, d = np.random.default_rng(5), 1e-4
+    for name in ("polar", "cylinder", "sphere", "cone", "torus"):
+        numbers, cell = CELLS[name]
+        surface, here = SURFACES[name](*numbers), np.array([cell[0], cell[2]])
+        poly = rng.standard_normal((3, 3, 3))
+
+        def moved(t):
+            return np.einsum("ijk,j,k->i", poly, [1, t[0], t[0]**2], [1, t[1], t[1]**2])
+
+        def slopes(function, t):
+            return np.array([(function(t + d * e) - function(t - d * e)) / (2 * d) for e in np.eye(2)]).T
+
+        def turned(t):
+            base, normal = slopes(lambda s: surface.at(*s)[0], t), surface.at(*t)[1][:, 2]
+            return -base @ np.linalg.solve(base.T @ base, slopes(moved, t).T @ normal)
+        base, turn = (slopes(lambda s: surface.at(*s)[i][..., 2] if i else surface.at(*s)[0], here) for i in (0, 1))
+        u, v = slopes(moved, here), slopes(turned, here)
+
+        def both(a, b):
+            return (a.T @ b + b.T @ a) / 2
+        change = np.linalg.solve(base.T @ base, base.T @ turn)
+        strain, slope = both(base, u), both(base, v) + both(turn, u)
+        wanted = (change.T @ slope + slope @ change) / 2 - change.T @ strain @ change
+        yield name, relative(both(turn, v), wanted) if name != "polar" else np.abs(both(turn, v)).max(), 1e-5
+
+
+LAYERS_OF_STRIPS = {
+    "one ply": [(1.0, 1.0)],
+    "0/90/0": [(1 / 3, 4.0), (1 / 3, 1.0), (1 / 3, 4.0)],
+    "90/0/90": [(1 / 3, 1.0), (1 / 3, 25.0), (1 / 3, 1.0)],
+    "sandwich": [(0.05, 1.0), (0.9, 1e-3), (0.05, 1.0)],
+    "bimetal": [(0.5, 1.0), (0.5, 3.0)],
+    "void": [(0.4, None), (0.6, 1.0)],
+}
+
+
+def rolled_energy(el, side, stretch, curvature):
+    """Energy per area of a flat element whose middle is stretched and rolled to a curvature per length."""
+    u, turn = np.zeros((4, 7)), curvature * side
+    radius = stretch / curvature
+    for r, (x, triad, *_) in enumerate(el.corners):
+        angle = turn * (x[0] > 0)
+        u[r, :3] = [radius * np.sin(angle) - x[0], 0, radius * (np.cos(angle) - 1)]
+        u[r, 3:6] = [np.sin(angle), 0, np.cos(angle) - 1]
+    return el.energy(u.ravel()) / el.area
+
+
+@check
+def rolled_strips_have_the_resultants_of_their_plies():
+    """Force and moment of a strip that is stretched and rolled, against integrals over the plies.
+
+    With s(z) = ((l + z k)^2 - 1)/2: force = integral E s (l + z k), moment = integral E s (l + z k) z.
+    The element's force is exact; its moment lacks the work of z^2 - a - b z, E (z^2 - a - b z)^2 k^3/2.
+    From the faces force and moment of one ply under tension are wrong by k^2 h^2/12.
+    """
+    side, step, stretch, curvature = 1e-4, 1e-4, 1.02, 0.1
+    for name, layers in LAYERS_OF_STRIPS.items():
+        section = Section([(t, 0, None if e is None else isotropic(e, 0.0)) for t, e in layers])
+        for preset in (IMPROVED, {**IMPROVED, "quadratic": False}):
+            el = Element(Plate(), (0, side, 0, side), section, {**preset, "rho": 0.0})
+            got = np.array([(rolled_energy(el, side, stretch + s, curvature + k)
+                             - rolled_energy(el, side, stretch - s, curvature - k)) / (2 * step)
+                            for s, k in ((step, 0), (0, step))])
+            wanted, bottom = np.zeros(2), -0.5
+            a, b = el.lines[:, 0]
+            for thick, young in layers:
+                x, w = np.polynomial.legendre.leggauss(5)
+                z, weight = bottom + thick * (1 + x) / 2, (young or 0) * thick / 2 * w
+                bottom += thick
+                strain = ((stretch + z * curvature)**2 - 1) / 2
+                wanted += [weight @ (strain * (stretch + z * curvature)),
+                           weight @ (strain * (stretch + z * curvature) * z)]
+                if preset is IMPROVED:
+                    wanted[1] -= weight @ (z**2 - a - b * z)**2 * curvature**3 / 2
+            if preset is IMPROVED:
+                yield f"{name} force", abs(got[0] / wanted[0] - 1), 1e-6
+                yield f"{name} moment", abs(got[1] / wanted[1] - 1), 1e-5
+            elif name == "one ply":
+                yield "force of faces is wrong", abs(got[0] - wanted[0] - stretch * curvature**2 / 12), 1e-6
+
+
 # ---------------------------------------------------------------- warp of the improved element
 
 @check
@@ -298,13 +385,19 @@ def warp_takes_no_director():
 
 @check
 def warp_on_rectangles_is_two_h_over_the_sides():
-    """c = (2h/L2, 2h/L1, 0 ...) on plates and cylinders; tw = (L1^2 k1 + L2^2 k2)/(12 h)."""
+    """c = (2h/L2 t1, 2h/L1 t2, 0 ...) on plates and cylinders; tw = (L1^2 k1 + L2^2 k2)/(12 h).
+
+    t_a = 1 + b k_a/(h (1 + k_a z)), z the middle of the plies, is the share of the line a + b zeta/h
+    that replaces zeta^2: 1 where the plies are symmetric.
+    """
     for layup in write_data.LAYUPS:
         for name, el, *_ in elements(layup):
             if not el.cartesian or name not in ("plate", "cylinder", "ring"):
                 continue
             wanted = np.zeros(8)
-            wanted[:2] = 2 * el.h / el.chords[::-1]
+            k, middle = np.array(el.centre[3]), write_data.LAYUPS[layup]["zlow"]
+            middle = 0 if middle is None else middle + el.h / 2
+            wanted[:2] = 2 * (el.h + el.lines[1, 2] * k / (1 + k * middle)) / el.chords[::-1]
             yield f"{name} c", relative(el.warp_c, wanted), 1e-14
             curvature = 0 if name == "plate" else 0.5
             side = el.chords[0 if name == "ring" else 1]

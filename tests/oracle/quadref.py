@@ -98,6 +98,7 @@ class QuadElement(shellref.Element):
         self.D = shellref.modal_stiffness(dmat, self.chords, bent,
                                           dict(options, rho=options["rho"] * self.share))
         self.volt, self.kelvin = np.array(givens[:-1]), givens[-1]
+        self.lines = section.height_squared(None, options)
         self.weights = self.area * np.array([1, 1 / (3 - self.alpha[0]**2),
                                              1 / (3 - self.alpha[1]**2), WEIGHT[3]])
         faces = (section.zlow, section.zhigh)

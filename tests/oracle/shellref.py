@@ -24,10 +24,12 @@ import numpy as np
 # hr: modes 01, 10, 11 by stresses.   lin33: linear part of e33 eliminated.
 # metric: lengths and areas at depth z.   free33: given stresses condensed on s33 = 0 in a ply.
 # plies: each ply thickens freely under one normal stress (with lin33).
+# quadratic: z^2 in an in-plane strain is replaced by the line that fits it best, weighted with the
+# stiffness of the plies; without it by its value at the faces.
 PUBLISHED = dict(kinematics="local", tau=0.0, rho=0.0, torsion=0.0, hr=False, lin33=False,
-                 metric=False, area="centre", free33=False, plies=False)
+                 metric=False, area="centre", free33=False, plies=False, quadratic=False)
 IMPROVED = dict(kinematics="cartesian", tau=1.0, rho=0.09, torsion=0.6, hr=True, lin33=True,
-                metric=True, area="exact", free33=True, plies=True)
+                metric=True, area="exact", free33=True, plies=True, quadratic=True)
 
 XI = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 NEIGHBOUR = np.array([[1, 0, 3, 2], [3, 2, 1, 0]])      # [direction][corner]
@@ -222,6 +224,62 @@ class Section:
         k1, k2 = k if options["metric"] else (0.0, 0.0)
         return np.eye(3), np.diag([k1, k2, 0.0])
 
+    def height_squared(self, k, options):
+        """Lines a + b zeta/h that replace zeta^2 in the strains 11, 22, 12, zeta from the middle:
+        a [3], b [3].
+
+        With the option quadratic the least-squares fit weighted with the plane stress stiffness of
+        the plies against the strain, along the base vectors of the middle; else h^2/4, 0.
+        """
+        if not options["quadratic"]:
+            return np.array([[self.h**2 / 4] * 3, [0.0] * 3])
+        start, slope = self.base(k, options)
+        to_plain = np.linalg.inv(covariant_map(start + (self.zlow + self.zhigh) / 2 * slope))
+        rows, weights, low = [], [], -self.h / 2
+        for thick, angle, material in self.layers:
+            x, w = np.polynomial.legendre.leggauss(3)
+            if material is not None:
+                turn = ply_turn(angle)
+                c = to_plain.T @ turn.T @ ply_stiffness(material["constants"]) @ turn @ to_plain
+                q = np.diag(c) - c[:, 2]**2 / c[2, 2]
+                rows += list((low + thick * (1 + x) / 2) / self.h)
+                weights += [wi * thick * q[[0, 1, 5]] for wi in w]
+            low += thick
+        x = np.array(rows)
+        line = np.column_stack([np.ones(len(x)), x])
+        fits = [np.linalg.lstsq(root[:, None] * line, root * x**2, rcond=None)[0]
+                for root in np.sqrt(weights).T]
+        return self.h**2 * np.array(fits).T
+
+    def quadratic_part(self, k, options):
+        """m [3][10]: quadratic part of the strains 11, 22, 12 of a curved element at rest, per
+        strain of the element.
+
+        Let c be the change of the base with z, in the base of the middle.  A shell with normal
+        directors has the covariant strain (1 + z c)^T e(z) (1 + z c) with e linear in z: from
+        strain e, slope k and m of the middle m = (c^T k + k c)/2 - c^T e c.  The mean of the
+        element is e + a m, its difference h k + b m, with the lines of height_squared.
+        """
+        out = np.zeros((3, 10))
+        if not options["quadratic"]:
+            return out
+        start, slope = self.base(k, options)
+        change = np.linalg.solve(start + (self.zlow + self.zhigh) / 2 * slope, slope)[:2, :2]
+        square, line = self.height_squared(k, options)
+
+        def tensor(values):
+            return np.array([[values[0], values[2] / 2], [values[2] / 2, values[1]]])
+
+        def vector(t):
+            return np.array([t[0, 0], t[1, 1], t[0, 1] + t[1, 0]])
+        units = [tensor(unit) for unit in np.eye(3)]
+        by_difference = np.array([vector(change.T @ t + t @ change) / 2 for t in units]).T / self.h
+        by_mean = np.array([-vector(change.T @ t @ change) for t in units]).T
+        whole = np.eye(3) + by_mean * square + by_difference * line
+        out[:, [0, 2, 6]] = np.linalg.solve(whole, by_mean)
+        out[:, [1, 3, 7]] = np.linalg.solve(whole, by_difference)
+        return out
+
     def integrate(self, k, options):
         """D [10][10], given resultants per volt of each layer [n][10], per kelvin [10].
 
@@ -239,7 +297,8 @@ class Section:
         thick_volt, thick_kelvin = np.zeros(len(self.layers)), 0.0
         start, slope_of_base = self.base(k, options)
         gauss, weights = np.polynomial.legendre.leggauss(10)
-        low = self.zlow
+        low, quadratic = self.zlow, self.quadratic_part(k, options)
+        line = self.height_squared(k, options)
         plane, normal, compliance = np.zeros((10, 10)), np.zeros(10), 0.0
         for n, (thick, angle, material) in enumerate(self.layers):
             if material is not None:
@@ -257,11 +316,12 @@ class Section:
                 for x, w in zip(gauss, weights):
                     z = low + thick * (1 + x) / 2
                     base = start + z * slope_of_base
-                    shape = np.linalg.inv(covariant_map(base)) @ self.shape(z)
+                    strains = self.shape(z, quadratic, line)
+                    shape = np.linalg.inv(covariant_map(base)) @ strains
                     dz = w * thick / 2 * np.linalg.det(base) / np.linalg.det(start)
                     dmat += shape.T @ stiff @ shape * dz
                     to_plain = np.linalg.inv(covariant_map(base))
-                    own, strains = to_plain.T @ stiff @ to_plain, self.shape(z)  # along the base vectors
+                    own = to_plain.T @ stiff @ to_plain  # along the base vectors
                     pull = own[:, 2] / own[2, 2]
                     plane += strains.T @ (own - np.outer(pull, own[2])) @ strains * dz
                     normal += strains.T @ pull * dz
@@ -279,13 +339,15 @@ class Section:
         """Electric field at height z over volt/thick."""
         return field_share(k, low, thick, z)
 
-    def shape(self, z):
+    def shape(self, z, quadratic, line):
         """N [6][10]: Voigt strain at z = N (mean, difference) strains."""
-        zeta = (z - (self.zlow + self.zhigh) / 2) / self.h
+        height = z - (self.zlow + self.zhigh) / 2
+        zeta = height / self.h
         shape = np.zeros((6, 10))
         for row, col in ((0, 0), (1, 2), (2, 4), (5, 6)):
             shape[row, col:col + 2] = 1, zeta
         shape[4, 8] = shape[3, 9] = 1
+        shape[[0, 1, 5]] += (height**2 - line[0] - line[1] * zeta)[:, None] * quadratic
         return shape
 
 
@@ -308,6 +370,10 @@ class GivenSection:
 
     def __init__(self, zlow, zhigh, dmat):
         self.zlow, self.zhigh, self.h, self.dmat = zlow, zhigh, zhigh - zlow, dmat
+
+    def height_squared(self, k, options):
+        """As at the faces, whatever the options."""
+        return np.array([[self.h**2 / 4] * 3, [0.0] * 3])
 
     def integrate(self, k, options):
         """As Section.integrate, for any curvature and options."""
@@ -465,6 +531,7 @@ class Element:
         if options["lin33"]:
             dmat, givens = uncouple33(raw, givens)
         self.D = modal_stiffness(dmat, chords, bending_flexibility(raw, self.h), options)
+        self.lines = section.height_squared(k, options)
         self.volt, self.kelvin = np.array(givens[:-1]), givens[-1]
 
         faces = (section.zlow, section.zhigh)
@@ -508,6 +575,7 @@ class Element:
     def corner_strains(self, r, params, faces):
         """Linear part [10][n] and quadratic part [10][n][n] of the strains at corner r."""
         n, h, w = self.size, self.h, self.unknowns
+        square, line = self.lines
 
         def rows(node, first):
             out = np.zeros((3, n))
@@ -529,18 +597,19 @@ class Element:
 
         lin, quad = np.zeros((10, n)), np.zeros((10, n, n))
         for a, m in ((0, 0), (1, 2)):
-            lin[m] = gm[a] @ lm[a] + h**2 / 4 * gd[a] @ ld[a]
-            quad[m] = (sym(lm[a], lm[a]) + h**2 / 4 * sym(ld[a], ld[a])) / 2
-            lin[m + 1] = h * (gm[a] @ ld[a] + gd[a] @ lm[a])
-            quad[m + 1] = h * sym(lm[a], ld[a])
+            lin[m] = gm[a] @ lm[a] + square[a] * gd[a] @ ld[a]
+            quad[m] = (sym(lm[a], lm[a]) + square[a] * sym(ld[a], ld[a])) / 2
+            lin[m + 1] = h * (gm[a] @ ld[a] + gd[a] @ lm[a]) + line[a] * gd[a] @ ld[a]
+            quad[m + 1] = h * sym(lm[a], ld[a]) + line[a] / 2 * sym(ld[a], ld[a])
             lin[8 + a] = gm[a] @ d + lm[a][2] - 2 * h * gd[a][2] * bub[0]
             quad[8 + a] = sym(d, lm[a]) - 2 * h * sym(bub, ld[a][2:])
         lin[4], quad[4] = d[2], (sym(d, d) + 16 * sym(bub, bub)) / 2
         lin[5], quad[5] = -8 * bub[0], -8 * sym(bub, d[2:])
-        lin[6] = gm[0] @ lm[1] + gm[1] @ lm[0] + h**2 / 4 * (gd[0] @ ld[1] + gd[1] @ ld[0])
-        quad[6] = sym(lm[0], lm[1]) + h**2 / 4 * sym(ld[0], ld[1])
-        lin[7] = h * (gm[0] @ ld[1] + gd[0] @ lm[1] + gm[1] @ ld[0] + gd[1] @ lm[0])
-        quad[7] = h * (sym(lm[0], ld[1]) + sym(ld[0], lm[1]))
+        both, cross = gd[0] @ ld[1] + gd[1] @ ld[0], sym(ld[0], ld[1])
+        lin[6] = gm[0] @ lm[1] + gm[1] @ lm[0] + square[2] * both
+        quad[6] = sym(lm[0], lm[1]) + square[2] * cross
+        lin[7] = h * (gm[0] @ ld[1] + gd[0] @ lm[1] + gm[1] @ ld[0] + gd[1] @ lm[0]) + line[2] * both
+        quad[7] = h * (sym(lm[0], ld[1]) + sym(ld[0], lm[1])) + line[2] * cross
         return lin, quad
 
     def strains(self, u):

@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 /* Number of reals of a compact element type. */
-enum { BRIDGE_COMPACT = 104 };
+enum { BRIDGE_COMPACT = 110 };
 
 typedef struct bridge_rows {
     int count;

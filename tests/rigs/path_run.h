@@ -13,9 +13,12 @@
 /* Changes of a scene, each ended by a semicolon. */
 #define MESH(n1, n2) "mesh.theta1.elements=" #n1 ";mesh.theta2.elements=" #n2 ";"
 #define HALF_TURN "actuators.v.applied=4*0.05^2*(pi/10)/(3*1e-6);"
-/* The mesh and the dof of the scene torus-contact with which a second program made its references.
+/* The way of the drum of the scene torus-contact at which a second program made its references, and
+ * the mesh and the dof of that program.
  */
-#define TORUS_36 "dof_per_node=7;mesh.theta2={from: -pi, to: pi, elements: 36, centre: 0.3};"
+#define TORUS_17 "contact.move=[-17, 0, 0];"
+#define TORUS_36                                                                                   \
+    TORUS_17 "dof_per_node=7;mesh.theta2={from: -pi, to: pi, elements: 36, centre: 0.3};"
 #define BASE_100                                                                                   \
     "contact.body={type: cylinder, point: [200.5, 0, 0], axis: [0, 0, 1], radius: 100};"
 #define BASE_FLAT "contact.body={type: plane, point: [100.5, 0, 0], normal: [-1, 0, 0]};"

@@ -32,7 +32,7 @@ void quad_shell_init(quad_shell *shell, double thickness, double young, double p
     shell->scene.material = shell->material;
     shell->scene.layers = shell->scene.materials = 1;
     shell->scene.reference_is_middle = true;
-    shell->scene.element = (scene_element){1, 1, 0.09, 1, 1, 1, 1, 7, 0};
+    shell->scene.element = (scene_element){1, 1, 0.09, 1, 1, 1, 1, 7, 0, 1};
     shell->quads.regions = 1;
     shell->quads.region = grow(NULL, 1, sizeof *shell->quads.region);
     shell->quads.region[0] = (quad_region){~0u, {0, 0, 0}};

@@ -15,7 +15,7 @@
 #define PLATE "tests/rigs/scenes/piezo-plate.yaml"
 #define PUBLISHED "element=published;"
 #define IMPROVED "element=improved;"
-#define METRIC_OFF "element={kinematics: cartesian, metric: off};"
+#define METRIC_OFF "element={kinematics: cartesian, metric: off, quadratic: off};"
 /* Change of the scene PLATE: its upper layer alone, with one electrode. */
 #define ONE_LAYER                                                                                  \
     "layers=[{name: upper, material: ceramic, thickness: 0.5e-3}];patches=[{name: up, layer: "     \

@@ -35,7 +35,8 @@ static double ratio(const char *scene_name, const char *changes, int n, int k)
 
 /* ---- tables of ratios ------------------------------------------------- */
 
-#define LOCAL_CURED "element={kinematics: local, tau: 0, rho: 0, metric: off, area: centre}"
+#define LOCAL_CURED                                                                                \
+    "element={kinematics: local, tau: 0, rho: 0, metric: off, area: centre, quadratic: off}"
 
 typedef struct row {
     const char *scene, *changes;
@@ -104,6 +105,64 @@ static const error_row errors[] = {
     {"pinched-cylinder", 1.0120, {4, 8, 16}, {-30.6, -9.5, -2.8}},
     {"hemisphere-linear", 1.0063, {4, 8}, {2.6, -.2}},
 };
+
+/*
+ * Normal displacement of the middle of a ring in plane strain (nu = 0) under the pull cos 2 theta
+ * on its outer face, from the stress function (a r^2 + b r^4 + c/r^2 + d) cos 2 theta of the theory
+ * of elasticity. The four equations are that shear is 0 at both faces, and that the radial stress
+ * is 1 at the outer face and 0 at the inner one.
+ */
+static double elastic_ring(double radius, double thickness, double modulus)
+{
+    double matrix[4][5] = {{0}};
+    for (int row = 0; row < 4; row++) {
+        const double r = 1 + (row / 2 ? -0.5 : 0.5) * thickness / radius;
+        const double radial[4] = {-2, 0, -6 / pow(r, 4), -4 / (r * r)},
+                     shear[4] = {2, 6 * r * r, -6 / pow(r, 4), -2 / (r * r)};
+        memcpy(matrix[row], row % 2 ? shear : radial, sizeof radial);
+        matrix[row][4] = row == 0;
+    }
+    for (int step = 0; step < 4; step++)
+        for (int i = 0; i < 4; i++) {
+            const double factor = matrix[i][step] / matrix[step][step];
+            for (int k = 0; k < 5 && i != step; k++)
+                matrix[i][k] -= factor * matrix[step][k];
+        }
+    double value = 0;
+    const double displacement[4] = {-2, 0, 2, 4};
+    for (int i = 0; i < 4; i++)
+        value += displacement[i] * matrix[i][4] / matrix[i][i];
+    return value * radius / modulus;
+}
+
+/*
+ * Law: a thick ring under a pull cos 2 theta on its outer face is as soft as an elastic body, up to
+ * a thirtieth of the square of thickness over radius. The scene's loads act on the area of the
+ * middle surface.
+ */
+static void test_thick_rings(void **state)
+{
+    (void)state;
+    for (int k = 1; k <= 3; k++) {
+        const double thick = 0.1 * k, area = 1 + thick / 2;
+        char changes[512];
+        scene_run run;
+        snprintf(changes, sizeof changes,
+                 "kinematics=linear;element={preset: improved, shear: equilibrium};"
+                 "mesh.theta1.elements=128;materials.steel={E: 1e3, nu: 0};"
+                 "layers=[{material: steel, thickness: %g}];"
+                 "loads=[{face: outer, pressure: %.17g*cos(2*theta1)}]",
+                 100 * thick, area);
+        solve_run(&run, "ring-follower", changes);
+        const double exact = elastic_ring(100, 100 * thick, 1e3);
+        for (int i = 0; i < 2; i++) {
+            const double error = fabs(scene_run_value(&run, i) / exact) - 1;
+            print_message("ring of thickness %g radii: %.5f too soft\n", thick, error);
+            assert_true(fabs(error) < thick * thick / 30);
+        }
+        scene_run_close(&run);
+    }
+}
 
 /* Law: the improved element has the errors that a second program, in numpy, has on these shells. */
 static void test_linear_errors(void **state)
@@ -794,18 +853,31 @@ static void test_target_under_load(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_linear_shells),         cmocka_unit_test(test_linear_errors),
-        cmocka_unit_test(test_slender_errors),        cmocka_unit_test(test_volumetric_locking),
-        cmocka_unit_test(test_six_unknowns),          cmocka_unit_test(test_three_dimensional),
-        cmocka_unit_test(test_pressure_on_a_ring),    cmocka_unit_test(test_patch),
-        cmocka_unit_test(test_free_bimorph),          cmocka_unit_test(test_bimorph_tip),
-        cmocka_unit_test(test_equal_voltages),        cmocka_unit_test(test_tip_force),
-        cmocka_unit_test(test_voltages_against_heat), cmocka_unit_test(test_heater_bends_a_bimetal),
-        cmocka_unit_test(test_plate_shapes),          cmocka_unit_test(test_plate_volts),
-        cmocka_unit_test(test_depolarisation),        cmocka_unit_test(test_narrowest_limit),
-        cmocka_unit_test(test_held_electrode),        cmocka_unit_test(test_no_voltage_left),
-        cmocka_unit_test(test_regularised_equations), cmocka_unit_test(test_tuned),
-        cmocka_unit_test(test_area_weights),          cmocka_unit_test(test_target_under_load),
+        cmocka_unit_test(test_linear_shells),
+        cmocka_unit_test(test_linear_errors),
+        cmocka_unit_test(test_slender_errors),
+        cmocka_unit_test(test_thick_rings),
+        cmocka_unit_test(test_volumetric_locking),
+        cmocka_unit_test(test_six_unknowns),
+        cmocka_unit_test(test_three_dimensional),
+        cmocka_unit_test(test_pressure_on_a_ring),
+        cmocka_unit_test(test_patch),
+        cmocka_unit_test(test_free_bimorph),
+        cmocka_unit_test(test_bimorph_tip),
+        cmocka_unit_test(test_equal_voltages),
+        cmocka_unit_test(test_tip_force),
+        cmocka_unit_test(test_voltages_against_heat),
+        cmocka_unit_test(test_heater_bends_a_bimetal),
+        cmocka_unit_test(test_plate_shapes),
+        cmocka_unit_test(test_plate_volts),
+        cmocka_unit_test(test_depolarisation),
+        cmocka_unit_test(test_narrowest_limit),
+        cmocka_unit_test(test_held_electrode),
+        cmocka_unit_test(test_no_voltage_left),
+        cmocka_unit_test(test_regularised_equations),
+        cmocka_unit_test(test_tuned),
+        cmocka_unit_test(test_area_weights),
+        cmocka_unit_test(test_target_under_load),
     };
     return cmocka_run_group_tests_name("cases", tests, NULL, NULL);
 }

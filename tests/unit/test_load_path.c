@@ -295,30 +295,41 @@ static void test_half_cylinder_crossply(void **state)
 
 /*
  * The half cylinder of plies [0/90/0] has its first limit point where it folds at the free end of
- * its straight edge, far from the force: the inner face is compressed there by a Green's strain
- * below -0.3, at which the law of the material softens, while the thickness changes by less than a
- * fifth of that. The message of the path names the compression.
+ * its straight edge, far from the force: the fold runs through one element, as the message of the
+ * path says, and the thickness changes by less than a fifth of the compression of the inner face.
+ * With squared heights from the faces the same mesh carries a tenth of the load less, because a
+ * compressed strip then loses three times as much of its bending stiffness.
  */
 static void test_half_cylinder_softens(void **state)
 {
-    scene_run run;
-    load_path path;
+    static const char *const plies =
+        "layers=[{material: ply, thickness: 1}, {material: ply, thickness: 1, angle: 90}, "
+        "{material: ply, thickness: 1}]";
+    double limit[2];
     (void)state;
-    open_run(&run, "semi-cylinder",
-             "layers=[{material: ply, thickness: 1}, {material: ply, thickness: 1, angle: 90}, "
-             "{material: ply, thickness: 1}]");
-    assert_int_equal(load_path_follow(&path, &run.analysis, run.error), 0);
-    assert_false(path.is_complete);
-    assert_int_equal(path.event[0].type, LOAD_PATH_LIMIT);
-    const load_path_point *point = &path.point[path.event[0].point];
-    const mesh *mesh = &run.analysis.design.mesh;
-    const double *theta = mesh->theta[mesh->element[point->compression.element][2]];
-    assert_true(point->compression.strain < -0.3 && point->compression.face == 0);
-    assert_true(fabs(point->thickness_strain) < 0.2 * fabs(point->compression.strain));
-    assert_true(theta[0] > 300 && theta[1] > 1.5);
-    assert_non_null(strstr(run.error, "Hooke's law for Green strains softens"));
-    load_path_free(&path);
-    scene_run_close(&run);
+    for (int faces = 0; faces < 2; faces++) {
+        char changes[256];
+        scene_run run;
+        load_path path;
+        snprintf(changes, sizeof changes, "%s%s", plies, faces ? ";element={quadratic: off}" : "");
+        open_run(&run, "semi-cylinder", changes);
+        assert_int_equal(load_path_follow(&path, &run.analysis, run.error), 0);
+        assert_false(path.is_complete);
+        assert_int_equal(path.event[0].type, LOAD_PATH_LIMIT);
+        const load_path_point *point = &path.point[path.event[0].point];
+        const mesh *mesh = &run.analysis.design.mesh;
+        const double *theta = mesh->theta[mesh->element[point->compression.element][2]];
+        limit[faces] = point->load_factor;
+        print_message("[0/90/0]: limit point at %.4f, strain %.3f\n", point->load_factor,
+                      point->compression.strain);
+        assert_int_equal(point->compression.face, 0);
+        assert_true(fabs(point->thickness_strain) < 0.2 * fabs(point->compression.strain));
+        assert_true(theta[0] > 300 && theta[1] > 1.5);
+        assert_true(faces || strstr(run.error, "refine the mesh where it folds sharply"));
+        load_path_free(&path);
+        scene_run_close(&run);
+    }
+    assert_true(limit[0] > limit[1] + 0.08);
 }
 
 #endif

@@ -121,7 +121,7 @@ static const row soft[] = {
 
 /* The published strains with chosen stresses and the thickness unlocked alone, then all of the
  * improved element. */
-#define UNLOCKED "element={kinematics: local, tau: 0, rho: 0, metric: off};"
+#define UNLOCKED "element={kinematics: local, tau: 0, rho: 0, metric: off, quadratic: off};"
 
 static const row improved[] = {
     {"hemisphere", UNLOCKED MESH(8, 8), {-8.1458, 3.9628}, {0}, 5e-5, 1e-4, 1, 8, 0},
@@ -135,10 +135,10 @@ static const row improved[] = {
     {"annular-plate", METRIC_OFF MESH(4, 8), {12.8273, 16.5114}, {0}, 5e-5, 1e-4, 1, 9, 0},
     {"annular-plate", METRIC_OFF MESH(6, 12), {13.1936, 16.8551}, {0}, 5e-5, 1e-4, 1, 9, 0},
     {"annular-plate", METRIC_OFF MESH(10, 40), {13.7489, 17.3869}, {0}, 5e-5, 1e-4, 1, 10, 0},
-    {"ring-follower", IMPROVED, {.36862114379, .84810273852}, RING_UNIT, 5e-12, 1e-7, 1, 8, 0},
+    {"ring-follower", IMPROVED, {.36860325606, .84792747912}, RING_UNIT, 5e-12, 1e-7, 1, 8, 0},
     {"ring-follower",
      IMPROVED TRUE_PRESSURE,
-     {.36862751850, .85132246231},
+     {.36860982285, .85114219504},
      RING_UNIT,
      5e-12,
      1e-7,
@@ -514,8 +514,7 @@ static void test_pressed_torus(void **state)
 
 /*
  * Law: the torus of the scene torus-contact ends in a stable equilibrium, in one load step and, to
- * the tolerance, in two; force and displacement are within 0.5 % of those of a second program with
- * other elements.
+ * the tolerance, in two.
  */
 static void test_pressed_torus_is_stable(void **state)
 {
@@ -528,11 +527,26 @@ static void test_pressed_torus_is_stable(void **state)
         assert_int_equal(r.analysis.status, PZS_OK);
         assert_int_equal(path_of(&r)->info.negative_pivots, 0);
         force[i] = scene_run_value(&r, 1);
-        assert_true(fabs(scene_run_value(&r, 0) / -16.9213 - 1) < 5e-3);
-        assert_true(fabs(force[i] / -4199.927 - 1) < 5e-3);
         scene_run_close(&r);
     }
     assert_true(!SLOW_ROWS || fabs(force[0] / force[SLOW_ROWS] - 1) < 1e-4);
+}
+
+/*
+ * Law: pressed by 17 mm, force and displacement of the torus are within 0.5 % of those of a second
+ * program with other elements.
+ */
+static void test_pressed_torus_of_other_elements(void **state)
+{
+    (void)state;
+    scene_run r;
+    solve_run(&r, "torus-contact", TORUS_17);
+    print_message("torus pressed by 17 mm: %.4f mm, %.3f N, %u negative pivots\n",
+                  scene_run_value(&r, 0), scene_run_value(&r, 1),
+                  (unsigned)path_of(&r)->info.negative_pivots);
+    assert_true(fabs(scene_run_value(&r, 0) / -16.9213 - 1) < 5e-3);
+    assert_true(fabs(scene_run_value(&r, 1) / -4199.927 - 1) < 5e-3);
+    scene_run_close(&r);
 }
 
 /* First output of a scene after changes; the equilibrium has to be stable and found in one step. */
@@ -549,7 +563,8 @@ static double stable_output(const char *scene, const char *changes)
 
 /*
  * Law: the inflated isotropic torus converges to one displacement with either element: differences
- * from 192 elements fall from 24 over 48 to 96, and the two elements agree there within 0.5 %.
+ * from 192 elements fall from 24 over 48 to 96, and the two elements agree there up to the square
+ * of thickness 4.8 over radius 50, which the published element neglects.
  */
 static void test_isotropic_torus(void **state)
 {
@@ -558,11 +573,11 @@ static void test_isotropic_torus(void **state)
     double value[4];
     for (int i = 0; i < 4; i++)
         value[i] = stable_output("torus-isotropic", mesh[i]);
-    assert_true(fabs(value[3] / 5.0793 - 1) < 1e-4);
+    assert_true(fabs(value[3] / 5.070367 - 1) < 1e-4);
     for (int i = 0; i < 2; i++)
         assert_true(fabs(value[i + 1] - value[3]) < 0.5 * fabs(value[i] - value[3]));
     const double other = stable_output("torus-isotropic", PUBLISHED "dof_per_node=7;" MESH(192, 2));
-    assert_true(fabs(other / value[3] - 1) < 5e-3);
+    assert_true(fabs(other / value[3] - 1) < (4.8 / 50) * (4.8 / 50));
 }
 
 #define EXACT_TYRE                                                                                 \
@@ -580,7 +595,7 @@ static void test_tyre_section(void **state)
     const double exact = stable_output("tyre-section", EXACT_TYRE),
                  smooth = stable_output("tyre-section", ""),
                  rough = stable_output("tyre-section", "surface.smoothing=0;");
-    assert_true(fabs(exact / -3.545458 - 1) < 1e-5);
+    assert_true(fabs(exact / -3.512378 - 1) < 1e-5);
     assert_true(fabs(smooth / exact - 1) < 5e-3);
     assert_true(fabs(smooth - exact) < 0.8 * fabs(rough - exact));
 }
@@ -701,13 +716,21 @@ static void test_published_voltages(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tables),          cmocka_unit_test(test_improved_tables),
-        cmocka_unit_test(test_improved_errors), cmocka_unit_test(test_improved_counts),
-        cmocka_unit_test(test_contact_tables),  cmocka_unit_test(test_flat_base),
-        cmocka_unit_test(test_torus_tables),    cmocka_unit_test(test_pressed_torus),
-        cmocka_unit_test(test_isotropic_torus), cmocka_unit_test(test_tyre_section),
-        cmocka_unit_test(test_actuator_beam),   cmocka_unit_test(test_pressed_torus_is_stable),
-        cmocka_unit_test(test_plate_targets),   cmocka_unit_test(test_published_voltages),
+        cmocka_unit_test(test_tables),
+        cmocka_unit_test(test_improved_tables),
+        cmocka_unit_test(test_improved_errors),
+        cmocka_unit_test(test_improved_counts),
+        cmocka_unit_test(test_contact_tables),
+        cmocka_unit_test(test_flat_base),
+        cmocka_unit_test(test_torus_tables),
+        cmocka_unit_test(test_pressed_torus),
+        cmocka_unit_test(test_isotropic_torus),
+        cmocka_unit_test(test_tyre_section),
+        cmocka_unit_test(test_actuator_beam),
+        cmocka_unit_test(test_pressed_torus_is_stable),
+        cmocka_unit_test(test_pressed_torus_of_other_elements),
+        cmocka_unit_test(test_plate_targets),
+        cmocka_unit_test(test_published_voltages),
     };
     return cmocka_run_group_tests_name("path_tables", tests, NULL, NULL);
 }

@@ -607,7 +607,7 @@ static double roof(int n, double distortion, unsigned seed)
 static void test_roof(void **state)
 {
     (void)state;
-    static const double expected[3] = {-7.58, -2.51, -1.00}, most[3] = {13, 4, 1.5};
+    static const double expected[3] = {-7.58, -2.50, -1.00}, most[3] = {13, 4, 1.5};
     for (int k = 0; k < 3; k++) {
         assert_error("Scordelis-Lo roof", roof(4 << k, 0, 1), 0.3024, expected[k], 0.01);
         assert_error("Scordelis-Lo roof, random mesh", roof(4 << k, 0.3, 3), 0.3024, 0, most[k]);
@@ -634,12 +634,16 @@ static void hook_map(const void *data, double s, double t, double x[3], double d
     set_point(x, centre[0] - 46 * d[0], centre[1] - 46 * d[1], 20 * t);
 }
 
-/* Law: Raasch's hook under a transverse force at its tip; 4.9352. Bending and torsion are coupled.
+/*
+ * Law: Raasch's hook under a transverse force at its tip, 4.9352 in a computation with solids.
+ * Bending and torsion are coupled; the thickness is a seventh of the smaller radius.
  */
 static void test_hook(void **state)
 {
     (void)state;
-    for (int n = 1; n <= 4; n *= 2) {
+    static const double expected[3] = {-1.33, -1.14, -0.03};
+    for (int k = 0; k < 3; k++) {
+        const int n = 1 << k;
         quad_shell shell;
         double tip[3], d[3], u[3], v[3];
         quad_shell_init(&shell, 2, 3300, 0.35);
@@ -661,7 +665,7 @@ static void test_hook(void **state)
         build_and_solve(&shell);
         quad_shell_displacement(&shell, quad_shell_nearest(&shell, tip[0], tip[1], 0), u);
         quad_shell_displacement(&shell, quad_shell_nearest(&shell, tip[0], tip[1], 20), v);
-        assert_error("Raasch's hook", (u[2] + v[2]) / 2, 4.9352, 0, 1.3);
+        assert_error("Raasch's hook", (u[2] + v[2]) / 2, 4.9352, expected[k], 0.01);
         quad_shell_close(&shell);
     }
 }

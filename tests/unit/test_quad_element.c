@@ -641,7 +641,7 @@ static void test_refusals(void **state)
     memcpy(shell.quads.element[2], shell.quads.element[0], sizeof *shell.quads.element);
     assert_refused(&shell, "at most two may share an edge");
     open_flat(&shell);
-    shell.scene.element = (scene_element){0, 0, 0, 0, 0, 0, 0, 7, 0};
+    shell.scene.element = (scene_element){0, 0, 0, 0, 0, 0, 0, 7, 0, 0};
     assert_refused(&shell, "the published element needs a mesh along lines of curvature");
 }
 

@@ -30,8 +30,8 @@ typedef struct one {
     scene_material material[8];
 } one;
 
-static const scene_element published = {0, 0, 0, 0, 0, 0, 0, 7, 0};
-static const scene_element improved = {1, 1, 0.09, 1, 1, 1, 1, 7, 0};
+static const scene_element published = {0, 0, 0, 0, 0, 0, 0, 7, 0, 0};
+static const scene_element improved = {1, 1, 0.09, 1, 1, 1, 1, 7, 0, 1};
 
 static void set_surface(scene_surface *surface, const char *name, const double *number)
 {
