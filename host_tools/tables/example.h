@@ -63,7 +63,7 @@ static const pzs_real example_reference_voltage[4] = {
 };
 /* voltage optimisation problem: least squares for the voltages within their limits; its fourth last member limits the work of the optimiser in a tick (multiply-adds; 0: default) */
 static const pzs_problem example_problem = {
-    5u, 0xed02dedfu, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
+    5u, 0x0658c6c6u, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),
     0u, NULL, PZS_DUAL_METHOD(4), NULL,
 };
