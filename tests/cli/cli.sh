@@ -522,7 +522,7 @@ check 'simulate: a loop that waits for a command has it' $?
 run 0 simulate "$dir/zero.yaml" --quasi-static --set 'simulate={ticks: 2, plant: {inertia: false, hysteresis: 0}}' --csv "$dir/zero.csv" &&
     grep -q 'errors of the shape over the shape without voltages, because the target is zero' "$dir/out" && [ "$(sed -n 2p "$dir/zero.csv" | cut -d, -f3)" = 1 ]
 check 'simulate: of a target of zero, errors over the shape without voltages' $?
-run 0 shape "$dir/zero.yaml" && grep -q '^shape error 0.758% of the wanted change of shape' "$dir/out"
+run 0 shape "$dir/zero.yaml" && grep -q '^shape error 0.759% of the wanted change of shape' "$dir/out"
 check 'shape: under loads, errors over the wanted change of shape' $?
 law loop.html xml && law loop.svg xml && law loop.html text 'Voltages of the amplifiers' v_1_1 v_5_5 'pzs simulate plate-closed-loop' 'Regularised, then clipped' 'Quasi-static plant: no inertia (the scene says inertia: false). First natural frequency'
 check 'simulate: report' $?
