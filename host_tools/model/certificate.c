@@ -394,7 +394,7 @@ static void load_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
                     loop->angle, CERTIFICATE_ANGLE);
     else if (loop->load_step > CERTIFICATE_LOAD_STEP)
         text_append(text, CERTIFICATE_TEXT,
-                    "\nNo settings that pass all tests need at most %g periods.",
+                    "\nNo settings that pass all required tests need at most %g periods.",
                     CERTIFICATE_LOAD_STEP);
 }
 

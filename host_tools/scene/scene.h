@@ -911,6 +911,10 @@ typedef struct scene_control {
                            tick that shapes the motion of the target) compensates the lag of a
                            controller that damps vibration */
     double clock;       /* clock frequency of the device's processor (Hz); 0 if not given */
+    int delay_margin;   /* number of ticks, 0 or 1, by which the sensor readings may be older than
+                           stated: with 1 the loop has to stay stable with older readings, even if
+                           it then compensates loads more slowly */
+    scene_at margin_at; /* position of delay_margin in the scene file, for error messages */
 } scene_control;
 
 /* Settings of the supervisor, which brings the amplifiers to safe voltages when control is lost. */

@@ -92,6 +92,17 @@ int read_dynamics(reader *reader, int node, void *to, const void *rule)
     return read_map(reader, node, dynamics_fields, &scene->dynamics);
 }
 
+static const range margin_range = {0, 1, 0, "must be 0 or 1"};
+
+static const form margin_form = {.type = FORM_WHOLE, .range = &margin_range};
+
+static int read_margin(reader *reader, int node, void *to, const void *rule)
+{
+    scene_control *control = to;
+    control->margin_at = node_at(reader, node);
+    return read_int(reader, node, &control->delay_margin, rule);
+}
+
 static const field control_fields[] = {
     {"rate", read_real, offsetof(scene_control, rate), &above_zero, .of = OF_RATE,
      .help = "Tick rate of the control loop (ticks a second): the rate at which its stability is "
@@ -102,6 +113,10 @@ static const field control_fields[] = {
     {"clock", read_real, offsetof(scene_control, clock), &above_zero, .of = OF_RATE,
      .help = "Clock of the device's processor. With the rate it limits the work of a tick, and "
              "pzs check tells whether the processor can hold the rate."},
+    {"delay_margin", read_margin, 0, &margin_range, .of = OF_NUMBER, .form = &margin_form,
+     .help = "Number of ticks, 0 or 1, by which readings may be older than stated. With 1 the tick "
+             "that damps vibration gets settings that stay stable then, or the loop is refused; it "
+             "may compensate loads more slowly. Default 0."},
     {.key = NULL}};
 
 const form control_form = {.type = FORM_MAP, .fields = control_fields};

@@ -608,12 +608,14 @@ static int consider(trial *trial, int choice, bool only_fast, candidate *candida
 /*
  * Choose the settings of the vibration damper: settings that compensate a load step fast enough and
  * pass all tests, or, where there are none, other settings that pass. A fast load step is not asked
- * for where the first observed mode turns too far in a tick.
+ * for where the first observed mode turns too far in a tick, or where the scene file asks for a
+ * margin of the delay: readings one tick older come first then, and are required.
  * Returns 0, or -1 with error filled.
  */
 static int choose(trial *trial, char *error)
 {
     const certificate_loop *best = &trial->analysis->certificate.loop;
+    const scene_control *control = &trial->analysis->design.control;
     candidate of[CHOICES] = {{false, false, 0}};
     double fastest = 0;
     damper_options first;
@@ -621,7 +623,7 @@ static int choose(trial *trial, char *error)
     if (retable(trial, &first, error) < 0)
         return -1;
     const double angle = first_angle(trial);
-    const bool asks = angle > 0 && angle < CERTIFICATE_ANGLE;
+    const bool asks = angle > 0 && angle < CERTIFICATE_ANGLE && control->delay_margin == 0;
     for (int i = 0; i < CHOICES && asks && !tolerates_all(best); i++)
         if (consider(trial, i, true, &of[i], &fastest, error) < 0)
             return -1;
@@ -630,6 +632,10 @@ static int choose(trial *trial, char *error)
     for (int i = 0; i < CHOICES && !tolerates_all(best); i++)
         if (consider(trial, i, false, &of[i], &fastest, error) < 0)
             return -1;
+    if (control->delay_margin > 0 && best->is_stable && certificate_older(best) == 0)
+        return scene_fault(control->margin_at, error,
+                           "delay_margin 1: no settings of the loop stay stable with readings one "
+                           "tick older; write the largest age as simulate.sensors.delay");
     return 0;
 }
 
