@@ -31,15 +31,15 @@ extern "C" {
  */
 typedef struct pzs_element_type {
     /*
-     * [4 corners][2 directions][3][3] derivative of the displacement at a corner of the element,
-     * along the surface coordinate theta1 or theta2, with respect to the displacement of this
-     * corner (1/m)
+     * [4 corners][2 directions][3][3] matrix S of each corner and direction (1/m). S times the
+     * displacement of the corner is the part of the derivative of the displacement, along theta1 or
+     * theta2, that this corner causes
      */
     pzs_real s[4][2][3][3];
     /*
-     * [4 corners][2 directions][3][3] derivative of the displacement at a corner of the element,
-     * along the surface coordinate theta1 or theta2, with respect to the displacement of the
-     * neighbouring corner in this direction (1/m)
+     * [4 corners][2 directions][3][3] matrix T of each corner and direction (1/m). T times the
+     * displacement of the neighbouring corner in this direction is the part of the derivative of
+     * the displacement, along theta1 or theta2, that this neighbour causes
      */
     pzs_real t[4][2][3][3];
     pzs_real g_mean[4][2][3]; /* [4 corners][2 directions][3] base vectors at each corner of the
@@ -107,8 +107,9 @@ typedef struct pzs_compact_type {
                                       as in pzs_element_type.height_squared (m2) */
     pzs_real middle;  /* height of the middle of the shell above the reference surface, on which
                          the nodes lie (m) */
-    pzs_real warp[9]; /* factors of the nine strains that a warped element adds to its mean strain
-                         12, in the order of pzs_element_type.warp (1) */
+    pzs_real warp[9]; /* nine factors (1) by which other strains are added to the mean strain 12
+                         of a warped (not plane) element; pzs_element_type.warp lists these
+                         strains in order */
     pzs_real skew[3]; /* skew alpha_1, alpha_2 of the element and its length ratio, as
                          pzs_element_type.skew defines them (1) */
     pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along
@@ -275,9 +276,9 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 /*
  * Scale the stiffness matrix of a model to unit diagonal by powers of two, factor it as L D L^T,
  * and estimate its condition number. Errors: PZS_E_STAGE; PZS_E_LOOSE and PZS_E_NEGATIVE
- * (info.where = free degree of freedom); PZS_E_CONDITION if the estimate exceeds 1e14 or a multiple
- * of 1/epsilon with the machine epsilon: 600 where solutions are refined iteratively, otherwise
- * 1.2.
+ * (info.where = free degree of freedom); PZS_E_CONDITION if the estimate exceeds its limit. With
+ * the machine epsilon the limit is 600 / epsilon if pzs_solve refines solutions iteratively,
+ * otherwise 1.2 / epsilon; in both cases at most 1e14.
  */
 pzs_status pzs_factor(pzs_model *model);
 

@@ -39,8 +39,8 @@ typedef struct pzs_prescribed_resultants {
     const uint16_t *element; /* [start[inputs]] indices of the elements on which an input acts by
                                 prescribed stress resultants, one input after the other */
     /*
-     * [start[inputs]] index in the array `value` of the stress resultants that an input prescribes
-     * on an element, for each entry of the array `element`
+     * [start[inputs]] for each entry of the array `element`, the row of the array `value` that
+     * holds the stress resultants which the input prescribes on this element
      */
     const uint16_t *which;
     const pzs_real (*value)[10]; /* [values] stress resultants per unit of an input, times the area
@@ -49,13 +49,15 @@ typedef struct pzs_prescribed_resultants {
 } pzs_prescribed_resultants;
 
 /*
- * Free degrees of freedom with a prescribed displacement, which is the value of one input times a
- * constant.
+ * Degrees of freedom whose displacement an input prescribes: the value of the input times a
+ * constant for each of them. They are listed among the free degrees of freedom of the structure,
+ * because no support fixes them.
  */
 typedef struct pzs_prescribed_motion {
     uint16_t count;
     uint16_t input; /* index of the input whose value scales the prescribed displacements of some
-                       degrees of freedom; the force vector of this input is empty */
+                       degrees of freedom; the tables of the structure contain no force entries
+                       for this input */
     const uint16_t *dof;   /* [count] indices of the free degrees of freedom whose displacement is
                               prescribed */
     const pzs_real *value; /* [count] prescribed displacement of each degree of freedom in the array
@@ -248,10 +250,10 @@ typedef struct pzs_follower {
     uint32_t format, scene; /* format: format number of the follower-load tables; scene: hash of the
                                scene file from which they were generated; both must equal those in
                                the tables of the structure */
-    uint32_t crc;   /* checksum of the tables of the follower load and their arrays, computed by
-                       pzs_follower_seal */
-    uint16_t input; /* index of the input whose value scales the follower pressure; the force vector
-                       of this input is empty */
+    uint32_t crc;      /* checksum of the tables of the follower load and their arrays, computed by
+                          pzs_follower_seal */
+    uint16_t input;    /* index of the input whose value scales the follower pressure; the tables
+                          of the structure contain no force entries for this input */
     uint8_t load_face; /* face of the shell on which the follower pressure acts: 0 inner, 1 outer, 2
                           half on each */
     uint8_t normal_face; /* face of the shell whose normal gives the direction of the follower
@@ -529,31 +531,34 @@ typedef struct pzs_contact {
  * loose must touch the body from the start.
  *
  * At an equilibrium every gap is open, or closed to within 1e-8 of pzs_contact_face.size (in float:
- * to within rounding), no contact pressure is negative, and no contact pressure acts across an open
- * gap; contact->info describes the contact. pzs_influence_at replaces the rigid body by the penalty
- * stiffness of the last iteration (measured on a ring of radius 10 thicknesses: relative error
- * 3e-8).
+ * to within rounding). No contact pressure is negative, and no contact pressure acts across an open
+ * gap. contact->info describes the contact. pzs_influence_at treats the body not as rigid but as a
+ * layer with the penalty stiffness of the last iteration. On a ring of radius 10 thicknesses this
+ * changed the influence matrix by 3e-8 of its values.
  *
  * After each load step the shape is checked against the body. A load step that fails the check is
  * halved, and finally rejected with PZS_E_PENETRATION. The check covers:
  *
- *   - Nodes: every node of both faces must lie outside the body, up to twice the closed gap.
+ *   - Nodes: no node of a face may lie deeper in the body than twice the gap that counts as closed.
  *   - Points between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
- *     side. A flat element whose nodes touch a body of radius R enters it by length^2 / (8 R),
- *     which is an error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the
- *     largest found. A body smaller than the diagonals of an element may enter it only if a node is
- *     in contact.
+ *     side. A flat element of side length L whose nodes touch a body of radius R enters it by
+ *     L^2 / (8 R), which is an error of the mesh. Twice this depth is allowed, at most R/5;
+ * info.sag is the largest depth found. A body smaller than the diagonals of an element may enter it
+ * only if a node of the element is in contact.
  *   - Motion: no point of an element may have passed through the body since the last equilibrium,
  *     on a straight way relative to the body.
- *   - Length of a load step: the body moves freely until its distance from a node is half of the
- *     longest diagonal of an element, and then by at most half of its smallest radius of curvature
- *     (or half of pzs_contact_face.size, if that is smaller). solver->info.shortened_steps counts
- *     the load steps that this rule shortens.
+ *   - Length of a load step: far from the shell the body may move by any length. Once it is nearer
+ * to a node than half of the longest diagonal of an element, its motion in a load step is limited:
+ *     to half of its smallest radius of curvature, or half of pzs_contact_face.size if that is
+ *     smaller. solver->info.shortened_steps counts the load steps that this rule shortens.
  *
- * The check is exact for flat elements and convex bodies. It does not find a tip that enters by
- * less than (side/512)^2 / (2 R) with the side length of an element and the radius R of the body, a
- * second local minimum of the gap in a strongly warped element, a body inside the thickness that
- * touches neither face, or parts of a body that is not convex.
+ * The check is exact for flat elements and convex bodies. It does not find:
+ *
+ *   - a tip that enters by less than (side/512)^2 / (2 R), with the side length of an element and
+ * the radius R of the body;
+ *   - a second local minimum of the gap in a strongly warped element;
+ *   - a body between the two faces that touches neither;
+ *   - penetration by some parts of a body that is not convex.
  *
  * Errors: PZS_E_ARGUMENT (also if attached already, or for an index out of range, an axis that is
  * not a unit vector, a radius that is not positive), PZS_E_FORMAT, PZS_E_CRC (also of the body),

@@ -97,8 +97,9 @@ static void actuator_name(const run *run, size_t k, char name[SCENE_LABEL])
 /* ---- fit -------------------------------------------------------------- */
 
 /*
- * Find wiring faults with a measured influence matrix as the model, and compute the influence
- * matrix from the measured voltages and shapes. Returns 0, or -1 with error filled.
+ * Evaluate measured voltages and shapes where the scene file contains an influence matrix. Find
+ * wiring faults by comparing the measurement with this matrix. Then compute a new influence matrix
+ * from the measurement, with the faults corrected. Returns 0, or -1 with error filled.
  */
 static int fit_to_matrix(run *run, char *error)
 {

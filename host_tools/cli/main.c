@@ -355,10 +355,12 @@ static int shape_before(shape_run *run, char *error)
 }
 
 /*
- * Compute the voltages of all results of `pzs shape`. The first are the optimum without limits. For
- * each pair of limits follow the optimum, on a nonlinear structure also the optimum of the linear
- * model, clipped least squares, and clipped regularised least squares with the best parameter. The
- * last are the sets of voltages that the scene file gives for comparison.
+ * Compute the voltages of all results of `pzs shape`, in this order:
+ *   1. the optimum without voltage limits;
+ *   2. for each pair of voltage limits that the user asks for: the optimum; on a nonlinear
+ * structure also the optimum of the linear model; clipped least squares; clipped regularised least
+ * squares with the best parameter;
+ *   3. the sets of voltages that the scene file gives for comparison.
  */
 static int shape_results(shape_run *run, const options *options, char *error)
 {
@@ -504,8 +506,9 @@ static int run_simulation(simulation *run, const options *options, simulate_reco
 }
 
 /*
- * Check the plausibility of the plant's displacements under the controller at the end of each phase
- * (interval between events of the scene).
+ * Add warnings about implausible displacements of the plant in a simulation, for example
+ * displacements too large for linear kinematics. The displacements at the end of each phase
+ * (interval between events of the scene) under the controller are checked.
  */
 static void check_phases(plausible *warnings, const simulation *run)
 {

@@ -274,9 +274,10 @@ static void print_sparse(const sparse_facts *facts)
 }
 
 /*
- * Print the memory that a firmware needs with one part of the library (image: control, linear or
- * nonlinear) as a row of a table, under the given name. Returns how its tables hold the influence
- * matrix.
+ * Print one row of the table of memory: tables, workspace and stack of a firmware (KB), under the
+ * given name. The firmware contains one part of the library: control, linear or nonlinear model
+ * (`image`). Returns whether the tables of this firmware hold the influence matrix as sparse rows,
+ * with the numbers from which this was decided.
  */
 static sparse_facts print_image(const analysis *analysis, tables_image image, const char *name)
 {
@@ -303,8 +304,9 @@ static analysis compact_analysis(const analysis *from)
 }
 
 /*
- * Print how much more computing time a device needs where its tables leave out what it can compute
- * from the nodes. Nothing is printed where the mesh needs full tables.
+ * Print how much more computing time a device needs with compact tables (option --compact). Compact
+ * tables leave out matrices and base vectors of the elements, which the device computes from the
+ * nodes. Nothing is printed for a mesh without compact element types.
  */
 static void print_compact_cost(const analysis *analysis)
 {
@@ -318,9 +320,10 @@ static void print_compact_cost(const analysis *analysis)
 }
 
 /*
- * Print the memory that firmwares with each part of the library (control, linear, nonlinear) need.
- * Where the tables become much smaller without the numbers that a device can compute from the
- * nodes, print the memory with those tables also.
+ * Print the memory of three firmwares: with the control part, the linear model or the nonlinear
+ * model of the library. If compact tables are much smaller, print the memory with them, too.
+ * Compact tables leave out matrices and base vectors of the elements, which a device can compute
+ * from the nodes.
  */
 static void print_images(const analysis *from)
 {
@@ -361,8 +364,9 @@ static void json_pair(json *json, const char *key, double in_float, double in_do
 }
 
 /*
- * Write the memory that a firmware needs with one part of the library (image: control, linear or
- * nonlinear) as a member of a JSON object, under the given key.
+ * Write the memory of a firmware (tables, workspace and stack, in bytes) as a member of a JSON
+ * object, under the given key. The firmware contains one part of the library: control, linear or
+ * nonlinear model (`image`).
  */
 static void json_image(json *json, const analysis *analysis, tables_image image, const char *key)
 {
@@ -654,9 +658,9 @@ static void print_voltages(const design *design, const voltages *result)
 }
 
 /*
- * Return how much larger the shape error on the nonlinear structure is if the voltages are
- * optimised with the linear instead of the nonlinear model, as a firmware without the nonlinear
- * solver does.
+ * Return the cost of using the linear model on a nonlinear structure, as a firmware without the
+ * nonlinear solver does: the relative shape error with the voltages that are optimal for the linear
+ * model, minus that with the voltages that are optimal for the nonlinear model (1).
  */
 static double cost_of_linear(const shape_run *run)
 {

@@ -13,11 +13,12 @@
 typedef struct shape_run {
     analysis *analysis;
     /*
-     * [count] results, each with voltages and the shape that they reach. The first has the smallest
-     * shape error without limits. For each pair of voltage limits that the user asks for follow the
-     * voltages with the smallest shape error (on a nonlinear structure also those of the linear
-     * model), clipped least squares, and regularised clipped least squares. The last are the
-     * voltages that the scene file gives for comparison
+     * [count] results, each with voltages and the shape that they reach, in this order:
+     *   1. the optimum without voltage limits;
+     *   2. for each pair of voltage limits that the user asks for: the optimum; on a nonlinear
+     * structure also the optimum of the linear model; clipped least squares; clipped regularised
+     * least squares;
+     *   3. the sets of voltages that the scene file gives for comparison.
      */
     voltages *results;
     voltages before;     /* displacements and shape error with all voltages zero */

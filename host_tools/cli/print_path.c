@@ -10,8 +10,9 @@ static const char *const event_name[] = {[LOAD_PATH_LIMIT] = "limit point",
                                          [LOAD_PATH_STABILITY] = "change of stability"};
 
 /*
- * Whether the table of the load path lists the output with index k: outputs with a single value,
- * apart from strains and stresses, which are recovered at the end of the path alone.
+ * Whether the printed table of equilibria from zero to full load has a column for the output with
+ * index k. It has one for each output with a single value, apart from strains and stresses: these
+ * are computed at full load only.
  */
 static int is_listed(const analysis *analysis, int k)
 {

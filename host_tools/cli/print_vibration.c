@@ -216,8 +216,9 @@ void print_vibration_summary(const certificate *certificate, bool is_quasi_stati
 }
 
 /*
- * Write the stability of the control loop of a firmware with the constants of `pzs tables` as JSON,
- * whether its control tick has a vibration model or not.
+ * Write the stability of the control loop of a firmware to the JSON member "certificate". The loop
+ * is that with the tables of `pzs tables`. If these tables have a vibration model, the loop that
+ * damps vibration was examined, otherwise the loop without it.
  */
 static void json_stability(json *json, const certificate *certificate)
 {

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* JSON schema of scenes (schema.h). Each form of a value in the scene file becomes one schema. */
+/*
+ * JSON schema of scenes (schema.h). A `form` describes the values that a key of the scene file
+ * accepts, such as numbers in a range, one of several words, or a mapping. Each form becomes a JSON
+ * schema of these values.
+ */
 #include "schema.h"
 #include <math.h>
 #include <stdbool.h>
@@ -123,8 +127,9 @@ static bool is_required(const field *field, const form_case *one)
 }
 
 /*
- * Write to the JSON schema which words are permitted as value of a key, if a permitted combination
- * of keys states them: its entry of the key lists these words separated by '/'.
+ * Write to the JSON schema which words are permitted as value of a key. `item` belongs to a
+ * permitted combination of keys (form_case), which may require certain words: "a=w/v" means that
+ * key a must have the value w or v. The function lists these words.
  */
 static void write_item_words(json *json, const case_item *item)
 {
@@ -142,7 +147,10 @@ static void write_item_words(json *json, const case_item *item)
     json_close(json, ']');
 }
 
-/* Write the description of a key: its help sentence, with an example unit. */
+/*
+ * Write the description of a key to the JSON schema: the sentence that explains the key, and for a
+ * physical quantity an example of a unit, such as "Unit as mm."
+ */
 static void write_description(json *json, const field *field)
 {
     const char *const unit = scene_units_example(field->of);

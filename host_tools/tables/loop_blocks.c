@@ -226,14 +226,15 @@ static double reachable_rms(const design *design)
 }
 
 /*
- * Tables of the supervisor, the block (stage of the tick) that monitors the control loop. A tick is
- * implausible if the measured shape deviates from the predicted one by more than three causes
- * explain. The first is a sudden load, which changes the shape by 0.3 of the root mean square
- * target, or as the loads of the scene do if these change it more. The second is noise of at least
- * 0.005 of the root mean square target. The third are changes of the target, whose effect decays by
- * a factor of e in two periods of the first vibration mode (in 50 ticks without a vibration model).
- * Where the target is zero, the displacements under half the voltage range count in its place. The
- * alarm threshold of the counter of implausible ticks is one period, at least 20 ticks.
+ * Make the tables of the supervisor, the block (stage of the tick) that monitors the control loop.
+ * A tick is implausible if the measured shape deviates from the predicted one by more than a
+ * threshold. Three numbers determine the threshold, with W the root mean square of the target:
+ *   load    tolerated effect of a sudden load: 0.3 W, or the effect of the scene's loads if larger
+ *   noise   noise of the readings: that of the scene, at least 0.005 W
+ *   fading  factor by which the tolerated effect of earlier changes of the target decays in a tick:
+ * by e in two periods of the first vibration mode, or in 50 ticks without a vibration model If the
+ * target is zero, W is the root mean square of the shape under half the voltage range. An alarm
+ * begins when the counter of implausible ticks reaches one period of the mode, at least 20 ticks.
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -515,10 +516,11 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 /* ---- memory of the blocks ---------------------------------------------- */
 
 /*
- * Define a function that returns the memory of a block of the control loop (bytes), by the
- * library's macro in single or double precision, and the text of this macro for the generated
- * header. Pointers, and reals in structs, have their size on this computer, so that in single
- * precision the number is an upper bound.
+ * Define a function name_bytes, which returns the memory of a block of the control loop in single
+ * or double precision (bytes), and an array name_macro. `expression` is the call of the library's
+ * macro for this memory; name_macro holds its text for the generated header. Pointers, and reals in
+ * structs, have their size on this computer, so that in single precision the number is an upper
+ * bound.
  */
 #define BLOCK_BYTES(name, expression)                                                              \
     static const char name##_macro[] = #expression;                                                \
@@ -638,9 +640,10 @@ static int count_readings(const loop_blocks *blocks)
 }
 
 /*
- * Return the largest number of plays (elements with backlash) of the hysteresis compensation that
- * can begin to move, or change their direction, in one tick: their backlashes differ by at most the
- * largest change of a voltage in a tick.
+ * Return an upper bound of the number of plays (elements with backlash) of the hysteresis model
+ * that begin to move, or change their direction, in one tick. It is the largest number of plays
+ * whose slack (half the backlash) differs by at most twice the largest change of a voltage in a
+ * tick.
  */
 static size_t near_plays(const loop_blocks *blocks)
 {

@@ -66,8 +66,10 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the self-test. Its longest tick either compares responses with
- * the model, as many as its limit of the work allows, or adds the last readings of a pulse.
+ * Upper bound of the instructions that the self-test needs in one tick. Two kinds of ticks are
+ * long. In the evaluation a tick compares at most PZS_SELFTEST_WORK measured responses with the
+ * model, plus the rest of the last comparison. During the test pulses a tick adds all readings to
+ * weighted sums.
  */
 double loop_work_selftest(const block_counts *of, const loop_processor *on)
 {

@@ -59,8 +59,8 @@ typedef struct loop_processor {
                          vector, with more inputs than PRODUCT_LONG_ROW */
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
     /*
-     * ratio between the instructions of this processor and those of a Cortex-M4F (1), for program
-     * loops that are neither products of matrix and vector nor the optimiser
+     * number of instructions of a program loop on the processor, divided by that on a Cortex-M4F
+     * (1); for loops other than products of matrix and vector and the optimiser
      */
     double other;
 } loop_processor;

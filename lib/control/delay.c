@@ -122,8 +122,9 @@ static bool is_faulty(const pzs_control *control, size_t input)
 }
 
 /*
- * Correct the readings for faulty electrodes, which have not followed the voltages: subtract the
- * changes that the model predicts from their voltage changes since the readings were taken.
+ * Correct the readings for faulty electrodes. Since the readings were taken, the commanded voltages
+ * of these electrodes may have changed, but the electrodes have not followed. The changes of the
+ * readings that the model predicts for these voltage changes are subtracted from the readings.
  */
 static void undo_faulty(pzs_reading_delay_state *state)
 {

@@ -2,8 +2,8 @@
 /*
  * Shape estimator: computes the shape from a few sensors and the model as B v + G (s - S v). B v is
  * the shape that the voltages v make, with the influence matrix B, and S v are the readings that
- * they make. G (s - S v) is the most probable shape of all other causes, given the readings s; the
- * gain G contains the loads and faults for which the tables were generated.
+ * they make. G (s - S v) is the most probable shape of all other causes, given the readings s. The
+ * gain G is computed with the tables, from the loads and faults that are expected in the scene.
  *
  * The work of a tick is at most (sensors + outputs) (inputs + sensors) multiply-adds and does not
  * depend on the data.

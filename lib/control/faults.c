@@ -419,8 +419,11 @@ static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_
 }
 
 /*
- * Return the squared voltage change (V2) by which electrodes suspected of being faulty are ranked
- * for a test: that of electrode j, or 0 if it is not suspected.
+ * Return a number by which electrodes suspected of a fault are ranked for a test: the electrode
+ * with the largest one is tested first (V2). For electrode j it is the square of the voltage that
+ * seems to be lost since the last shape, if this is about its whole voltage. Otherwise, if it
+ * hardly responds, it is the sum of its squared commanded voltage changes. It is 0 if electrode j
+ * is not suspected.
  */
 static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                           pzs_real deviation2)

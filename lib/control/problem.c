@@ -12,9 +12,9 @@
 #define SLICE 4096u
 
 /*
- * Arrays and numbers in the tables of the controller that must be finite, one bit for the place of
- * each in the checksum: influence matrix, Hessian, output weights, reference voltages,
- * regularisation, entries of the sparse influence matrix.
+ * Bit mask of the parts of the controller's tables that must consist of finite numbers: bit k
+ * belongs to part k in pzs_problem_parts. These parts are influence matrix, Hessian, output
+ * weights, reference voltages, regularisation, and the entries of the sparse influence matrix.
  */
 #define FINITE_PARTS (1u << 2 | 1u << 3 | 1u << 4 | 1u << 8 | 1u << 9 | 1u << (PROBLEM_PARTS - 1u))
 

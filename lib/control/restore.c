@@ -182,11 +182,12 @@ static void reset_tableaux(pzs_control *control)
 }
 
 /*
- * Compare the next row of the optimiser's Hessian with the tables. Then set the padding (entries
- * beyond the number of inputs) of a part of all matrix rows and vectors to zero; after as many
- * ticks as there are inputs all padding is zero. If the row was damaged and repaired, the padding
- * of all rows is set at once. After a repair, or after the last row, compute the numbers of the
- * optimiser again that depend on the whole Hessian.
+ * Compare row k of the optimiser's Hessian with the tables, where k is the next row in each tick,
+ * and repair the row if it was damaged. Then set padding (entries beyond the number of inputs) of
+ * matrix rows and vectors to zero: in every `inputs`-th row of the workspace from row k on, or,
+ * after a repair, in all rows. After a repair, or after the last row of the Hessian, compute the
+ * numbers anew that follow from the whole Hessian or its free set: number of active inputs, largest
+ * column, and bound of the trace of the inverse.
  */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {

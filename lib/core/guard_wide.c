@@ -48,13 +48,13 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
     /*
-     * factor by which a polynomial is multiplied to move its data over the length of one step of
-     * the CRC-32, CRC_BLOCK bytes
+     * factor for the function `move` (two remainders of powers of x): the product with CRC_REST
+     * bytes of data has the same effect on the CRC-32 CRC_BLOCK bytes later in the array
      */
     const polynomial over_block = {0x154442bd4, 0x1c6e41596};
     /*
-     * factor by which a polynomial is multiplied to move its data over CRC_REST bytes, the length
-     * to which the CRC-32 reduces a long array
+     * factor for the function `move` (two remainders of powers of x): the product with CRC_REST
+     * bytes of data has the same effect on the CRC-32 CRC_REST bytes later in the array
      */
     const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};
     const polynomial start = {(long long)crc, 0};

@@ -16,7 +16,11 @@
  */
 #define CRC_REST 16u
 
-#define FINITE_BLOCK 8u /* number of reals of which pzs_wide_is_finite reads a multiple */
+/*
+ * Number of reals that pzs_wide_is_finite reads in one step. The length of its array must be a
+ * multiple of this number.
+ */
+#define FINITE_BLOCK 8u
 
 #if PZS_WIDE
 

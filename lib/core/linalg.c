@@ -386,10 +386,11 @@ static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uin
 }
 
 /*
- * Step of the factorisation of a matrix: eliminate the columns left of a panel (PZS_TILE matrix
- * rows) from this panel and from the next panels of its group, up to panel `past` - 1. Columns that
- * were eliminated together with an earlier panel are left out. The loop over the columns is the
- * outer one: each strip of columns is read once for all panels, so that it stays in the cache.
+ * Step of the factorisation of a matrix in panels of PZS_TILE rows. Panels are taken in groups of
+ * GROUP: panel `panel` and the next ones of its group, up to panel `past` - 1, are updated
+ * together. The function eliminates the columns left of `panel` from these panels, apart from
+ * columns that were eliminated when an earlier panel of the group was finished. The loop over
+ * strips of columns is the outer one, so that a strip stays in the cache while all panels use it.
  */
 static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {

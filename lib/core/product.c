@@ -11,9 +11,10 @@
 #include "unrolled.h"
 
 /*
- * Numbers of matrix columns that one loop over the matrix rows processes, chosen so that the
- * partial sums fit into the registers: as groups of four columns (FOURS, and FEW for the remaining
- * columns), or as tiles of PZS_TILE columns (MANY, and SOME for the remaining columns).
+ * Sizes of the blocks of matrix columns that one loop over the matrix rows processes, chosen so
+ * that the partial sums fit into the registers. FOURS and FEW are numbers of groups of four
+ * columns: FEW is used where fewer than FOURS groups are left. MANY and SOME are numbers of tiles
+ * of PZS_TILE columns: SOME is used where fewer than MANY tiles are left.
  */
 #define FOURS PZS_BY_BITS(7, 3)
 #define FEW PZS_BY_BITS(3, 2)

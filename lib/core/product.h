@@ -28,8 +28,9 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 #define PRODUCT_LONG_ROW 128u
 
 /*
- * Number of partial sums of a scalar product that are computed side by side, and their sum
- * PRODUCT_ADD_LANES.
+ * PRODUCT_LANES: number of partial sums of a scalar product that are computed side by side.
+ * PRODUCT_ADD_LANES: expression that adds the partial sums in the array `sum`, always in the same
+ * order.
  */
 #define PRODUCT_LANES 8u
 #define PRODUCT_ADD_LANES(sum)                                                                     \
@@ -38,9 +39,9 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 /*
  * pzs_product_sparse computes product [rows.count] = sparse matrix with `cols` columns times vector
  * [cols], pzs_product_sum_sparse computes product [cols] = sum over the rows i of the sparse matrix
- * of vector_i times row i. The columns of the entries of each row are in ascending order. The
- * results have the bits of pzs_product_matrix and pzs_product_sum_rows for the full matrix, for
- * finite vectors.
+ * of vector_i times row i. The columns of the entries of each row must be in ascending order. For
+ * finite vectors the results are bitwise equal to those of pzs_product_matrix and
+ * pzs_product_sum_rows for the full matrix.
  */
 void pzs_product_sparse(pzs_real *restrict product, const pzs_rows *rows,
                         const pzs_real *restrict vector, size_t cols);

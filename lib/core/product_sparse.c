@@ -21,9 +21,10 @@ static pzs_real short_row(const uint16_t *column, const pzs_real *value, size_t 
 }
 
 /*
- * Scalar product of a sparse row of `count` entries with a vector of `cols` entries, at least
- * PRODUCT_LONG_ROW. The partial sum to which an entry belongs follows from its column, as in
- * pzs_product_dot.
+ * Scalar product of a sparse row of `count` entries with a vector of `cols` entries, for long
+ * vectors (cols >= PRODUCT_LONG_ROW). The terms are added to PRODUCT_LANES partial sums, which are
+ * added at the end. The column of an entry decides to which partial sum its term is added, in the
+ * same way as in pzs_product_dot for full rows.
  */
 static pzs_real long_row(const uint16_t *column, const pzs_real *value, size_t count,
                          const pzs_real *vector, size_t cols)

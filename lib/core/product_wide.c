@@ -327,8 +327,9 @@ AVX2 void pzs_wide_group(pzs_real *restrict groups, pzs_real *restrict scaled,
 }
 
 /*
- * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): subtract the
- * products of the entries of `count` vectors from four rows of a block of WIDE_BLOCK columns.
+ * Part of pzs_wide_update_rows: update four rows of a block of WIDE_BLOCK columns by rank-one
+ * products. From each entry i, j of the block the sum over k of column_k[i] * row_k[j] is
+ * subtracted, for `count` pairs of vectors column_k and row_k.
  */
 AVX2 static void update_four_rows(pzs_real *block, size_t stride, const pzs_real *column,
                                   const pzs_real *row, size_t count)

@@ -74,13 +74,14 @@ void pzs_wide_group(pzs_real *restrict groups, pzs_real *restrict scaled,
                     size_t factor_stride, size_t count, size_t columns);
 
 /*
- * Subtract the products of the entries of `count` vectors from WIDE_BLOCK rows of a symmetric
- * matrix [size][size], up to and including the diagonal, with AVX-512 instructions if the processor
- * has them. The rows begin at row i, a multiple of WIDE_BLOCK; there are fewer at the end of the
- * matrix. Entries above the diagonal, but in the block of the diagonal, change too.
+ * Update WIDE_BLOCK rows of a symmetric matrix [size][size] by `count` rank-one products: from each
+ * entry i, j subtract the sum over k of column_k[i] * row_k[j]. The function uses AVX-512
+ * instructions if the processor has them. The first row is row i, a multiple of WIDE_BLOCK; at the
+ * end of the matrix there are fewer rows. In each row the entries up to the diagonal are updated,
+ * and the entries behind it in the same WIDE_BLOCK x WIDE_BLOCK block.
  *   matrix                             in/out  rows of the matrix, `stride` reals apart
- *   column [groups][count][WIDE_BLOCK] in      entries of the vectors that belong to the rows
- *   row    [groups][count][WIDE_BLOCK] in      entries of the vectors that belong to the columns
+ *   column [groups][count][WIDE_BLOCK] in      vectors column_k in groups of WIDE_BLOCK entries
+ *   row    [groups][count][WIDE_BLOCK] in      vectors row_k in groups of WIDE_BLOCK entries
  */
 void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i,
                           const pzs_real *column, const pzs_real *row, size_t count);

@@ -31,8 +31,8 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs)
     crc = pzs_guard_crc(crc, tables->direct.start,
                         (tables->count + 1u) * sizeof *tables->direct.start);
     /*
-     * If the number of entries in the tables of the electrodes is damaged, the checksum ends here,
-     * so that it does not read beyond the tables.
+     * A number of entries larger than count * inputs is damaged. The checksum then leaves out the
+     * arrays of entries, whose length is unknown, so that it reads nothing beyond the tables.
      */
     if (entries > (uint32_t)tables->count * inputs)
         return crc;

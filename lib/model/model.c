@@ -204,8 +204,9 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 /* ---- assemble --------------------------------------------------------- */
 
 /*
- * Return the free degree of freedom `dof`, or PZS_CONSTRAINED if a support or the last assembly of
- * the stiffness matrix constrains it.
+ * Return `dof`, the index of a free degree of freedom, unless the array `constrained` of the last
+ * call of pzs_assemble marks it as constrained: then return PZS_CONSTRAINED. PZS_CONSTRAINED as
+ * argument, the mark of a supported degree of freedom, is returned as well.
  */
 static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
 {

@@ -240,10 +240,10 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Distribute the in-plane shear resultant of a warped (not plane) element to the other stress
- * resultants. It is the resultant of component 12, mean of outer and inner face, in the strain mode
- * that is constant over the element. This is the transpose of add_warp, which adds the other
- * strains to the shear strain.
+ * In a warped (not plane) element, add multiples of the in-plane shear resultant to nine other
+ * stress resultants, with the factors of pzs_element_type.warp. The shear resultant is conjugate to
+ * the mean strain 12 in the strain mode that is constant over the element. The operation is the
+ * transpose of add_warp, which adds the nine strains to this shear strain.
  */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {

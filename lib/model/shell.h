@@ -51,11 +51,16 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
                                 const pzs_real *h0, pzs_real *force);
 
 /*
- * Base vectors at one corner of a deformed element along the surface coordinates theta1 and theta2,
- * mean of the two faces and difference divided by the thickness; director beta; and the degree of
- * freedom q. The number q is the excess of u3 at the middle surface over the faces, divided by the
- * thickness. The derivatives of a displacement at the corner have the same form, with the change of
- * the director as beta.
+ * Geometry of a deformed element at one corner, or a change of this geometry.
+ *   mean [2][3]  base vectors along the surface coordinates theta1 and theta2, mean of both faces
+ * (1) diff [2][3]  base vectors of the outer face minus those of the inner face, divided by the
+ *                thickness (1/m)
+ *   beta [3]     director: position of the outer minus that of the inner face, divided by the
+ *                thickness (1)
+ *   q            displacement u3 of the middle surface minus the mean of both faces, divided by the
+ *                thickness (1)
+ * In a change under a displacement, mean and diff are derivatives of the displacement along the
+ * surface, and beta and q are the changes of director and q.
  */
 typedef struct shell_corner {
     pzs_real mean[2][3];

@@ -29,10 +29,11 @@ static const pzs_real mode_sign[4][4] = {
     {1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
 
 /*
- * Number (kept_strains) and list (kept_strain) of the strain components that the element takes into
- * account in each of its strain modes, which are constant (00), linear (01, 10) or bilinear (11)
- * over the element. Mode 00 contains all ten components; mode 01 those of 11, 33 and 13; mode 10
- * those of 22, 33 and 23; mode 11 those of 33.
+ * Number (kept_strains) and list (kept_strain) of the strains that the element takes into account
+ * in each of its strain modes, which are constant (00), linear (01, 10) or bilinear (11) over the
+ * element. A strain is named by its two indices; all but 13 and 23 count twice, as mean and as
+ * difference of the two faces. Mode 00 contains all ten strains, mode 01 the strains 11, 33 and 13,
+ * mode 10 the strains 22, 33 and 23, mode 11 strain 33.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {

@@ -7,16 +7,18 @@
 #include "shell_corner.h"
 
 /*
- * Correct the in-plane strains of an element's strain modes for its skew alpha_1, alpha_2
- * (deviation from a parallelogram, pzs_element_type.skew); the strains are means (face = 0) or
- * differences (face = 1) of the two faces. Strain mode ab varies over the element as xi1^a xi2^b
- * with the element coordinates. The mean of a strain over the corners exceeds its value at the
- * centre of the element by c for strain 11 and by c/r^2 for strain 22:
+ * Correct the in-plane strains of an element for its skew alpha_1, alpha_2 (deviation from a
+ * parallelogram) and its length ratio r (all in pzs_element_type.skew). Strain mode ab varies over
+ * the element as xi1^a xi2^b with the element coordinates. Let e01_11 be strain 11 in mode 01, and
+ * so on; all strains are means (face = 0) or differences (face = 1) of the two faces. Mode 00 holds
+ * means over the corners at first. Its values at the centre of the element are
+ *   e00_11 - c  and  e00_22 - c / r^2, with
  *   c = [alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r (r (e10_22 - alpha_2 e00_22) - alpha_1
  *     e00_12)]
- *       / (1 - alpha_1^2 - alpha_2^2)
- * where e01_11 is strain 11 of strain mode 01, and so on, and r is the length of the element along
- * theta2 divided by that along theta1.
+ *       / (1 - alpha_1^2 - alpha_2^2).
+ * Then the parts of modes 01 and 10 that a constant strain causes are subtracted:
+ *   from e01_11  2 alpha_1 e00_11 + alpha_2 r e00_12,
+ *   from e10_22  2 alpha_2 e00_22 + (alpha_1 / r) e00_12.
  */
 static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 {

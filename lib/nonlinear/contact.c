@@ -521,10 +521,12 @@ static void axis_of_dof(const pzs_structure *structure, const pzs_real triad[3][
 
 /*
  * Add one constrained degree of freedom to a Gram matrix, which shows whether the supports prevent
- * all rigid motions of the shell. The matrix [6][6] is the sum of r' r over the constrained degrees
- * of freedom. The row r [6] holds the displacements in this degree of freedom under three unit
- * translations and three rotations, times the size of the mesh. The degree of freedom has the
- * number k (0 to 5) at its node.
+ * all rigid motions of the shell. The matrix [6][6] is the sum of r'r over the constrained degrees
+ * of freedom. The row r [6] holds the values of the degree of freedom under six rigid motions of
+ * the shell: three unit translations and three rotations. Displacements by rotation are divided by
+ * the size of the mesh, so that all entries are about 1.
+ *   height in  height of the contact face above the middle between both faces (m)
+ *   k      in  number of the degree of freedom at its node (0 to 5)
  */
 static void add_support(const pzs_contact *contact, const pzs_solver *solver, pzs_real height,
                         uint16_t node, int k, pzs_real gram[6][6])
@@ -582,8 +584,10 @@ static bool settings_in_range(const pzs_solver_option *option)
 }
 
 /*
- * Whether the contact body does not hold a shell that its supports leave loose: the shell does not
- * touch the body, is not pressed onto the body, or slides along the body at the first contact.
+ * Whether the shell can move as a rigid body: its supports do not prevent this, and the contact
+ * body does not either. The body does not hold the shell in two cases. No node was assumed to touch
+ * it, or none of these nodes was pressed onto it, at the last linear solve. Or no node was in
+ * contact at the last equilibrium, and the tangent matrix was singular or had negative pivots.
  */
 static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *solver)
 {

@@ -96,9 +96,10 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
 typedef struct body_point {
     pzs_real gap, normal[3];
     /*
-     * matrix of the second derivatives of the gap to the contact body (1/m), to which the largest
-     * curvature of the body is added in the direction of its normal, where the second derivatives
-     * are 0
+     * matrix H that bounds the curvature of the contact body (1/m). For a vector d along the
+     * surface of the body, d'H d is the second derivative of the gap. Along the normal of the body
+     * this derivative is 0; there H has the largest curvature instead, so that d'H d is not too
+     * small for a vector d that points out of the surface
      */
     pzs_real hessian[3][3];
     pzs_real radius; /* smallest radius of curvature of the contact body (m); 0: the body is flat */
@@ -180,8 +181,8 @@ typedef struct penetration {
 
 /*
  * Search for points where the contact body penetrates one element of the shell, which is taken as a
- * flat facet. The search holds the corners of the facet at the last equilibrium (0) and at the
- * present displacement (1), and its result.
+ * flat facet. corner[0][4] are the positions of the corners of the facet at the last equilibrium,
+ * corner[1][4] those at the present displacement (m).
  */
 typedef struct facet_search {
     pzs_contact *contact;
@@ -232,12 +233,12 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 
 /*
  * Return the depth (m) to which a point of a facet may lie in the contact body if the nodes of the
- * facet lie outside. A flat facet whose corners touch a body of radius R enters the body by the sum
- * over the corners of shape function times distance^2 / (2 R). In the middle of a side this is
- * length^2 / (8 R). This error of the mesh is allowed twice, because a distance function may return
- * more than the distance. The largest allowed depth is R/5; a facet with diagonals of length R
- * enters by R (1 - sqrt(3/4)). A body smaller than the diagonals may enter only where a corner is
- * in contact, because nothing else holds it back.
+ * facet lie outside. This depth is an error of the mesh: a flat facet whose corners touch a body of
+ * radius R enters the body. Its depth is the sum over the corners of shape function * distance^2 /
+ * (2 R), which is length^2 / (8 R) in the middle of a side. Twice this depth is allowed, because a
+ * distance function of a body may return more than the distance. The result is limited to R/5, more
+ * than the depth R (1 - sqrt(3/4)) of a facet with diagonals of length R. If the diagonals are
+ * longer and no corner is in contact, the result is 0: a body may not pass between the nodes.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
                             const pzs_real position[3], const body_point *at)

@@ -104,9 +104,11 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /*
-     * An open electrode stiffens the structure: each negative pivot of the matrix of charges per
-     * volt cancels one negative pivot of the tangent matrix, because the inertia of a matrix is
-     * additive.
+     * The tangent matrix is that at fixed voltages. An open electrode keeps its charge instead,
+     * which stiffens the structure. The number of negative pivots of the structure with open
+     * electrodes is that of the tangent matrix minus that of the matrix of charges per volt,
+     * because the inertia of a block matrix is the sum of the inertias of a block and of its Schur
+     * complement.
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
                                         ? inertia.negative

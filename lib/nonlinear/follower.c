@@ -2,15 +2,16 @@
 /*
  * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h).
  *
- * At a corner of an element let G_a be the base vectors of the deformed face, t its director, and
- * U_a = G_a - (g_a . e3) t, with the undeformed base vectors g_a and the normal e3 of the shell,
- * for the two surface directions a. The pressure acts on the loaded face along
- *   n = U_1 x U_2.
- * Where flat elements approximate a curved shell, g_a has a component lean_a along e3, and the
- * pressure also acts on the middle surface along
- *   side = lean_1 t x U_2 + lean_2 U_1 x t,
- * as at the end of an arc that is divided into chords. All terms are polynomials in the
- * displacement; the unit normal divides by |n|.
+ * At a corner of an element let g_a be the undeformed and G_a the deformed base vectors of the
+ * face, for the two surface directions a = 1 and 2. e3 is the normal and t the director of the
+ * shell. The pressure on the loaded face acts in the direction
+ *   n = U_1 x U_2  with  U_a = G_a - (g_a . e3) t.
+ * A flat element only approximates a curved shell: the base vector of its middle surface has a
+ * component lean_a (pzs_follower.lean) along e3. This causes an additional force on the middle
+ * surface, in the direction
+ *   side = lean_1 t x U_2 + lean_2 U_1 x t.
+ * Both directions are polynomials in the displacement. Where the pressure counts per undeformed
+ * area, they are divided by |n|, which is not a polynomial.
  */
 #include "face.h"
 #include "../core/guard.h"

@@ -67,13 +67,13 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Two rows of stresses per unit of each nodal degree of freedom that contribute to the same stress
- * at a node. They come from two strain modes (constant, linear or bilinear over the element), and
- * each mode is 1 or -1 at a node. A node therefore needs the sum or the difference of both rows: it
- * depends on the signs of strain mode `mode` at this node and at the node of the column. Sum and
- * difference replace the rows. Where the sign is negative at the node of the column, the first row
- * receives the sum, otherwise the second row does. The last four of the 14 pairs (PAIRS -
- * PAIRS_WITH_Q) are zero in the columns of the seventh degree of freedom of a node.
+ * Two rows of the array of stresses, from two strain modes of an element (constant, linear or
+ * bilinear over the element). Each row holds a stress per unit of each nodal degree of freedom.
+ * Both rows contribute to the same stress at a node p. In the columns of node q it is first + s_p
+ * s_q second, where s_p and s_q are the values (1 or -1) of strain mode `mode` at these nodes.
+ * modes_to_nodes replaces the row `first` by this sum for nodes with s_p = -1, and the row `second`
+ * by that for nodes with s_p = 1. The last four of the 14 pairs (PAIRS - PAIRS_WITH_Q) are zero in
+ * the columns of the seventh degree of freedom of a node.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -86,10 +86,10 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: index of a row in the array of stresses per unit of each nodal degree of
- * freedom. The row holds the stress at node p that belongs to strain k, in the order of the strains
- * from A33M to A12D. modes_to_nodes must have summed the contributions of the four strain modes
- * (constant, linear and bilinear over the element) before.
+ * stress_row[p][k]: index of the row that holds strain k's stress at node p, in the array of
+ * stresses per unit of each nodal degree of freedom. This holds after modes_to_nodes, which turns
+ * the stresses of the strain modes into stresses at the nodes. k counts the strains in the order
+ * from A33M to A12D.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -127,12 +127,13 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
 /*
  * Write two rows of the array of nodal strains (strains per unit of each nodal degree of freedom)
  * for one node: the mean of an in-plane strain over both faces of the shell, and its difference
- * between the faces.
+ * between the faces. An in-plane strain is the scalar product b . w of a base vector b and the
+ * derivative w of the displacement along the surface.
  *   strain   in  0 for strain 11, 1 for strain 22, 2 for strain 12
- *   mean [3] in  derivative of the strain by the displacement of the node, with the mean of the
- *                base vectors of both faces (1/m)
- *   diff [3] in  derivative of the strain by the displacement of the node, with the difference of
- *                the base vectors of both faces over the thickness (1/m2)
+ *   mean [3] in  derivative of b . w by the displacement of the node, if b is the mean of the base
+ *                vectors of both faces (1/m)
+ *   diff [3] in  the same derivative, if b is the difference of the base vectors of both faces
+ *                divided by the thickness (1/m2)
  */
 static void write_mean_and_difference(const pzs_element_type *type, int strain,
                                       const pzs_real mean[3], const pzs_real diff[3],
@@ -215,12 +216,12 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 }
 
 /*
- * Correct the row of strain 12, mean of both faces, of one node in the array of nodal strains
- * (strains per unit of each nodal degree of freedom) for the warp of the element, which is its
- * distance from a plane. The correction is a linear combination of other strains. Some of its
- * factors depend on the signs that the two linear strain modes have at the node. The row may
- * contain the correction because strain 12 is used only in the strain mode that is constant over
- * the element.
+ * Correct strain 12 of one node (mean of both faces of the shell) in the array of nodal strains,
+ * which are strains per unit of each nodal degree of freedom. The correction is for the warp of the
+ * element, its distance from a plane: other strains of the node are added, with the factors of
+ * pzs_element_type.warp. A factor for a strain in a linear strain mode is multiplied by the value
+ * (1 or -1) of this mode at the node. The element uses strain 12 only in the strain mode that is
+ * constant over the element, to which the correction belongs.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -273,10 +274,12 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Set the four columns of the seventh degree of freedom q of the nodes in one row `to` of stresses
- * per unit of nodal degree of freedom. They are the sum of factor[i stride] times row[i] over the
- * `count` nodal strains to which q contributes. q is the displacement of the middle surface minus
- * the mean of both faces.
+ * Compute one row of stresses per unit of nodal degree of freedom in four columns, those of the
+ * seventh degree of freedom q of the nodes. q is the displacement of the middle surface minus the
+ * mean of both faces. The row is the sum over i of factor[i * stride] times the strains row[i].
+ *   to    [4]     out  result
+ *   row   [count] in   rows of the array of nodal strains, in the order from A33M to A12D; for
+ *                      count = WITH_Q the rows to which q does not contribute are left out
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -403,9 +406,11 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 /*
  * Turn the stresses of the four strain modes of an element (constant, linear and bilinear over the
  * element) in place into the stresses at its four nodes. All are per unit of each of the 28 nodal
- * degrees of freedom. Pairs of rows are replaced by their sum and difference (row_pairs).
- *   stress_row_of [22][28] in/out  stresses, first one strain mode after the other (rows_of_mode),
- *                                  afterwards in the order that the table stress_row lists
+ * degrees of freedom. A stress at a node is a sum of rows of up to four strain modes, each with the
+ * sign of the mode. The 14 pairs of rows in row_pairs are replaced by their sum and difference, one
+ * after the other.
+ *   stress_row_of [22][28] in/out  in: rows of the four modes, one mode after the other
+ *                                  (rows_of_mode); out: rows of the nodes, listed in stress_row
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
@@ -455,10 +460,11 @@ static int pair_of(int node, int other)
 }
 
 /*
- * Add the contribution of one stress to the geometric stiffness between two nodes of an element.
- * With P = left_map transposed times right_map, two 3 x 3 matrices that turn nodal displacements
- * into displacement derivatives, the function adds P times each member of `stress` to the matrix of
- * the pair with the same name.
+ * Add the contribution of one in-plane stress to the geometric stiffness between two nodes of an
+ * element. The 3 x 3 matrices left_map and right_map turn the displacements of the two nodes into
+ * the two displacement derivatives whose products belong to this stress. With P = left_map'
+ * right_map the function adds stress.mean * P to pair->mean, stress.cross * P to pair->cross, and
+ * stress.diff * P to pair->diff.
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, conjugate stress)
@@ -569,11 +575,12 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], unsign
 }
 
 /*
- * Write the six rows of one node into the packed tangent stiffness of an element. The row of its
- * seventh degree of freedom q (displacement of the middle surface minus the mean of both faces) is
- * written elsewhere.
- *   stress [ROWS + 1] in  pointers to the ROWS (10) stresses at the node per unit of each nodal
- *                         degree of freedom [COLUMNS], followed by NULL
+ * Write the first six rows of one node into the packed tangent stiffness of an element. write_q
+ * writes the seventh row, that of the displacement q of the middle surface relative to both faces.
+ *   nodal  [ROWS][COLUMNS] in  strains per unit of each nodal degree of freedom
+ *   stress [ROWS + 1]      in  pointers to the stresses at the node that belong to these strains,
+ *                              each per unit of each nodal degree of freedom [COLUMNS]; then NULL
+ *   pair   [10]            in  geometric stiffness of each pair of nodes, in the order of pair_of
  */
 static void write_node(unsigned dof_per_node, int node, pzs_real nodal[ROWS][COLUMNS],
                        const pzs_real *const *stress, const block pair[10], pzs_real *stiffness)
