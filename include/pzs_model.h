@@ -108,8 +108,9 @@ typedef struct pzs_compact_type {
     pzs_real middle;  /* height of the middle of the shell above the reference surface, on which
                          the nodes lie (m) */
     pzs_real warp[9]; /* nine factors (1) by which other strains are added to the mean strain 12
-                         of a warped (not plane) element; pzs_element_type.warp lists these
-                         strains in order */
+                         of a warped (not plane) element: 12d of mode 00; 13 of 01, 23 of 10, 13
+                         of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10, as in
+                         pzs_element_type.warp */
     pzs_real skew[3]; /* skew alpha_1, alpha_2 of the element and its length ratio, as
                          pzs_element_type.skew defines them (1) */
     pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along

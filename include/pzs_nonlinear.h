@@ -541,21 +541,21 @@ typedef struct pzs_contact {
  *
  *   - Nodes: no node of a face may lie deeper in the body than twice the gap that counts as closed.
  *   - Points between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
- *     side. A flat element of side length L whose nodes touch a body of radius R enters it by
- *     L^2 / (8 R), which is an error of the mesh. Twice this depth is allowed, at most R/5;
- * info.sag is the largest depth found. A body smaller than the diagonals of an element may enter it
- * only if a node of the element is in contact.
+ *     side. A flat element of side length L whose nodes touch a body of radius R enters it by L^2 /
+ *     (8 R), which is an error of the mesh. Twice this depth is allowed, at most R/5; info.sag is
+ *     the largest depth found. A body smaller than the diagonals of an element may enter it only if
+ *     a node of the element is in contact.
  *   - Motion: no point of an element may have passed through the body since the last equilibrium,
  *     on a straight way relative to the body.
  *   - Length of a load step: far from the shell the body may move by any length. Once it is nearer
- * to a node than half of the longest diagonal of an element, its motion in a load step is limited:
- *     to half of its smallest radius of curvature, or half of pzs_contact_face.size if that is
- *     smaller. solver->info.shortened_steps counts the load steps that this rule shortens.
+ *     to a node than half of the longest diagonal of an element, its motion in a load step is
+ *     limited: to half of its smallest radius of curvature, or half of pzs_contact_face.size if
+ *     that is smaller. solver->info.shortened_steps counts the load steps that this rule shortens.
  *
  * The check is exact for flat elements and convex bodies. It does not find:
  *
  *   - a tip that enters by less than (side/512)^2 / (2 R), with the side length of an element and
- * the radius R of the body;
+ *     the radius R of the body;
  *   - a second local minimum of the gap in a strongly warped element;
  *   - a body between the two faces that touches neither;
  *   - penetration by some parts of a body that is not convex.

@@ -533,10 +533,13 @@ static void write_voltage_problem(emitter *emitter, const design *design,
 /*
  * Write the voltage optimisation problem and its target.
  *   image in      part of the library for which the firmware's tables are written: control, linear
- * or nonlinear blocks in     blocks (stages) of the control tick, with the problem to be written
- * and the limit of the optimiser's work in a tick facts  in/out whether the tables hold the
- * influence matrix as full matrix or as sparse rows, and the numbers of entries from which this was
- * decided; out where image is TABLES_CONTROL, otherwise in Returns 0, or -1 where memory runs out.
+ *                 or nonlinear
+ *   blocks in     blocks (stages) of the control tick, with the problem to be written and the
+ *                 limit of the optimiser's work in a tick
+ *   facts  in/out whether the tables hold the influence matrix as full matrix or as sparse rows,
+ *                 and the numbers of entries from which this was decided; out where image is
+ *                 TABLES_CONTROL, otherwise in
+ * Returns 0, or -1 where memory runs out.
  */
 static int write_problem(emitter *emitter, const analysis *analysis, tables_image image,
                          const loop_blocks *blocks, sparse_facts *facts)

@@ -153,13 +153,16 @@
  *   SURE, SURE_REVERSED  The gain of the suspected electrode is smaller than SURE times that of the
  *                        reference electrode, or below the negative of SURE_REVERSED times it.
  *   SURE_CALM            The jump of the readings is at most this part of the largest permitted
- * jump (JUMPED, REFERENCE_JUMPED). SURE_UNEXPLAINED     The sum of squares of the measured response
- * that the model does not explain is at most this part of the sum of squares of the modelled
- * response. SURE_STRONG          The gain of the reference electrode is at most this limit. Control
- * loops are tested for stability on structures with gains up to 1.33, and one jump of a load that
- * SURE_CALM permits changes a gain by less than 0.12. A larger gain therefore shows that the load
- * has jumped twice. The program tests/unit/sweep_faults.c simulates millions of ticks in which this
- * rule declares no healthy electrode faulty.
+ *                        jump (JUMPED, REFERENCE_JUMPED).
+ *   SURE_UNEXPLAINED     The sum of squares of the measured response that the model does not
+ *                        explain is at most this part of the sum of squares of the modelled
+ *                        response.
+ *   SURE_STRONG          The gain of the reference electrode is at most this limit. Control loops
+ *                        are tested for stability on structures with gains up to 1.33, and one jump
+ *                        of a load that SURE_CALM permits changes a gain by less than 0.12. A
+ *                        larger gain therefore shows that the load has jumped twice.
+ * The program tests/unit/sweep_faults.c simulates millions of ticks in which this rule declares no
+ * healthy electrode faulty.
  */
 #define SURE PZS_R(0.1)
 #define SURE_REVERSED PZS_R(0.6)
@@ -686,7 +689,9 @@ typedef struct loss_sums {
     pzs_real losses; /* sum of the squared voltage errors of the electrodes (V2) */
     pzs_real moves;  /* sum over the electrodes of the voltage change times its estimate from the
                         readings (V2) */
-    pzs_real both; /* sum over the electrodes of the voltage error times the voltage change (V2) */
+    pzs_real both;   /* sum over the electrodes of (voltage error) * (change of the given voltage)
+                        (V2), which tells the part of the changes that all electrodes seem to lack
+                        in common */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -749,7 +754,7 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
  * dead, stuck or reversed electrode.
  *   sums in  sums of products over all electrodes whose voltages are not fixed (V2)
  *   rest in  part of the change that the voltage errors of all electrodes together leave
- * unexplained: its sum of squares, divided by the weight of the regularisation (V2)
+ *            unexplained: its sum of squares, divided by the weight of the regularisation (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -784,8 +789,8 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
  * NO_INPUT if no electrode is suspected. The change is that from the base readings, the mean
  * readings of an earlier interval in which the target stood still.
  *   rest  in  part of the change that the voltage errors of all electrodes together leave
- * unexplained: its sum of squares, divided by the weight of the regularisation (V2) least in
- * smallest part of the change that makes an electrode suspected (1)
+ *             unexplained: its sum of squares, divided by the weight of the regularisation (V2)
+ *   least in  smallest part of the change that makes an electrode suspected (1)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
 {

@@ -579,7 +579,7 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
  * modelled ones are multiplied by the measured gains of the amplifiers. Two sensors may see nearly
  * the same shape; an exchange of their cables then shows only in the sizes of their responses.
  *   one, other in  comparisons of the measured response of the first and of the second amplifier
- * (or sensor) with a modelled response
+ *                  (or sensor) with a modelled response
  */
 static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *one,
                            const pzs_selftest_sums *other)

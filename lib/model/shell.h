@@ -53,7 +53,8 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 /*
  * Geometry of a deformed element at one corner, or a change of this geometry.
  *   mean [2][3]  base vectors along the surface coordinates theta1 and theta2, mean of both faces
- * (1) diff [2][3]  base vectors of the outer face minus those of the inner face, divided by the
+ *                (1)
+ *   diff [2][3]  base vectors of the outer face minus those of the inner face, divided by the
  *                thickness (1/m)
  *   beta [3]     director: position of the outer minus that of the inner face, divided by the
  *                thickness (1)
