@@ -503,10 +503,14 @@ static void strain_shares(const laminate *laminate, const laminate_heights *heig
 }
 
 /*
- * Add a quadrature point of a ply to the stiffness of two of the ten strains of an element, whose
- * strains at the point are `first` and `second`.
- *   metric [6] in  factors by which strains are divided, because lines are longer or shorter at
- *                  this height than in the reference surface
+ * Add the contribution of one quadrature point in a ply to one entry of each of two stiffness
+ * matrices of an element. The entry belongs to two of its ten strains.
+ *   natural [6][6] in      stiffness of the ply at this point (Pa), Voigt order 11 22 33 23 13 12
+ *   metric  [6]    in      factors by which strains are divided at this height (metric_at)
+ *   weight         in      weight of the point (m)
+ *   first, second  in      strains at the point per unit of each of the two strains
+ *   stiffness      in/out  entry of the stiffness integrated over the thickness (N/m)
+ *   plane          in/out  the same entry with the normal stress 33 at 0 (N/m)
  */
 static void add_pair(double natural[6][6], const double metric[6], double weight,
                      const strain_share *first, const strain_share *second, double *stiffness,
@@ -524,8 +528,13 @@ static void add_pair(double natural[6][6], const double metric[6], double weight
 }
 
 /*
- * Add a quadrature point of a ply to the integrals over the thickness.
- *   share [10] in  strains at the point per unit of each of the ten strains of an element
+ * Add the contribution of one quadrature point in a ply to the integrals over the thickness
+ * (ply_integrals): stiffness and compliance of the plies.
+ *   natural [6][6] in      stiffness of the ply at this point (Pa), Voigt order 11 22 33 23 13 12
+ *   metric  [6]    in      factors by which strains are divided at this height (metric_at)
+ *   weight         in      weight of the point (m)
+ *   share   [10]   in      strains at the point per unit of each of the ten strains of an element
+ *   sums           in/out  the integrals
  */
 static void add_point(ply_integrals *sums, double natural[6][6], const double metric[6],
                       double weight, const strain_share share[N])
