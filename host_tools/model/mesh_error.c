@@ -16,12 +16,14 @@
 static const double LEAST_UNCERTAINTY = 1e-9;
 
 /*
- * Error of the extrapolated result of a sequence that converges more slowly than with second order.
- * The differences of later results form a geometric series of sum last / (ratio - 1); extrapolation
- * of second order has already added last / 3.
+ * Error of the result that is extrapolated with second order (last / 3 is added to the finest
+ * result) from a sequence that converges more slowly. The differences between further refined
+ * meshes are expected to form a geometric series with the quotient 1/ratio. Their sum is last /
+ * (ratio - 1), and last / 3 of it is already in the extrapolated result.
  *   last  in  difference between the results on the two finest meshes
- *   ratio in  difference before `last`, divided by `last`; 4 for second order; values
- *       below SLOWEST, of a sequence that hardly converges, count as SLOWEST
+ *   ratio in  difference between the results on the second and the third finest mesh, divided by
+ *             `last`; 4 for convergence of second order; values below SLOWEST, of a sequence that
+ *             hardly converges, count as SLOWEST
  */
 static double remaining_error(double last, double ratio)
 {

@@ -42,17 +42,19 @@ typedef struct mesh_error {
 } mesh_error;
 
 /*
- * Estimate the discretisation error from the results on two or three meshes, each with half the
- * elements of the one before.
+ * Estimate the discretisation error from the results on two or three meshes. The element size
+ * halves from one mesh to the next.
  *   value [meshes] in  results, that of the finest mesh first
  *   meshes         in  2 or 3
- * The extrapolated value assumes second order, which is the order of the element's displacement.
- * With two meshes the uncertainty is one and a half times the difference. With three meshes it is
- * the last difference, or a quarter of the difference before where that is larger. Two cases
- * differ. Where the results converge more slowly than with second order, the expected remaining
- * error is added. Where they rise and then fall, or fall and then rise, the uncertainty is the
- * error of a sequence with terms of first and second order of opposite sign. The uncertainty is at
- * least 1e-9 of the result, for rounding errors.
+ * The extrapolated value assumes convergence of second order, which is the order of the element's
+ * displacement. Last difference means the one between the two finest meshes. Two meshes: the
+ * uncertainty is 1.5 times the last difference. Three meshes: it is the last difference, or a
+ * quarter of the difference between the second and the third finest mesh if that is larger. Two
+ * kinds of sequences are treated differently. Where the results converge more slowly than with
+ * second order, the expected remaining error is added. Where they rise and then fall, or fall and
+ * then rise, the results are taken as limit + a h - b h^2 with the element size h; the uncertainty
+ * is then the error that extrapolation leaves. The uncertainty is at least 1e-9 of the result, for
+ * rounding errors.
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 

@@ -10,8 +10,8 @@ enum { PATH_CAUSE_BYTES = 2 * SCENE_ERROR };
 
 /*
  * Return whether the shell is compressed so strongly that its material law softens. This is
- * examined at the first critical point of the load path, limit points before bifurcations; without
- * critical points, at the last point of the path.
+ * examined at one point of the load path: at the first limit point; without limit points, at the
+ * first bifurcation; without both, at the last point.
  */
 bool path_is_softened(const load_path *path);
 

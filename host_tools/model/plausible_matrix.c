@@ -90,10 +90,10 @@ static void name_dead(const char *name, int count, char *names)
 }
 
 /*
- * Find the actuators of weak effect: those whose voltage can change, and whose column of the
- * influence matrix has a norm in the range from <= norm / reference < to. Store the smallest of
- * these ratios and a text with the names in *found.
- *   reference  in  norm of the column of another actuator
+ * Find the actuators of weak effect. An actuator counts if its voltage can change, and if the norm
+ * of its column of the influence matrix, divided by `reference`, is at least `from` and less than
+ * `to`. Store the smallest of these ratios and a text with the names in *found.
+ *   reference in  norm of the influence matrix column of the strongest or of the median actuator
  */
 static void name_weak(const scene *scene, double reference, double from, double to,
                       const char *reference_name, measured *found)

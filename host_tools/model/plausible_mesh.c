@@ -11,8 +11,8 @@
 /* ---- general meshes ----------------------------------------------------- */
 
 /*
- * Return whether k is 0 and the mesh is irregular. Rules on irregular meshes measure a single
- * number, with the index k = 0; meshes along lines of curvature have none.
+ * Return whether a rule on irregular meshes has a k-th number to measure. Each of these rules
+ * measures one number (k = 0) on an irregular mesh, and none on a mesh along lines of curvature.
  */
 static int is_first(const subject *of, int k, measured *found)
 {
@@ -129,9 +129,11 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate, for plausibility rules on transverse
- * shear.
- *   k    in   number of the value that the rule asks for; only k = 0 exists
- *   wave out  squared wave number of a half sine wave over the shorter side of the structure (1/m2)
+ * shear. Such a rule measures one number, with the index k = 0.
+ *   k       in   index of the number that the rule asks for
+ *   bending out  stiffnesses
+ *   wave    out  squared wave number of a half sine wave over the shorter side of the structure
+ *                (1/m2)
  * Returns whether k is 0 and the stiffnesses could be computed.
  */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,

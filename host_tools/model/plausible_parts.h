@@ -64,9 +64,9 @@ typedef struct measured {
 } measured;
 
 /*
- * Function that measures one number of a scene, mesh or result (`of`) for a plausibility rule and
- * stores it in `found`. A rule may measure several numbers, such as one for each material; k counts
- * them from 0. Returns whether there is a number k.
+ * Function that measures the k-th number of a scene, mesh or result `of` for a plausibility rule,
+ * and stores it in `found`. Some rules measure several numbers, for example one for each material
+ * (k = 0, 1, ...). Returns whether the k-th number exists.
  */
 typedef int measure(const subject *of, int k, measured *found);
 
@@ -80,8 +80,10 @@ measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo;
 measure measure_permittivity, measure_pyroelectric, measure_expansion;
 
 /*
- * Functions that find depolarisation fields and strengths of materials, and how far voltages and
- * stresses use them, for comparison with their usual ranges (plausible_strength.c).
+ * Functions that measure quantities which plausibility rules compare with their usual ranges
+ * (plausible_strength.c): depolarisation fields and strengths of materials, applied voltages
+ * relative to the depolarisation voltage, and reserve factors of the stresses against the
+ * strengths.
  */
 measure measure_field_limit, measure_ceramic_field_limit, measure_depolarisation;
 measure measure_strength, measure_soft_strength, measure_strength_ratio;
@@ -148,8 +150,9 @@ measure measure_age, measure_noise, measure_amplitude, measure_amplitude_certifi
 measure measure_prestress;
 
 /*
- * Function that measures the hysteresis of the actuators (width of the loop over the voltage range)
- * if the scene has a self-test of amplifiers, cables and sensors (plausible_result.c).
+ * Function that measures the hysteresis of the actuators (width of the loop over the voltage
+ * range). It does so only if the scene has a self-test of amplifiers, cables and sensors, because
+ * with a wide loop the ceramic hardly follows the small pulses of this test (plausible_result.c).
  */
 measure measure_tested_hysteresis;
 

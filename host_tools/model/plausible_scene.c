@@ -63,10 +63,11 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 
 /*
  * Store in found->value the electric field (V/m) that an actuator's voltage causes in the layer of
- * its piezoelectric patches: voltage over thickness. The value stays NAN in two cases. If the scene
- * file gives a field limit for the material, the voltages obey it anyway. In a film actuator at no
- * more than the voltage of its data sheet, the field is unknown, because the electrodes may be
- * fingers on the faces.
+ * its piezoelectric patches: voltage over thickness. The value stays NAN in two cases. Where the
+ * scene file gives a field limit for the material, no check is needed, because the voltages are
+ * limited by it. In a film actuator at no more than the voltage of its data sheet, the field is
+ * unknown: interdigitated electrodes may make it run along the faces instead of across the
+ * thickness.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
@@ -200,8 +201,9 @@ static bend bend_at(const scene *scene, const int node[2], int direction)
 }
 
 /*
- * Measure whether the mesh resolves the dent under a point force, along one direction: number of
- * elements that the dent needs, divided by the number of elements there.
+ * Measure whether the mesh resolves the dent under a point force, along one direction. The value is
+ * the required number of elements on a quarter turn of the curved shell, divided by the number that
+ * the element size at the force corresponds to.
  */
 static void measure_point(const scene *scene, const scene_load *load, int direction,
                           measured *found)
@@ -220,8 +222,9 @@ static void measure_point(const scene *scene, const scene_load *load, int direct
 }
 
 /*
- * Measure whether the mesh resolves the bending near a load on an edge: size of the elements at
- * right angles to the edge, divided by the shortest bending length of the shell along the edge.
+ * Measure whether the mesh resolves the bending near a load on an edge. The value is the length of
+ * the elements at the edge, at right angles to it, divided by the bending length sqrt(R h). R is
+ * the radius of curvature along the edge, h the thickness.
  */
 static void measure_edge(const scene *scene, const scene_load *load, int direction, measured *found)
 {

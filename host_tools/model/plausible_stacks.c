@@ -37,7 +37,10 @@ int measure_stack_stiffness(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Stroke per volt of stack actuators, which is 0 where their voltages move nothing. */
+/*
+ * Measure the free stroke of stack actuators per volt. It is 0 for stacks that are defined without
+ * stroke and force.
+ */
 int measure_stack_stroke(const subject *of, int k, measured *found)
 {
     const scene_spring *stacks;
@@ -51,9 +54,10 @@ int measure_stack_stroke(const subject *of, int k, measured *found)
 }
 
 /*
- * Measure the stiffness of a stack times the square of its stroke per volt. This number is the part
- * of the stack's capacitance that takes part in the electromechanical coupling, so that the
- * coupling factor of the ceramic limits it.
+ * Measure the stiffness of a stack times the square of its stroke per volt (F). It is the
+ * difference between the capacitance of the free stack and that of the clamped stack. Its ratio to
+ * the capacitance of the free stack is the squared coupling factor of the ceramic, so that it has
+ * an upper limit.
  */
 int measure_stack_energy(const subject *of, int k, measured *found)
 {

@@ -14,14 +14,14 @@ static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
 /* ---- depolarisation fields -------------------------------------------- */
 
 /*
- * Whether a material is a strong piezoelectric, such as a ceramic or a crystal: its constants
- * across the poling direction exceed those of all polymers and nitrides.
+ * Whether the transverse piezoelectric strain constants (d31 and d32, or e31 and e32 over the
+ * largest modulus) exceed those of all polymers and nitrides. This is so in piezoelectric ceramics,
+ * relaxor crystals and fibre composites.
  */
 static bool is_strong(const scene *scene, const scene_material *material)
 {
-    static const double strongest_polymer = 6e-11; /* largest piezoelectric constant of a polymer
-                                                      (m/V); a material with a larger one is strong
-                                                    */
+    static const double strongest_polymer = 6e-11; /* largest transverse piezoelectric strain
+                                                      constant of a polymer (m/V) */
     const double stiff = fmax(material->e[0], fmax(material->e[1], material->e[2]));
     const double strain = fmax(fabs(material->d31), fabs(material->d32));
     const double stress = fmax(fabs(material->piezo_e[0]), fabs(material->piezo_e[1]));
@@ -30,8 +30,9 @@ static bool is_strong(const scene *scene, const scene_material *material)
 }
 
 /*
- * Measure the depolarisation field of a material: if wants_strong is true only of materials as
- * strong as piezoelectric ceramics, otherwise only of weaker ones.
+ * Measure the depolarisation field of a material.
+ *   wants_strong in  true: only of materials with large transverse piezoelectric constants, such as
+ *                    ceramics (is_strong); false: only of the others
  */
 static int measure_limit_of(const subject *of, int k, bool wants_strong, measured *found)
 {
@@ -48,8 +49,10 @@ static int measure_limit_of(const subject *of, int k, bool wants_strong, measure
 }
 
 /*
- * Depolarisation field of a polymer, nitride or weak crystal. Coercive fields: quartz has none,
- * lithium niobate 21 MV/m, PVDF 50 to 100 MV/m, aluminium scandium nitride up to 600 MV/m.
+ * Measure the depolarisation field of a material with small piezoelectric constants: polymers,
+ * nitrides, and crystals such as lithium niobate. The plausible range follows from coercive fields:
+ * lithium niobate 21 MV/m, PVDF 50 to 100 MV/m, aluminium scandium nitride up to 600 MV/m. Quartz
+ * has none.
  */
 int measure_field_limit(const subject *of, int k, measured *found)
 {
@@ -57,7 +60,8 @@ int measure_field_limit(const subject *of, int k, measured *found)
 }
 
 /*
- * Depolarisation field of a ceramic, strong crystal or fibre composite. Coercive fields: barium
+ * Measure the depolarisation field of a material with large piezoelectric constants: ceramics,
+ * relaxor crystals and fibre composites. The plausible range follows from coercive fields: barium
  * titanate 0.1 MV/m, PMN-PT 0.2 MV/m, bulk PZT 0.6 to 3 MV/m, thin films of PZT up to 10 MV/m.
  */
 int measure_ceramic_field_limit(const subject *of, int k, measured *found)
@@ -80,8 +84,9 @@ static double worst_voltage(const scene_actuator *actuator, double voltage)
 }
 
 /*
- * Applied voltage of an actuator relative to the voltage that reaches the depolarisation field in
- * the patches of one grid that the actuator drives; negative where the voltage is along the poling.
+ * Measure the applied voltage of an actuator, divided by the voltage at which the field in its
+ * patches is the depolarisation field of their material. The ratio is negative where the field is
+ * along the poling. An actuator that drives several patch grids has one ratio for each grid.
  */
 int measure_depolarisation(const subject *of, int k, measured *found)
 {

@@ -9,10 +9,11 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * Constants of the second try to compute an equilibrium, in which the loads rise more slowly.
- * LONG_RAMP is the number of linear solves over which they rise; the scene `hyperboloid-soft` then
- * converges in one load step on every mesh. SOLVES_PER_STEP times the scene's number of load steps
- * limits the number of linear solves; this is three times what that scene needs.
+ * LONG_RAMP: number of linear solves over which the loads rise if an equilibrium is computed a
+ * second time, with loads that rise more slowly. SOLVES_PER_STEP: factor that limits the linear
+ * solves of this second computation to its product with the scene's number of load steps. Both were
+ * chosen by a soft hyperboloid shell: it converges in one load step on every mesh, and needs a
+ * third of these solves.
  */
 enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 

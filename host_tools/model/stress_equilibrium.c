@@ -9,8 +9,8 @@
 
 /*
  * SAMPLES: largest number of heights at which an element has recovered stresses. PATTERNS: number
- * of gradients that the correction of the transverse shear stresses adjusts: the gradients of the
- * normal forces 11 and 22 and of the bending moments 11 and 22, each along its own direction.
+ * of unknowns in the correction of the transverse shear stresses: gradients of two normal forces
+ * (11 and 22) and two bending moments (11 and 22), each along its own direction.
  */
 enum { SAMPLES = LAMINATE_LAYERS * STRESS_HEIGHTS, PATTERNS = 4 };
 
@@ -213,10 +213,12 @@ static void integrate(const stress_field *field, int element, const double *rate
 }
 
 /*
- * Compute the transverse shear stresses s_13 and s_23 that are in equilibrium with a given gradient
- * of the in-plane stresses and vanish at the inner face of the laminate. The result is multiplied
- * by c_1^2 c_2 and c_2^2 c_1, where c_a is a length along the principal direction a at the height
- * of the stress relative to the reference surface.
+ * Compute the transverse shear stresses s_13 and s_23 from the gradient of the in-plane stresses,
+ * by integrating the equations of equilibrium from the inner face of the laminate, where they
+ * vanish. On a curved shell a length along the principal direction a changes with the height z by
+ * the factor c_a = 1 + k_a z, with the principal curvature k_a. The equations of equilibrium can be
+ * integrated for the products c_1^2 c_2 s_13 and c_2^2 c_1 s_23. These products are stored in
+ * `out`.
  */
 static void balance(const stress_field *field, const stencil *stencil, gradient slope, profile out)
 {
@@ -302,8 +304,9 @@ static void plane_stress(const laminate_ply *ply, const double bent[6], double z
 }
 
 /*
- * Compute the gradient of the in-plane stresses under a unit gradient of one force or moment of the
- * laminate, along the direction of this force or moment.
+ * Compute the gradient of the in-plane stresses that belongs to a unit gradient of one normal force
+ * or bending moment of the laminate. The force or moment in direction a (1 or 2) changes along the
+ * direction a.
  *   flex [6][6]  in  membrane strains and curvatures of the laminate per unit of force and moment
  *   pattern      in  0 or 1: normal force 11 or 22; 2 or 3: bending moment 11 or 22
  */
@@ -393,10 +396,10 @@ static int solve_system(double matrix[PATTERNS][PATTERNS + 1], double x[PATTERNS
 }
 
 /*
- * Correct a profile of transverse shear stresses by adding gradients of the two normal forces and
- * of the two bending moments of the laminate. After the correction the profile vanishes at the
- * outer face and has the shear resultants of the element. Returns 0, or -1 if the plies cannot
- * carry the shear.
+ * Correct a profile of transverse shear stresses so that it vanishes at the outer face and has the
+ * shear resultants of the element. Four unknown gradients are solved for: those of both normal
+ * forces and of both bending moments. Each contributes the transverse shear stresses that are in
+ * equilibrium with it. Returns 0, or -1 if the plies cannot carry the shear.
  */
 static int correct(const stress_field *field, const stencil *stencil, profile values)
 {

@@ -53,8 +53,9 @@ static void chord_of(const mesh *mesh, int element, int a, double unit[3])
 }
 
 /*
- * Compute the shell axes of an element of a general mesh from the element's two directions. The
- * components of these directions in the shell axes are stored with the element (natural_base.h).
+ * Compute the shell axes of an element of an irregular mesh. They are determined by the unit
+ * vectors between the midpoints of its opposite sides (chord_of). The components of these two
+ * vectors in the shell axes are stored with the element (natural_base.h).
  */
 static void general_axes(const mesh *mesh, int element, double axis[3][3])
 {

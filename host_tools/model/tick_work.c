@@ -31,8 +31,8 @@ static void random_target(const design *design, uint64_t *seed, double *wanted)
 }
 
 /*
- * Largest number of multiply-adds that the optimiser needs in one of many ticks with random
- * targets.
+ * Return the largest number of multiply-adds that the optimiser needs in a tick. It is the maximum
+ * over many simulated ticks with random targets.
  */
 static uint64_t longest_work(const design *design, uint64_t limit, void *work, size_t bytes,
                              double *wanted)

@@ -11,8 +11,8 @@ enum {
 
 /*
  * Return the largest number of multiply-adds that the optimiser makes in one control step (0 where
- * memory runs out). TICK_WORK_TICKS steps without damping are simulated, in which the target jumps
- * between the shapes of random voltages.
+ * memory runs out). It is the maximum over TICK_WORK_TICKS simulated steps without the stage that
+ * damps vibration. The target jumps between the shapes of random voltages.
  *   design in  numerical model of a scene with amplifiers and a target, with its influence matrix
  *   limit  in  limit of the optimiser's work in a tick (multiply-adds)
  */

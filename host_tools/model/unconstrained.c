@@ -145,8 +145,9 @@ static void renew_gradient(unconstrained *solver, const double *error, const dou
 
 /*
  * Add a correction to the voltages: the solution of the normal equations of the least-squares
- * problem with the present gradient as right-hand side. The entries of the gradient that belong to
- * inputs with a pivot in the Cholesky factor are overwritten.
+ * problem with the present gradient as right-hand side. Inputs without a pivot in the Cholesky
+ * factor keep their voltage; they are linearly dependent on others. The solution overwrites the
+ * gradient entries of the inputs with a pivot.
  */
 static void add_solution(unconstrained *solver, double *voltage)
 {

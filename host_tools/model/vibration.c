@@ -51,10 +51,11 @@ static const double held_below = 1e10;
 static const double two_pi = 6.283185307179586;
 
 /*
- * State of the Lanczos search for the lowest vibration modes. Column j of the projection holds the
- * products of A times basis vector j with the basis, where A = (K + shift M)^-1 M with stiffness
- * matrix K and mass matrix M, for the first `done` vectors. The rows from `done` on measure how far
- * the span of these vectors is from being invariant under A.
+ * State of the Lanczos search for the lowest vibration modes. The operator is A = (K + shift M)^-1
+ * M with stiffness matrix K and mass matrix M. A has been applied to the first `done` vectors of
+ * the basis. Entry (i, j) of the projection is the scalar product (with M) of basis vector i and A
+ * times basis vector j. The entries with i >= done are the residual: they vanish if A maps the span
+ * of the first `done` vectors to itself.
  */
 typedef struct search {
     const design *design;
@@ -248,11 +249,12 @@ static void remove_group(search *search, size_t first, size_t count, double *par
 }
 
 /*
- * Make the work vector w orthogonal to the Lanczos basis by two Gram-Schmidt iterations, and append
- * the remainder to the basis unless it is a rounding error. The product of the mass matrix and w
- * must be in the other work vector.
- *   column [room] in/out  the products with the basis are added, the norm is appended; NULL: not
- *       needed
+ * Make the work vector `next` orthogonal to the Lanczos basis by two Gram-Schmidt iterations.
+ * Append the remainder, scaled to norm 1, to the basis unless it is a rounding error. The other
+ * work vector mass_next must hold the mass matrix times `next`.
+ *   column [room] in/out  column of the projection. The scalar product of `next` and each basis
+ *                       vector (with the mass matrix) is added to the entry of this vector, the
+ *                       norm of the remainder to the entry of the new vector. NULL: not needed
  */
 static void append(search *search, double *column)
 {
@@ -308,9 +310,8 @@ static void apply(search *search, const double *vector, size_t count)
 }
 
 /*
- * Copy one product of the Lanczos operator with a basis vector, stored in the array image, to the
- * work vector `next`, and its product with the mass matrix to `mass_next`.
- *   index in  number of the product in the arrays image and mass_image
+ * Copy row `index` of the array image (Lanczos operator times a basis vector) to the work vector
+ * `next`, and the same row of mass_image (mass matrix times that vector) to `mass_next`.
  */
 static void take_image(search *search, size_t index)
 {

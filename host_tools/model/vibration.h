@@ -59,9 +59,10 @@ bool vibration_copy(vibration *to, const vibration *from, const design *design);
 bool vibration_allocate(vibration *vibration, const design *design, size_t count);
 
 /*
- * Take the vibration modes of a scene with a measured influence matrix. Modes without a given
- * static response get that of the least-squares fit of all their shapes to the influence matrix.
- * Returns 0, or -1 with error filled; call vibration_free in either case.
+ * Take the measured vibration modes of a scene with a measured influence matrix. If the scene file
+ * gives no static response of a mode to the voltages, it is determined by least squares: the sum
+ * over all modes of shape times static response must fit the influence matrix best. Returns 0, or
+ * -1 with error filled; call vibration_free in either case.
  */
 int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
 
@@ -77,9 +78,9 @@ int vibration_solve_at(vibration *vibration, const design *design, const lineari
                        int number, double lumped, char *error);
 
 /*
- * Check that the measured influence matrix of a scene determines the static responses of the
- * vibration modes: no mode shape is a combination of the shapes before it. Returns 0, or -1 with
- * error filled.
+ * Check that the static responses of the measured vibration modes can be fitted to the measured
+ * influence matrix. The fit is unique if no mode shape is a linear combination of the shapes
+ * before it. Returns 0, or -1 with error filled.
  */
 int vibration_check_measured(const scene_influence *measured, char *error);
 

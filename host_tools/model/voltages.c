@@ -103,9 +103,9 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* Where all amplifiers are held at one voltage,
-                                                 `lowest` is +infinity and `highest` is -infinity;
-                                                 fmin and fmax put the two in order. */
+    result->limit[0] = fmin(lowest, highest); /* If all amplifiers are held at one voltage, `lowest`
+                                                 is +infinity and `highest` is -infinity. The limits
+                                                 are then -infinity and +infinity. */
     result->limit[1] = fmax(lowest, highest);
 }
 

@@ -38,9 +38,8 @@ typedef struct voltages {
     double optimality; /* violation of the optimality (KKT) conditions relative to the largest entry
                           of the gradient at zero voltage; NAN where the result is not an optimum */
     double limit[2];   /* lowest and highest voltage that any amplifier may give (V) */
-    int held, narrowed; /* held: number of amplifiers held at one voltage; narrowed: number of other
-                           amplifiers with a narrower range, so that the lower limit is above, or
-                           the upper limit below, that of some amplifier */
+    int held, narrowed; /* held: number of amplifiers held at one voltage. narrowed: number of the
+                           other amplifiers that have a narrower range than limit[0] to limit[1]. */
     double residual; /* relative residual of the linear equations whose solution is the displacement
                         vector */
     double regularisation; /* regularisation parameter of least squares that are regularised and

@@ -40,10 +40,11 @@ typedef struct wiring {
                          (V2) */
     double *shapes;   /* [amplifiers][amplifiers] scalar products of each pair of columns of the
                          model's influence matrix */
-    double *products; /* [amplifiers][amplifiers] right-hand sides for each pair of amplifier and
-                         electrode: scalar product of each measured shape with the electrode's
-                         column of the model's influence matrix, times the amplifier's voltage,
-                         summed over the shapes */
+    double *products; /* [amplifiers][amplifiers] entry (i, k): right-hand side of the normal
+                         equations for the gain of electrode k if it is connected to amplifier i. It
+                         is a sum over all measured shapes. Each term is the voltage of amplifier i
+                         times the scalar product of the shape and the electrode's column of the
+                         model's influence matrix. */
     double *matrix; /* [amplifiers][amplifiers] matrix of the normal equations for the gains of the
                        electrodes, which its Cholesky factor replaces */
     double *gain;   /* [amplifiers] right-hand side of the normal equations, then gain of each

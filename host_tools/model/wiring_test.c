@@ -159,8 +159,8 @@ static double *open_tables(wiring_test *test, const design *design, const estima
  * Complete the tables of the self-test of the wiring: scale factors of the sensors, and the noise
  * above which a sensor counts as too noisy. The heights and durations of the test pulses must be in
  * the tables already.
- *   amplitude in  height of a test pulse (V), from whose mean effect on the sensors a lower bound
- *       of the permitted noise follows
+ *   amplitude in  height of a test pulse (V). The permitted noise is at least a fixed fraction of
+ *                 the mean effect of such a pulse on the sensors
  */
 static void complete_tables(wiring_test *test, const design *design, double amplitude)
 {

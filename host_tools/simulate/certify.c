@@ -90,8 +90,10 @@ static const double slowest = 1.25;
 
 /*
  * Regularisations of the voltages, relative to the mean diagonal entry of the Hessian, that are
- * tried for a loop that is not stable. They keep combinations of voltages small that hardly move
- * the target, but move vibration modes.
+ * tried for a loop that is not stable. Some combinations of voltages hardly move the target, but
+ * they move vibration modes. Without regularisation the controller uses large voltages of this kind
+ * to reduce small errors of the shape, which excites the modes. Regularisation keeps these voltages
+ * small.
  */
 static const double cures[] = {1e-4, 1e-2};
 
@@ -204,9 +206,9 @@ static storm_task growth_task(const storm_rig *rig, double gain, double frequenc
 }
 
 /*
- * Whether a simulation of a batch has passed. Vibrations count as decaying unless their amplitude
- * grows by more than an eighth in the second half of the simulation, which is the resolution of the
- * measurement.
+ * Whether a simulation of a batch has passed. One that measures the growth of small vibrations has
+ * passed if their amplitude grows by less than an eighth in its second half. The measurement cannot
+ * distinguish smaller growth from none.
  */
 static bool has_passed(const storm_task *task, const storm_result *result)
 {
@@ -254,9 +256,10 @@ static int measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is
 /* ---- simulations with fast target jumps ------------------------------- */
 
 /*
- * Fraction (0 to 1) by which the ceramic has less hysteresis than the scene file says, in storms
- * (simulations with fast target jumps) with the second sequence of targets. The compensation is
- * then twice too strong, which raises the gain of small voltage changes.
+ * Fraction (0 to 1) of the hysteresis in the scene file that the simulated ceramic lacks. It is
+ * used in those storms (simulations with fast target jumps) that run the second random sequence of
+ * targets. The controller compensates the full hysteresis, twice that of the ceramic, so that small
+ * voltage changes act more strongly than it assumes.
  */
 static const double less_hysteresis = 0.5;
 
@@ -853,8 +856,9 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 
 /*
  * Find how far the tick rate can be raised (factor 2) or lowered (factor 1/2) until the control
- * loop is no longer stable. The rate is changed by the factor, from a stable rate, as long as the
- * loop stays stable; one bisection follows.
+ * loop is no longer stable. Starting from a stable rate, the rate is multiplied by `factor` as long
+ * as the loop stays stable. Then the geometric mean of the last
+ * stable and the first unstable rate is tried.
  *   from in   stable tick rate (1/s)
  *   rate out  last rate at which the loop is stable (1/s)
  * Returns 0, or -1 with error filled.

@@ -48,8 +48,8 @@ int certify_loop(analysis *analysis, char *error);
 int certify_margins(analysis *analysis, bool with_rates, char *error);
 
 /*
- * Describe the structure, relative to the model, on which a loop is unstable or does not settle
- * after fast jumps of the target.
+ * Describe a structure on which a control loop is unstable, or does not settle after fast jumps of
+ * the target: its static response to voltages and its natural frequencies, relative to the model.
  *   text out  description
  */
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR]);
