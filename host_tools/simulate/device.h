@@ -85,9 +85,10 @@ void device_release(device *device, int input);
 void device_skip(device *device, int ticks);
 
 /*
- * Pass the factors of the known loads (loads whose values the controller is told) to the firmware.
- *   then   [loads] in  factors at the time of the next measurement
- *   coming [loads] in  factors in the coming tick
+ * Pass the factors of the known loads to the firmware, for its next tick (pzs_loop_know). Known
+ * loads are those whose values the controller is told.
+ *   then   [loads] in  factors at the time at which the readings of that tick were taken
+ *   coming [loads] in  factors under the voltages that this tick will command
  */
 void device_know(device *device, const double *then, const double *coming, size_t loads);
 

@@ -62,8 +62,9 @@ imperfection_tables imperfections_of_scene(const design *design)
 }
 
 /*
- * Return the largest deviation from 1 of the gains by which the plant's influence matrix differs
- * from the measured influence matrix of the scene.
+ * Return the largest deviation from 1 of the gains of the amplifiers. A gain is the factor by which
+ * an amplifier's column of the simulated plant's influence matrix differs from its column of the
+ * scene's measured influence matrix.
  */
 static double largest_gain_error(const design *design)
 {

@@ -30,10 +30,10 @@ enum { SOLVES_MOST = 16 };
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * balanced: size of the last Newton increment in a time step, relative to the change of the
- * displacement in half the step. Below this size, the residual forces disturb the energy so little
- * that a part of the last increment corrects it, without another linear solve. largest_correction:
- * largest part of the last increment that may be added for this.
+ * balanced: size of the last Newton increment in a time step (relative to the change of the
+ * displacement in half the step) below which no further linear solve is needed. The remaining force
+ * imbalance then disturbs the energy only slightly, and balance_energy removes this error. It adds
+ * the last increment again, times a factor of at most `largest_correction` in size.
  */
 static const double balanced = 1e-6, largest_correction = 0.1;
 
@@ -181,12 +181,12 @@ double shell_motion_step(const vibration *vibration, double interval)
 
 /*
  * Compute the stress resultants of one element at a displacement, without the prescribed stress
- * resultants of voltages and temperature.
+ * resultants of voltages and temperature. With an increment, their first-order change along the
+ * increment is added (linear extrapolation).
  *   displacement [4 dof_per_node] in   nodal displacement: translations (m) and dimensionless dof
- *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated;
- *       NULL: none
+ *   increment    [4 dof_per_node] in   increment of the displacement; NULL: none
  *   resultant    [22]             out  stress resultants times the area of the element (N m): those
- *       of its strains that are constant, linear and bilinear over the element
+ *                of its strains that are constant, linear and bilinear over the element
  */
 static void elastic_resultants(const shell_motion *motion, uint32_t element,
                                const double *displacement, const double *increment,
@@ -205,9 +205,10 @@ static void gather(const shell_motion *motion, uint32_t element, const double *v
 }
 
 /*
- * Return the factor 1 + b/step by which viscosity b (s) increases the elastic part of an
- * element's tangent stiffness in a time step. Half of b is a viscosity of the material, and the
- * strain rate is twice the change of the strain in half the step, divided by the step length.
+ * Return the factor 1 + b/h by which viscosity increases the elastic part of an element's tangent
+ * stiffness in a time step of length h (s). Viscosity adds b/2 times the rate of the stress
+ * resultants to them, where b is motion->viscosity (s). The rate is their change over the whole
+ * step, twice that in half the step, divided by h.
  */
 static double tangent_factor(const shell_motion *motion, double step)
 {
@@ -215,9 +216,9 @@ static double tangent_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Return (h + b)/2 with the length h of the time step and the viscosity b (s), which damps a
- * vibration mode of angular frequency w by the ratio b w/2. In a step from the displacement u0 and
- * velocity v0 to u1 and v1, u1 - u0 = h v0 + (h + b)/2 (v1 - v0).
+ * Return the time (h + b)/2 (s) in the relation u1 - u0 = h v0 + (h + b)/2 (v1 - v0) between the
+ * displacements u and the velocities v at the start (0) and the end (1) of a time step of length h
+ * (s). The coefficient b is motion->viscosity (s); with b = 0 the mean velocity is (v0 + v1)/2.
  */
 static double response_time(const shell_motion *motion, double step)
 {
@@ -225,9 +226,9 @@ static double response_time(const shell_motion *motion, double step)
 }
 
 /*
- * Return the factor of the mass matrix in the matrix of a time step (1/s2). It is the derivative of
- * two forces, inertia and mass-proportional damping, with respect to the change of the displacement
- * in half the step.
+ * Return the factor of the mass matrix in the tangent matrix of a time step (1/s2). The unknown of
+ * the step is the change of the displacement in its first half. The factor is the derivative, with
+ * respect to this unknown, of the acceleration plus mass_damping times the velocity.
  */
 static double mass_factor(const shell_motion *motion, double step)
 {
@@ -257,7 +258,8 @@ static void acting_resultants(const shell_motion *motion, uint32_t element, doub
 
 /*
  * Add the tangent stiffness and the mass of one element to the matrix of a time step. The geometric
- * part of the tangent stiffness is computed from the extrapolated stress resultants.
+ * part of the tangent stiffness is computed from motion->solver.state.resultant: stress resultants
+ * that are linearly extrapolated to the present displacement (extrapolate).
  */
 static void add_tangent(shell_motion *motion, uint32_t element, double step)
 {
@@ -278,8 +280,9 @@ static void add_tangent(shell_motion *motion, uint32_t element, double step)
 }
 
 /*
- * Subtract the internal force of one element at half the time step from the force imbalance, and
- * store the stress resultants that act there, which the next linear solve extrapolates.
+ * Subtract the internal force of one element at half the time step from the force imbalance. Store
+ * the stress resultants that act there in motion->solver.state.resultant. After the next linear
+ * solve, extrapolate() adds their first-order change to them.
  */
 static void subtract_internal_force(shell_motion *motion, uint32_t element, double step,
                                     double *imbalance)
@@ -504,11 +507,11 @@ static double relative_increment(const shell_motion *motion)
 }
 
 /*
- * Remove the energy error that Newton's method leaves in a time step, because its last force
- * imbalance is not zero. The error is twice the work of the imbalance over the change of the
- * displacement in half the step. A part of the last Newton increment is added such that this work
- * vanishes. An increment has no linear momentum, so that the momentum stays. Returns whether the
- * part is small enough; otherwise the displacement is unchanged.
+ * Remove the error of the energy that Newton's method leaves in a time step because its last force
+ * imbalance is not zero. The error is the work of the imbalance along the displacement change of
+ * the step. The last Newton increment, times a factor that makes this work zero, is added to the
+ * change. It does not change the linear momentum, because an increment contains none. Returns
+ * whether the factor is small enough; otherwise the displacement is unchanged.
  */
 static bool balance_energy(shell_motion *motion, double step)
 {

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Motion of a shell with mass at large rotation: all free degrees of freedom of the mesh, advanced
- * by energy-momentum steps with Newton's method of independent stress resultants.
+ * Motion of a shell with mass at large rotation. All free dof of the mesh are advanced by time
+ * steps of an energy-momentum method, solved by Newton's method. Its linear solves use stress
+ * resultants that are linearly extrapolated along the last increment, not those of the present
+ * displacement.
  *
  * A step of length h leads from the displacement u0 with the velocity v0 to u1 with v1. With the
  * displacement at half the step, m = (u0 + u1)/2, the step solves
@@ -10,17 +12,17 @@
  * mean of the stress resultants at u0 and at u1. Because the strains are quadratic in the
  * displacement, L(m) (u1 - u0) is exactly the change of the strains. Without damping and loads the
  * step therefore keeps the energy, and on a free structure the linear and the angular momentum, for
- * any h. Newton's method stops early: when its increments are small, a part of the last one is
- * added that makes the work of the remaining force imbalance over the step zero, and with it the
- * error of the energy. The error of the motion is of second order: the period of a vibration mode
+ * any h. Newton's method stops early, when its increments are small. The remaining force imbalance
+ * would then change the energy by its work over the step. A multiple of the last increment is added
+ * that makes this work zero. The error of the motion is of second order. The period of a mode
  * of angular frequency w is too long by about (w h)^2/12.
  *
  * Damping has three parts, none of which can add energy, whatever the step:
- *   - damping of mass, a M (u1 - u0)/h
- *   - viscosity b, which damps a vibration mode of angular frequency w by the ratio b w/2. One half
- *     of b is a viscosity of the material: b/2 times the rate of the stress resultants acts in
- *     addition to them. The other half adds b/2 times the acceleration to (u1 - u0)/h. It is needed
- *     because material viscosity alone does not damp motions that are much faster than a step
+ *   - a damping force proportional to the mass matrix, a M (u1 - u0)/h
+ *   - viscosity b (s), which damps a vibration mode of angular frequency w by the ratio b w/2. Half
+ *     of this damping is viscosity of the material: b/2 times the rate of the stress resultants is
+ *     added to them. It hardly damps motions that are much faster than a step. The other half is
+ *     therefore a term b/2 (v1 - v0)/h that is added to the mean velocity (v0 + v1)/2 of the step
  *   - damping of each vibration mode that the time steps resolve (followed mode), with its shape in
  *     the undeformed state, which brings its damping ratio to the one that the scene file states
  * Rayleigh's coefficients of the scene are a and b. Where the scene file states damping ratios, a
@@ -41,14 +43,16 @@ typedef struct shell_motion {
     const vibration *vibration; /* vibration modes of the shell that are damped; NULL: the motion is
                                    not damped */
     mass mass;
-    pzs_solver solver; /* solver of the nonlinear equilibrium, with arrays of this motion as its
-                          state: displacement at half the time step, and stress resultants at half
-                          the step that are extrapolated along the last Newton increment */
+    pzs_solver solver; /* solver of the nonlinear equilibrium, whose state uses arrays of this
+                          motion. `displacement` is that at half the time step. `resultant` holds
+                          the stress resultants at half the step, linearly extrapolated to the
+                          displacement after the last Newton increment. */
     double step_most;  /* longest time step of the motion of the shell (s) */
     double mass_damping, viscosity; /* mass_damping: coefficient a of the damping force a M v, with
-                                       mass matrix M and velocity v (1/s); viscosity: b, half of
-                                       which acts on the stress resultants and half on the velocity
-                                       (s) */
+                                       mass matrix M and velocity v (1/s). viscosity: coefficient b
+                                       (s) of damping that grows with frequency. b/2 times the rate
+                                       of the stress resultants is added to them; b/2 times the
+                                       acceleration is added to the mean velocity of a time step. */
     size_t modes; /* number of vibration modes that the time steps resolve, each of which is damped
                      individually */
     double *mode_damping; /* [modes] twice the damping ratio times the angular frequency of each
@@ -67,27 +71,31 @@ typedef struct shell_motion {
     double *increment;    /* [free_dof] last increment of the displacement by Newton's method:
                              translations (m) and dimensionless dof */
     double *last_increment; /* [free_dof] copy of the last increment of the displacement by Newton's
-                               method: translations (m) and dimensionless dof; part of it is added
-                               to keep the energy of the motion right */
+                               method: translations (m) and dimensionless dof. A small multiple of
+                               it is added to the displacement, so that the remaining force
+                               imbalance does not change the energy. */
     double *end; /* [free_dof] displacement of the shell at the end of the time step: translations
                     (m) and dimensionless dof */
     double *scratch; /* [free_dof] work array, for example for nodal forces of the loads */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element, times its area,
                                       at the start of the time step (N m) */
-    double work;        /* work of the force imbalance left in a time step over the change of the
-                           displacement in half the step, before the last Newton increment (N m) */
-    long corrections;   /* number of time steps so far in which a part of the last Newton increment,
-                           instead of a further linear solve, removed the error of the energy */
-    long steps;         /* number of time steps of the motion of the shell so far */
-    long linear_solves; /* number of linear solves in all time steps of the motion so far */
+    double work; /* scalar product of the force imbalance before the last Newton increment and the
+                    change of the displacement in half the time step (N m); a measure of the error
+                    of the energy */
+    long corrections;    /* number of time steps so far that ended without a further linear solve,
+                            because a multiple of the last Newton increment has removed the error of
+                            the energy */
+    long steps;          /* number of time steps of the motion of the shell so far */
+    long linear_solves;  /* number of linear solves in all time steps of the motion so far */
     long factorisations; /* number of factorisations of the matrix of a time step so far */
     int solves_most;     /* largest number of linear solves that any time step has needed */
 } shell_motion;
 
 /*
  * Prepare the motion of a structure, which starts undeformed and at rest.
- *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. The two share
- *                    the memory of the stiffness matrix, so that each factors it anew
+ *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. Motion and
+ *                    equilibrium factor their matrices in the same memory: each must factor its
+ *                    matrix again after the other has been used
  *   vibration   in   vibration modes to damp; NULL: the motion is not damped
  *   step_most   in   longest time step (s)
  * Returns 0, or -1 with error filled; call shell_motion_close in either case.
@@ -97,10 +105,10 @@ int shell_motion_open(shell_motion *motion, const equilibrium *equilibrium,
 void shell_motion_close(shell_motion *motion);
 
 /*
- * Return the longest time step (s) that divides the tick interval into equal parts and resolves
- * vibration: at most half a radian a step for the fastest mode that a control tick can follow, at
- * most two radians a tick. If all modes are faster, the first mode counts. The computed period of
- * the mode is then at most 2 % too long.
+ * Return the longest time step (s) that divides the tick interval into equal parts and in which the
+ * phase of the fastest controllable mode advances by at most half a radian. Its computed period is
+ * then at most 2 % too long. A vibration mode counts as controllable if its phase advances by at
+ * most two radians in a tick interval. If all modes are faster, the first mode is taken.
  *   interval in  time between two ticks (s)
  */
 double shell_motion_step(const vibration *vibration, double interval);

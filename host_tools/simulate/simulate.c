@@ -21,9 +21,9 @@
 enum {
     LAST = 20,       /* smallest number of ticks over which the results at the end of a phase (time
                         between events of the scene) are averaged */
-    LAST_MOST = 500, /* largest number of ticks over which the results at the end of a phase
-                        (interval between events) are averaged; if one period of the first vibration
-                        mode is shorter, it is used */
+    LAST_MOST = 500, /* upper limit of the number of ticks over which the results at the end of a
+                        phase (interval between events) are averaged. The number is one period of
+                        the first vibration mode within the limits LAST and LAST_MOST. */
     WINDOW = 1000    /* number of ticks after an event in which the settling time is measured */
 };
 
@@ -467,8 +467,8 @@ static void finish_course(course_log *record, const loop *loop, simulate_course 
 }
 
 /*
- * Store the target, the loads and the stroke of the electrodes (voltages that can act on the
- * ceramic) at the end of a phase (interval between events), from which the best possible shape is
+ * Store the target, the loads, and the lowest and highest voltages that can act on the ceramic, as
+ * they are at the end of a phase (interval between events). From these the best possible shape is
  * computed later. Returns whether memory was available.
  */
 static bool keep_conditions(loop *loop, simulate_phase *phase)

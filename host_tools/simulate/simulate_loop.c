@@ -274,8 +274,9 @@ static int advance_plant(loop *loop, const double *output, double seconds, char 
 }
 
 /*
- * Return a random fraction of the tick interval by which a disturbance delays the voltages of a
- * tick or shifts the tick; 0 where the disturbance has ended.
+ * Return a random fraction of the tick interval for a disturbance of the timing, from 0 to
+ * disturbance->size; 0 where the disturbance has ended. The caller uses it either as a delay of the
+ * voltages after the tick, or as a change of the tick interval.
  */
 static double random_part(loop *loop, const disturbance *disturbance, int tick)
 {
@@ -689,9 +690,11 @@ static void fail_first_sensors(loop *loop, int ticks)
 }
 
 /*
- * Let each failure of a sensor that has begun in the self-test last as long as its event of the
- * scene file states: at the end of the self-test, subtract the number of its ticks from the tick at
- * which the failure ends.
+ * Correct the ends of sensor failures that the scene file places in tick 0, and that began already
+ * in the self-test. The tick in which such a failure ends was counted from the start of the
+ * self-test. After the self-test ticks are counted from 0 again, so that the number of ticks of the
+ * self-test is subtracted.
+ *   ticks in  number of ticks of the self-test
  */
 static void shift_first_sensors(loop *loop, int ticks)
 {

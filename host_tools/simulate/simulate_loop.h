@@ -33,8 +33,9 @@ typedef struct disturbance {
 /*
  * Tables of the block (stage of the control tick) with which the simulation replaces the library's
  * step block, which computes the voltages. The first member is the least-squares problem for the
- * voltages, because the library takes a pointer to the tables for a pointer to this problem. The
- * second member is the simulated loop in which the block runs.
+ * voltages, to which the library keeps a pointer. Because it is the first member, loop_of can
+ * convert this pointer to a pointer to the whole structure. The second member is the simulated loop
+ * in which the block runs.
  */
 typedef struct law_tables {
     pzs_problem problem;
@@ -76,9 +77,11 @@ typedef struct loop {
     double *wanted; /* [targets] wanted displacements: those of the scene's target or of the last
                        event that replaces it, multiplied by the factor that other events give to
                        the target */
-    double *load, *scheduled_load; /* [loads + 1] factors of the loads: present values, and values
-                                      by the events of the scene file alone, without random events;
-                                      the last entry is the temperature change (K) */
+    double *load, *scheduled_load; /* [loads + 1] factors of the loads; the last entry is a
+                                      temperature change (K). load: present values. scheduled_load:
+                                      values that result from the events of the scene file alone,
+                                      without random events; they are restored when random events
+                                      end. */
     double *shape; /* [targets] present displacements of the target nodes of the simulated structure
                     */
     double *scratch; /* [targets] work array for displacements of the target nodes */

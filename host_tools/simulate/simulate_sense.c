@@ -126,10 +126,10 @@ const double *sense_known_loads(const loop *loop, int tick)
 }
 
 /*
- * Compute the measurement error of the simulated loop: the weighted norm of true shape minus
- * measured shape, relative to that of the scene's target. The displacements by the known loads,
- * which the controller subtracts from its measured shape, are added again. Targets without a
- * measurement contribute zero.
+ * Compute the measurement error of the simulated loop: the weighted norm of the difference between
+ * true and measured shape, divided by the weighted norm of the scene's target. The controller's
+ * measured shape leaves out the displacements by known loads; they are added to it before the
+ * comparison. Targets without a measurement contribute zero.
  */
 void sense_measurement_error(loop *loop)
 {

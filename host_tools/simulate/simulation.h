@@ -183,8 +183,8 @@ typedef struct simulation {
  * Build the simulated structure and set up the phases of the simulation, each from one tick with
  * events to the next.
  *   nominal in  analysis of a scene with a `simulate` section, whose influence matrix is computed;
- *               must outlive the simulation. Its option quasi_static leaves out the vibration model
- *               of the controller, and is set for a quasi-static plant
+ *               must outlive the simulation. For a quasi-static plant, its member quasi_static is
+ *               set: the controller's tables then contain no vibration model
  * Returns 0, or -1 with error filled and the simulation empty.
  */
 int simulate_open(simulation *simulation, analysis *nominal, char *error);

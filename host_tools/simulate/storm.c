@@ -102,9 +102,9 @@ static void fill_limits(storm_rig *rig)
 }
 
 /*
- * Smallest unit for shape errors, which are measured relative to the norm of the target where that
- * is larger. It is this fraction of the norm of a shape: that under half the voltage range of all
- * amplifiers, with random signs.
+ * Lower limit of the divisor of shape errors, which otherwise is the norm of the target. The limit
+ * is relative to the root mean square norm of the shapes under half the voltage range of all
+ * amplifiers with random signs.
  */
 static const double least_scale = 0.02;
 
@@ -268,12 +268,13 @@ typedef struct storm {
                         next (V) */
     double *acting;  /* [amplifiers] voltages that act on the ceramic of the electrodes, after
                         hysteresis and creep (V) */
-    double *stroke; /* [2][amplifiers] stroke of the electrodes: voltages that act on the ceramic at
-                       the lower and at the upper voltage limits (V) */
-    double *play;   /* [amplifiers][PZS_PLAY_LIMIT] outputs of the play operators of the hysteresis
-                       model (V) */
-    double *creep;  /* [amplifiers][PZS_CREEP_LIMIT] outputs of the first-order lags of the creep
-                       model (V) */
+    double *stroke;  /* [2][amplifiers] lowest and highest voltages that can act on the ceramic of
+                        the electrodes (V). They differ from the voltage limits of the amplifiers
+                        because of hysteresis. */
+    double *play;    /* [amplifiers][PZS_PLAY_LIMIT] outputs of the play operators of the hysteresis
+                        model (V) */
+    double *creep;   /* [amplifiers][PZS_CREEP_LIMIT] outputs of the first-order lags of the creep
+                        model (V) */
     const pzs_hysteresis *hysteresis; /* hysteresis and creep of the ceramic as the scene file
                                          describes them; NULL where the loop does not compensate
                                          them */
@@ -385,8 +386,9 @@ static hysteresis_memory memory_of(const storm *storm, size_t k)
 }
 
 /*
- * Set the hysteresis of the ceramic, where the loop compensates it, and compute the stroke of the
- * electrodes (voltages that can act on the ceramic) from rest at 0 V.
+ * Choose the hysteresis model of the ceramic: that of the scene file if the loop compensates
+ * hysteresis, otherwise none. Compute the lowest and highest voltages that can act on the ceramic:
+ * the effects of the lower and the upper voltage limit after a state of rest at 0 V.
  */
 static void start_ceramic(storm *storm)
 {
@@ -425,9 +427,9 @@ static void drive_amplifiers(storm *storm)
 }
 
 /*
- * Voltage (V) that would act on the ceramic of electrode k if its hysteresis loop had no width. It
- * varies linearly with the mean output voltage of the amplifier, between the two voltages that act
- * on the ceramic at the voltage limits.
+ * Return the voltage (V) that would act on the ceramic of electrode k without hysteresis: a linear
+ * function of the mean output voltage of its amplifier. At the lower and the upper voltage limit it
+ * has the same values as with hysteresis.
  */
 static double straight_effect(const storm *storm, size_t k)
 {
@@ -467,8 +469,8 @@ static void advance_ceramic(storm *storm)
 /*
  * Append a block (stage of the control tick) to those that the simulation runs. The limits of the
  * simulation replace those in the least-squares problem of the step block, which computes the
- * voltages. If the step block is a control law for comparison, the problem is replaced inside its
- * tables, because they also contain the memory of the law.
+ * voltages. The library's step block gets a pointer to the new problem. The tables of a control law
+ * for comparison begin with a problem, which is overwritten; their other members stay.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -515,9 +517,9 @@ static pzs_status open_loop(storm *storm)
 }
 
 /*
- * Displacement of an output of the structure at 0 V. Returns 0 in simulations without voltage
- * limits, which measure the growth of small vibrations: there the displacement would only add a
- * steady motion of the voltages.
+ * Static displacement of an output of the structure at 0 V, under the load of a load step.
+ * Simulations without voltage limits measure the growth of small vibrations. They leave out the
+ * displacement without load, because the voltages would only move to compensate it.
  */
 static double offset_of(const storm *storm, size_t row)
 {
@@ -541,9 +543,9 @@ static void compute_rest(storm *storm, const double *voltage)
 
 /*
  * Find the voltages at which a control loop comes to rest on a structure whose influence matrix
- * differs from the controller's, by static control steps of half size. They differ from the best
- * voltages for the structure, because the controller projects the error of the shape with its own
- * influence matrix.
+ * differs from the controller's. Static control steps are repeated, each of which corrects half of
+ * the shape error. The result differs from the best voltages for the structure, because the
+ * controller computes voltages with its own influence matrix.
  *   control  in/out  with the controller's influence matrix, and with the voltages that can act on
  *            the ceramic as voltage limits
  */
@@ -563,10 +565,10 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 }
 
 /*
- * Compute the best shape of the simulated structure for the last target, within the stroke of the
- * electrodes (voltages that can act on the ceramic). The influence matrix is the structure's, of
- * which the controller may leave out small entries. On a deformed structure, compute the shape at
- * which the loop comes to rest instead, with the controller's matrix.
+ * Compute the best shape of the simulated structure for the last target, with voltages on the
+ * ceramic between the lowest and highest that can act there. The influence matrix is the
+ * structure's, of which the controller may leave out small entries. On a deformed structure,
+ * compute the shape at which the loop comes to rest instead, with the controller's matrix.
  */
 static pzs_status find_best(storm *storm, double *voltage)
 {
@@ -901,9 +903,10 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 /* ---- growth of small vibrations --------------------------------------- */
 
 /*
- * Return the size of a vibration under control as one number: the root of the sum of two squared
- * norms, weighted with the target weights. One norm is that of the vibration displacements. The
- * other is that of the displacements by the last change of the voltages.
+ * Return the amplitude of small vibrations of a control loop as one number: the root of the sum of
+ * two squared norms, weighted with the target weights. One norm is that of the vibration
+ * displacements. The other is that of the static displacements by the last change of the voltages,
+ * because an unstable loop can also make the voltages oscillate.
  */
 static double amplitude(storm *storm)
 {

@@ -31,8 +31,8 @@ typedef struct storm_ceramic {
      */
     void (*act)(void *state, const double *voltage, double *acting);
     void *state;
-    const double *lowest, *highest; /* [amplifiers] stroke of the electrodes: voltages that act on
-                                       the ceramic at the lower and upper voltage limits (V) */
+    const double *lowest, *highest; /* [amplifiers] lowest and highest voltages that can act on the
+                                       ceramic of the electrodes (V) */
 } storm_ceramic;
 
 /*
@@ -49,9 +49,9 @@ typedef struct storm_plant {
                             negative: newer */
     uint64_t seed;       /* seed of the random sequence of target jumps */
     double missed_share; /* part of the ticks that the controller misses, from 0 to 1 */
-    const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: the ceramic that the
-                                     scene file describes, without hysteresis where the loop does
-                                     not compensate it */
+    const storm_ceramic *ceramic; /* ceramic of the simulated structure. NULL: with the hysteresis
+                                     and creep of the scene file if the loop compensates them,
+                                     otherwise without */
     double less_hysteresis; /* part, from 0 to 1, by which the ceramic has less hysteresis and creep
                                than the scene file describes */
     bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */
@@ -101,8 +101,8 @@ typedef struct storm_rig {
 
 typedef struct storm_result {
     double end;  /* largest distance of the shape from the best shape that the voltage limits allow,
-                    in the last period of the first vibration mode of a storm (simulation with fast
-                    target jumps); relative to the norm of the target */
+                    at the end of a storm (simulation with fast target jumps): over about one period
+                    of the first vibration mode; relative to the norm of the target */
     double peak; /* largest distance of the shape from the best shape that the voltage limits allow,
                     at any time of a storm (simulation with fast target jumps); relative to the norm
                     of the target */
