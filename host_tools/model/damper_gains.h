@@ -30,8 +30,9 @@ typedef struct damper_settings {
     double damping; /* damping per radian: in a tick, the voltages move the static equilibrium of a
                        vibration mode by this number x phase angle of the mode in a tick (rad) x
                        deviation of the mode from its equilibrium */
-    double cut; /* phase angle of a vibration mode in a tick (rad) up to which the mode is damped in
-                   full; modes with more than twice this angle are not damped */
+    double cut; /* phase angle in a tick (angular frequency times tick interval, rad) up to which a
+                   vibration mode is damped in full; modes with more than twice this angle are not
+                   damped */
     double observed; /* upper limit of the phase angle in a tick (angular frequency times tick
                         interval, rad) of the vibration modes that the observer estimates */
     double follow; /* factor in the fraction of the distance to the statically optimal voltages that

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include "../mesh/laminate_bending.h"
 
-/* ---- general meshes ----------------------------------------------------- */
+/* ---- irregular meshes --------------------------------------------------- */
 
 /*
  * Return whether a rule on irregular meshes has a k-th number to measure. Each of these rules

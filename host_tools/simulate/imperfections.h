@@ -119,10 +119,10 @@ void imperfections_actuate(const imperfections *imperfections, const double *out
                            double interval, double *effect);
 
 /*
- * Compute the stroke of the electrodes: the lowest and highest voltages that would act on the
- * ceramic if all amplifiers moved to their lower or upper limits at once. Hysteresis makes the
- * stroke smaller than the voltage limits, and creep makes it larger with time; a faulty electrode
- * has no stroke. The states of the electrodes do not change.
+ * Compute the lowest and highest voltages that would act on the ceramic if all amplifiers moved to
+ * their lower or upper limits at once (the stroke of the electrodes). Hysteresis makes their range
+ * smaller than that of the voltage limits, and creep makes it larger with time. A faulty electrode
+ * has no range. The states of the electrodes do not change.
  *   lowest, highest [amplifiers] out  these voltages (V), infinite where the voltage limit is
  *     infinite
  * Returns whether memory was available.

@@ -92,8 +92,10 @@ typedef struct storm_rig {
                                       coordinate of each vibration mode */
     double *mode_response; /* [amplifiers][modes] coordinate of each vibration mode in equilibrium
                               per volt of each amplifier */
-    double scale; /* unit in which shape errors are measured (m): norm of the target, or 1/50 of the
-                     norm of the shapes that voltages can reach, whichever is larger */
+    double scale;  /* unit in which shape errors are measured (m): norm of the target, or a fiftieth
+                      of a reference norm if that is larger. The reference norm is the root mean
+                      square norm of the shapes under half the voltage range of all amplifiers with
+                      random signs. */
     uint32_t *row; /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */
