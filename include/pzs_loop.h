@@ -240,7 +240,7 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
 /*
  * Run one tick of a control loop: all blocks (stages of the tick) in the order of their list, then
- * a check of the voltages.
+ * the last gate, which checks the voltages.
  *   wanted   [outputs] in  target shape (m)
  *   readings [sensors] in  sensor readings, NaN where a sensor gives nothing; in a loop without
  *                          estimator and damper the measured shape [outputs] (m); NULL: no readings
@@ -253,9 +253,9 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  * limits. From the estimator or the damper: no reading was usable, so the last disturbance is kept,
  * and the voltages still follow the target.
  *
- * The check of the voltages compares each voltage with the limits in flash and with the voltage of
- * the last tick. A voltage beyond a voltage limit or a step limit is clamped, and one that is not
- * finite is replaced by the last one. In both cases working memory was damaged, and the status is
+ * The last gate compares each voltage with the limits in flash and with the voltage of the last
+ * tick. A voltage beyond a voltage limit or a step limit is clamped, and one that is not finite is
+ * replaced by the last one. In both cases working memory was damaged, and the status is
  * PZS_W_OUTPUT, which takes precedence over other warnings.
  *
  * Damaged memory: each tick derives pointers, sizes and limits again from three copies of the list
@@ -691,10 +691,10 @@ typedef struct pzs_damper_info {
     pzs_real deviation;
     /*
      * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick
-     * (m); 0 where no reading was usable. Where shapes such as rigid motions may be added to the
-     * target at no cost, all target nodes are measured, and vibration modes are observed, the
-     * readings contain such shapes, which the model does not predict. There only the part of the
-     * innovations that the vibration modes explain counts
+     * (m); 0 where no reading was usable. A special case: shapes such as rigid motions may be added
+     * to the target at no cost, all target nodes are measured, and vibration modes are observed.
+     * The readings then contain such shapes, which the model does not predict. Therefore only the
+     * part of the innovations that the vibration modes explain counts
      */
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
@@ -1272,10 +1272,10 @@ typedef struct pzs_selftest_tables {
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Squared response of the self-test to white noise in the readings of a sensor, for noise of
- * variance 1 and test pulses of height 1 with N ticks, times N (1). With the weights e (symmetric
- * in time) and o (antisymmetric) by which readings are multiplied, and the voltage p of the pulse,
- * it is
+ * Squared response of the self-test to white noise in the readings of a sensor, times N (1). It is
+ * stated for noise of variance 1 and for test pulses of height 1 with N ticks. With the weights e
+ * (symmetric in time) and o (antisymmetric) by which readings are multiplied, and the voltage p of
+ * the pulse, it is
  *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2
  * with sums over the ticks of the pulse, for large N.
  */

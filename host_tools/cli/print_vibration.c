@@ -216,9 +216,9 @@ void print_vibration_summary(const certificate *certificate, bool is_quasi_stati
 }
 
 /*
- * Write the stability of the control loop of a firmware to the JSON member "certificate". The loop
- * is that with the tables of `pzs tables`. If these tables have a vibration model, the loop that
- * damps vibration was examined, otherwise the loop without it.
+ * Write the stability of a control loop to the JSON member "certificate": the loop of a firmware
+ * with the tables that `pzs tables` writes. If these contain a vibration model, the numbers are
+ * those of the loop with vibration damping, otherwise of the loop without it.
  */
 static void json_stability(json *json, const certificate *certificate)
 {

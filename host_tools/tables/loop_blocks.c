@@ -229,11 +229,12 @@ static double reachable_rms(const design *design)
  * Make the tables of the supervisor, the block (stage of the tick) that monitors the control loop.
  * A tick is implausible if the measured shape deviates from the predicted one by more than a
  * threshold. Three numbers determine the threshold, with W the root mean square of the target:
- *   load    tolerated effect of a sudden load: 0.3 W, or the effect of the scene's loads if larger
+ *   load    tolerated effect of a sudden load: 0.3 W, or the effect of the scene's loads if
+ *           larger
  *   noise   noise of the readings: that of the scene, at least 0.005 W
- *   fading  factor by which the tolerated effect of earlier changes of the target decays in a tick:
- *           by e in two periods of the first vibration mode, or in 50 ticks without a vibration
- *           model
+ *   fading  factor by which the tolerated effect of earlier changes of the target is multiplied
+ *           in a tick: it falls to 1/e in two periods of the first vibration mode, or in 50
+ *           ticks without a vibration model
  * If the target is zero, W is the root mean square of the shape under half the voltage range. An
  * alarm begins when the counter of implausible ticks reaches one period of the mode, at least 20
  * ticks.

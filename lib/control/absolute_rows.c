@@ -114,12 +114,12 @@ static bool follow_voltages(const rows_run *run)
 }
 
 /*
- * Reverse the chosen sign of each input at 0 V (in a sum of absolute values of voltages) if a
- * change of its voltage with the other sign may lower the objective by more than solver->gap. This
- * duality gap bounds how much the objective can fall with the present signs. If the last iterations
- * have not lowered the objective, only a pseudo-random half of these signs is reversed. Where the
- * voltages are at several limits at once, some choices of signs do not let the objective fall.
- * Returns whether any input met the condition.
+ * Reverse the chosen sign of each input at 0 V (in a sum of absolute values of voltages) if its
+ * voltage with the other sign may lower the objective by more than solver->gap. This duality gap
+ * bounds how much the objective can fall with the present signs. If the last iterations have not
+ * lowered the objective, only a pseudo-random half of these signs is reversed. Where the voltages
+ * are at several limits at once, some choices of signs do not let the objective fall. Returns
+ * whether any input met the condition.
  */
 static bool cross_zero(const rows_run *run)
 {

@@ -51,9 +51,9 @@
  * longer counts as verified, and the round computes the whole gradient from H. An error of the
  * tableau can thus persist for at most inputs/2 + 1 ticks.
  *
- * Recomputation. The tableau is computed anew from H, at most once in a tick, after a round that
- * hardly reduced the KKT violation (violation of the optimality conditions), or after a wrong
- * prediction of the gradient if there were many exchanges.
+ * Recomputation. At most once in a tick the tableau is computed anew from H. This is done after a
+ * round that hardly reduced the KKT violation (violation of the optimality conditions). It is also
+ * done after a wrong prediction of the gradient if there were many exchanges.
  *
  * Rounding. Only KKT violations above their rounding bound count. A round is undone if it neither
  * ends at the optimum nor lowers the objective; the change of the objective follows from the

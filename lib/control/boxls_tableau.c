@@ -295,7 +295,7 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
  * pivoted Hessian (tableau). This function is for tableaus with many inputs that are being
  * computed. It changes the lower triangle with the diagonal. It uses two copies of the updates in
  * groups of columns, in memory of the dual active-set method behind the updates. Returns whether
- * the updates were applied; false on other processors, and if few updates are collected.
+ * the updates were applied; false on other processors, and if the updates are stored elsewhere.
  */
 static bool apply_wide(pzs_optimiser *optimiser)
 {

@@ -132,10 +132,10 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
  * Compute the part B'W^2 (wanted - shown) of the gradient that depends on the target, with the
  * influence matrix B and the output weights W. The shape `shown` is that of the base voltages
  * (around which the gradient is computed) plus the disturbance (measured minus predicted shape).
- * Also computes optimiser->target_energy, the scale of the objective: the squared norm of W (wanted
- * - shape without voltages). It is at least epsilon times the result, its rounding error. Returns
- * the squared norm |W (wanted - shown)|^2 (m2). The result and the scale are finite only if the
- * gradient is.
+ * Returns the squared norm |W (wanted - shown)|^2 (m2). The function also computes
+ * optimiser->target_energy, the scale of the objective (m2): the squared norm of W (wanted - shape
+ * without voltages). The scale is at least its rounding error, the machine epsilon times the
+ * returned norm. Both numbers are finite only if the gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)

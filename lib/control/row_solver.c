@@ -763,8 +763,8 @@ static pzs_real change_by_rounding(const rows_run *run)
  * After a round (sequence of iterations), undo it if it raised the objective by more than rounding
  * errors explain. If the round made no progress, store its duality gap. A round in which a voltage
  * at 0 V got the other sign made progress only if it lowered the objective by more than rounding
- * errors explain. Without this rule the optimiser could reverse the same signs for ever: the
- * margins by which limits are narrowed depend on the signs, and so does the optimum, a little.
+ * errors explain. Without this rule the optimiser could reverse the same signs for ever: because
+ * the limits are narrowed by margins, the optimum moves a little with each choice of signs.
  *   has_crossed in  whether a voltage at 0 V got the other sign
  */
 static void judge_round(const rows_run *run, bool has_crossed)

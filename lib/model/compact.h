@@ -11,18 +11,19 @@
 #include "pzs_model.h"
 
 /*
- * Compute the data of an element that belong to one corner and one direction (surface coordinate
- * theta1 or theta2), from the nodes at this corner and at the neighbouring corner in this
- * direction. The derivative of the displacement is the difference between the displacement vectors
- * of both nodes, divided by the distance of the nodes.
+ * Compute the data of an element for one corner and one direction (surface coordinate theta1 or
+ * theta2), from the nodes at this corner and at the neighbouring corner in this direction. The
+ * derivative of the displacement is the difference between the displacement vectors of both nodes,
+ * divided by the distance of the nodes.
  *   inverse_length          in   1 divided by the distance between the corner and its neighbour
  *                                (1/m); negative if the surface coordinate is smaller at the
  *                                neighbour
- *   middle                  in   height of the middle of the shell above the reference surface, on
- *                                which the nodes lie (m)
- *   s, t                    out  derivative of the displacement with respect to the displacements
- *                                of the corner and of the neighbour (1/m)
- *   g_mean                  out  base vector in this direction, mean of both faces of the shell (1)
+ *   middle                  in   height of the middle of the shell above the reference surface,
+ *                                on which the nodes lie (m)
+ *   s, t                    out  derivative of the displacement with respect to the
+ *                                displacements of the corner and of the neighbour (1/m)
+ *   g_mean                  out  base vector in this direction, mean of both faces of the shell
+ *                                (1)
  *   g_diff                  out  base vector of the outer face minus that of the inner face,
  *                                divided by the thickness (1/m)
  */

@@ -236,8 +236,8 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
  * facet lie outside. This depth is an error of the mesh: a flat facet whose corners touch a body of
  * radius R enters the body. Its depth is the sum over the corners of shape function * distance^2 /
  * (2 R), which is length^2 / (8 R) in the middle of a side. Twice this depth is allowed, because a
- * distance function of a body may return more than the distance. The result is limited to R/5, more
- * than the depth R (1 - sqrt(3/4)) of a facet with diagonals of length R. If the diagonals are
+ * distance function of a body may return more than the distance. The result is at most R/5, which
+ * exceeds the depth R (1 - sqrt(3/4)) of a facet with diagonals of length R. If the diagonals are
  * longer and no corner is in contact, the result is 0: a body may not pass between the nodes.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,

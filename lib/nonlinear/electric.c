@@ -105,9 +105,9 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /*
      * The tangent matrix is that at fixed voltages. An open electrode keeps its charge instead,
-     * which stiffens the structure. The number of negative pivots of the structure with open
-     * electrodes is that of the tangent matrix minus that of the matrix of charges per volt,
-     * because the inertia of a block matrix is the sum of the inertias of a block and of its Schur
+     * which stiffens the structure. With open electrodes the number of negative pivots is that of
+     * the tangent matrix minus that of the matrix of charges per volt. This follows from the
+     * inertia of a block matrix, which is the sum of the inertias of a block and of its Schur
      * complement.
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots

@@ -274,12 +274,14 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Compute one row of stresses per unit of nodal degree of freedom in four columns, those of the
- * seventh degree of freedom q of the nodes. q is the displacement of the middle surface minus the
- * mean of both faces. The row is the sum over i of factor[i * stride] times the strains row[i].
- *   to    [4]     out  result
- *   row   [count] in   rows of the array of nodal strains, in the order from A33M to A12D; for
- *                      count = WITH_Q the rows to which q does not contribute are left out
+ * Compute a weighted sum of rows in four columns, those of the seventh degree of freedom q of the
+ * four nodes: the sum over i of factor[i * stride] times row[i]. The rows are strains or stresses
+ * per unit of each nodal degree of freedom. q is the displacement of the middle surface minus the
+ * mean of both faces.
+ *   to    [4] out  result
+ *   row       in   rows, in the order of the strains from A33M to A12D
+ *   count     in   number of rows that q contributes to: the first ones; for WITH_Q the first
+ *                  four and that of A12M
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
