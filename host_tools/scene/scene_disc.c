@@ -97,48 +97,51 @@ static int read_disc(reader *reader, int node, void *to, const void *rule)
 
 typedef struct disc_text {
     quad_disc disc;
-    double direction[3];
-    bool accept_irregular;
+    block_options options;
 } disc_text;
 
 static const field mesh_disc_fields[] = {
     {"disc", read_disc, offsetof(disc_text, disc), .required = 1, .form = &disc_form,
      .help = "A disc without a hole, in place of a surface and a mesh file."},
-    {"direction", read_unit, offsetof(disc_text, direction), .of = OF_NUMBER, .form = &triple_form,
-     .help = "Vector [x, y, z] from whose projection the angles of layers are measured; default "
-             "the first side of each element."},
-    {"accept_irregular", read_flag, offsetof(disc_text, accept_irregular),
-     .help = "Report elements that are too thin for an irregular mesh, instead of refusing them; "
-             "default false."},
+    BLOCK_ROWS(offsetof(disc_text, options)),
     {.key = NULL}};
 const form mesh_disc_form = {.type = FORM_MAP, .fields = mesh_disc_fields};
 
-int read_mesh_disc(reader *reader, int node, void *to, const void *rule)
+int scene_take_block(reader *reader, int node, scene *scene, const char *key, quad_mesh *mesh,
+                     const block_options *options)
 {
-    scene *scene = to;
-    disc_text text;
-    (void)rule;
-    memset(&text, 0, sizeof text);
-    if (tree_find(reader->t, reader->t->root, "surface"))
-        return tree_fault(reader->t, tree_find(reader->t, node, "disc"),
-                          "a disc brings its own surface; remove 'surface'");
-    if (read_map(reader, node, mesh_disc_fields, &text) != 0)
-        return -1;
+    char *name = calloc(strlen(key) + 1, 1);
     scene->quads = calloc(1, sizeof *scene->quads);
-    char *name = calloc(1, sizeof "disc");
-    if (!scene->quads || !name || quad_disc_make(&scene->quads->mesh, &text.disc) < 0) {
+    if (!scene->quads || !name) {
         free(name);
+        quad_mesh_free(mesh);
         return tree_fault(reader->t, node, "out of memory");
     }
-    memcpy(name, "disc", sizeof "disc");
+    memcpy(name, key, strlen(key));
+    scene->quads->mesh = *mesh;
     scene->quads->file = name;
     scene->quads->at = node_at(reader, node);
-    scene->quads->accept_irregular = text.accept_irregular;
+    scene->quads->accept_irregular = options->accept_irregular;
     scene->at_surface = scene->line[0].at = scene->line[1].at = scene->quads->at;
-    memcpy(scene->quads->direction, text.direction, sizeof text.direction);
-    if (scene->quads->mesh.nodes > SCENE_NODES)
-        return tree_fault(reader->t, node,
-                          "a disc of %zu nodes has more than %d; use fewer elements",
-                          scene->quads->mesh.nodes, SCENE_NODES);
+    memcpy(scene->quads->direction, options->direction, sizeof options->direction);
+    if (tree_find(reader->t, reader->t->root, "surface"))
+        return tree_fault(reader->t, tree_find(reader->t, node, key),
+                          "a %s brings its own surface; remove 'surface'", key);
+    if (mesh->nodes > SCENE_NODES)
+        return tree_fault(reader->t, node, "a %s of %zu nodes has more than %d; use fewer elements",
+                          key, mesh->nodes, SCENE_NODES);
     return 0;
+}
+
+int read_mesh_disc(reader *reader, int node, void *to, const void *rule)
+{
+    disc_text text;
+    quad_mesh mesh;
+    (void)rule;
+    memset(&text, 0, sizeof text);
+    if (read_map(reader, node, mesh_disc_fields, &text) != 0)
+        return -1;
+    if (quad_disc_make(&mesh, &text.disc) < 0)
+        return tree_fault(reader->t, node, "out of memory");
+    return scene_take_block(reader, node, to, "disc", &mesh, &text.options);
 }

@@ -15,9 +15,10 @@
 field_read read_surface, read_mesh;
 
 /*
- * Functions that read keys of scenes with a mesh from a file (scene_quads.c, scene_disc.c). The C
- * object at `to`, which receives the value, is
- *   read_mesh_file, read_mesh_disc      the scene
+ * Functions that read keys of scenes with a mesh from a file (scene_quads.c) or of blocks
+ * (scene_disc.c, scene_panel.c). The C object at `to`, which receives the value, is
+ *   read_mesh_file, read_mesh_disc,
+ *   read_mesh_panel                     the scene
  *   read_layer_sets                     a scene_layer, which gets the elements of the named sets
  *   read_patch_sets                     a scene_patches, which gets the elements of the named sets
  *   read_set                            a scene_where (place on the mesh), which gets the name of a
@@ -25,8 +26,38 @@ field_read read_surface, read_mesh;
  *   read_set_pattern                    the same; a * in the name stands for any text
  *   read_vector, read_unit              double[3]: a vector, and a vector scaled to length 1
  */
-field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, read_set,
-    read_set_pattern, read_vector, read_unit;
+field_read read_mesh_file, read_mesh_disc, read_mesh_panel, read_layer_sets, read_patch_sets,
+    read_set, read_set_pattern, read_vector, read_unit;
+
+/* Keys beside `disc` or `panel` in the section `mesh`. */
+typedef struct block_options {
+    double direction[3];   /* vector from which ply angles are measured (scene_quads.direction) */
+    bool accept_irregular; /* whether irregular thin elements are reported instead of refused */
+} block_options;
+#define BLOCK_ROWS(offset)                                                                         \
+    {"direction",                                                                                  \
+     read_unit,                                                                                    \
+     (offset) + offsetof(block_options, direction),                                                \
+     NULL,                                                                                         \
+     0,                                                                                            \
+     OF_NUMBER,                                                                                    \
+     &triple_form,                                                                                 \
+     "Vector [x, y, z] from whose projection the angles of layers are measured; default the "      \
+     "first side of each element."},                                                               \
+    {                                                                                              \
+        "accept_irregular", read_flag, (offset) + offsetof(block_options, accept_irregular), NULL, \
+            0, OF_NOTHING, NULL,                                                                   \
+            "Report elements that are too thin for an irregular mesh, instead of refusing them; "  \
+            "default false."                                                                       \
+    }
+
+/*
+ * Let a scene own a mesh that was made from the key `disc` or `panel` (scene_disc.c). The scene
+ * must not have a surface of its own. Returns 0, or -1 after writing an error message about the
+ * scene file; the mesh is then released with the scene, or at once.
+ */
+int scene_take_block(reader *reader, int node, scene *scene, const char *key, quad_mesh *mesh,
+                     const block_options *options);
 
 /*
  * Find the k-th set, counted from 0, of the sets of nodes, edges and elements of the mesh file
@@ -191,7 +222,7 @@ field_read read_edge, read_point, read_at, read_face;
 int require_place(reader *reader, int node, const scene_where *where);
 extern const form direction_form, stacks_form;
 extern const form edge_form, point_form, node_form, at_form, face_form, place_form, mesh_file_form,
-    mesh_disc_form;
+    mesh_disc_form, mesh_panel_form;
 extern const choice place_axes[], place_faces[], place_pers[];
 extern const int place_components[];
 

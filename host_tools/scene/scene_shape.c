@@ -439,7 +439,8 @@ static const field mesh_fields[] = {
     {.key = NULL}};
 
 static const form lines_form = {.type = FORM_MAP, .fields = mesh_fields};
-static const form *const mesh_forms[] = {&lines_form, &mesh_file_form, &mesh_disc_form, NULL};
+static const form *const mesh_forms[] = {&lines_form, &mesh_file_form, &mesh_disc_form,
+                                         &mesh_panel_form, NULL};
 const form mesh_form = {.type = FORM_ANY, .any = mesh_forms};
 
 int read_mesh(reader *reader, int node, void *to, const void *rule)
@@ -449,6 +450,8 @@ int read_mesh(reader *reader, int node, void *to, const void *rule)
         return read_mesh_file(reader, node, to, rule);
     if (reader->t->node[node].kind == TREE_MAP && tree_find(reader->t, node, "disc"))
         return read_mesh_disc(reader, node, to, rule);
+    if (reader->t->node[node].kind == TREE_MAP && tree_find(reader->t, node, "panel"))
+        return read_mesh_panel(reader, node, to, rule);
     if (!tree_find(reader->t, reader->t->root, "surface"))
         return tree_fault(reader->t, reader->t->root,
                           "'surface' is missing in %.60s; add it, or a mesh file: mesh: {file: "

@@ -41,7 +41,7 @@ BEYOND_SCHEMA = [
     "its axis belong together",
     # meshes from files
     "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is no unit of length", "brings its own surface",
-    "of the rim is more than", "lies outside the rim", "list circles from", "needs a target", "needs kinematics", "no finite position", "the coordinate lines meet", "acts along or across its edge",
+    "of the rim is more than", "may be at most .* of that", "goes around the cylinder", "a panel of .* nodes", "too long for the curvature", "lies outside the rim", "list circles from", "needs a target", "needs kinematics", "no finite position", "the coordinate lines meet", "acts along or across its edge",
     # outlines of electrodes
     "belongs to (patches of whole|'outlines')", "outside the surface", "overlap on one layer", "leaves no electrode", "cross or touch",
     "lie on a line", "are equal; leave", "let 'to' be", "the radius .* follows", "numbers of sectors for", "no pixel of the bitmap",

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Mesh of a rectangular panel with a circular hole, flat or part of a cylinder: a square block of
+ * elements around the hole, and eight rectangular blocks around it.
+ */
+#ifndef QUAD_PANEL_H
+#define QUAD_PANEL_H
+
+#include "quad_mesh.h"
+
+typedef struct quad_panel {
+    double length;    /* extent of the panel along x (m) */
+    double width;     /* extent of the panel along y, on a cylinder along its circumference (m) */
+    double hole;      /* radius of the hole, on a cylinder measured along the surface (m) */
+    double centre[2]; /* centre of the hole along x and along the width, from the middle of the
+                         panel (m) */
+    double cylinder;  /* radius of the cylinder along the x axis of which the panel is a part (m);
+                         0: the panel is flat */
+    int elements;     /* number of elements along a quarter of the hole's rim */
+} quad_panel;
+
+/*
+ * Make the mesh of a panel around the origin. A flat panel lies in the plane z = 0; on a cylinder
+ * the middle of the panel is its highest line, at z = 0. The outer face looks along +z there. Every
+ * inner node lies at the mean of its neighbours, measured along the surface, so that the mesh is as
+ * regular as its blocks permit; towards the hole the elements become smaller.
+ * Sets: edges `left` and `right` (ends along x), `bottom` and `top` (ends along y) and `hole`;
+ * elements `around_hole`. The numbers in `panel` must be in their ranges. Returns 0, or -1 with the
+ * mesh empty when memory runs out.
+ */
+int quad_panel_make(quad_mesh *mesh, const quad_panel *panel);
+
+/*
+ * Return the least number of elements along a quarter of the hole's rim of a panel on a cylinder,
+ * with which elements around the hole are at most about a quarter of the cylinder's radius long.
+ * Longer ones are refused as too thin for an irregular mesh at a thickness of a thousandth of the
+ * radius.
+ */
+int quad_panel_least_elements(const quad_panel *panel);
+
+/* Return the number of nodes of a panel's mesh. */
+size_t quad_panel_nodes(const quad_panel *panel);
+
+#endif
