@@ -44,10 +44,11 @@ enum {
 
 /*
  * Certificate of a control loop (result of simulations that test whether it is stable) on the
- * structure linearised about the equilibrium at the target shape, where deformation and prestress
- * change its response and its modes. The controller uses the same tables as in the firmware, which
- * are not adapted to the deformed structure. The simulated structures have 0.8 to 1.33 times the
- * static response and 0.9 to 1.1 times the natural frequencies of the deformed structure.
+ * deformed structure, linearised about the equilibrium at the target shape. Deformation and
+ * prestress change its response and its modes. The controller uses the same tables as in the
+ * firmware, which are not adapted to the deformed structure. The simulated structures have 0.8 to
+ * 1.33 times the static response and 0.9 to 1.1 times the natural frequencies of the deformed
+ * structure.
  */
 typedef struct certificate_target {
     bool is_made;

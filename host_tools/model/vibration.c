@@ -311,7 +311,7 @@ static void apply(search *search, const double *vector, size_t count)
 
 /*
  * Copy row `index` of the array image (Lanczos operator times a basis vector) to the work vector
- * `next`, and the same row of mass_image (mass matrix times that vector) to `mass_next`.
+ * `next`. Copy the same row of mass_image (mass matrix times that vector) to `mass_next`.
  */
 static void take_image(search *search, size_t index)
 {

@@ -216,9 +216,9 @@ static double tangent_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Return the time (h + b)/2 (s) in the relation u1 - u0 = h v0 + (h + b)/2 (v1 - v0) between the
- * displacements u and the velocities v at the start (0) and the end (1) of a time step of length h
- * (s). The coefficient b is motion->viscosity (s); with b = 0 the mean velocity is (v0 + v1)/2.
+ * Return the time (h + b)/2 (s), where h is the length of the time step and b is motion->viscosity
+ * (s). In a step from the displacement u0 and velocity v0 to u1 and v1 the method sets u1 - u0 =
+ * h v0 + (h + b)/2 (v1 - v0). With b = 0 the mean velocity is thus (v0 + v1)/2.
  */
 static double response_time(const shell_motion *motion, double step)
 {
