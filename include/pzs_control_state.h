@@ -136,10 +136,11 @@ typedef struct pzs_optimiser {
     pzs_real *target_gradient; /* [width >= inputs] part of half the gradient of the objective, to
                                   be subtracted: B'W^2 (e - B v), with influence matrix B, output
                                   weights W, target error e, and v the voltages in `base` (m2/V) */
-    pzs_real *model_gradient;  /* [width >= inputs] part of half the gradient of the optimiser's
-                                  objective that depends on the voltages: Hessian times (present
-                                  voltages - voltages in `base`) plus regularisation weight times
-                                  (voltages in `base` - reference voltages) (m2/V) */
+    pzs_real *model_gradient;  /* [width >= inputs] first part of half the gradient of the
+                                  optimiser's objective (m2/V): Hessian * (present voltages -
+                                  base voltages) + regularisation weight * (base voltages -
+                                  reference voltages). The base voltages are those in the array
+                                  `base` */
     pzs_real *gradient;  /* [width >= inputs] half the gradient of the objective with respect to the
                             voltages: model_gradient minus target_gradient (m2/V) */
     pzs_real *direction; /* [width >= inputs] for an input whose voltage is free, the optimiser's
@@ -854,10 +855,12 @@ typedef struct pzs_selftest_state {
                          moves (squared unit of each sensor) */
     pzs_real *start;  /* [inputs] voltages before the self-test, to which each amplifier returns
                          after its test pulse (V) */
-    pzs_real difference[2]; /* largest difference found so far between measured and modelled
-                               response, of all amplifiers [0] and of all sensors [1], as squared
-                               norm of a vector (1/V2). A response is the change of a reading per
-                               volt, times the scale factor of its sensor (1/V) */
+    pzs_real difference[2]; /* largest difference between measured and modelled responses found
+                               so far (1/V2), over the amplifiers [0] and over the sensors [1].
+                               It is the squared norm of a difference of vectors: responses of
+                               all sensors to an amplifier, or of a sensor to all amplifiers. A
+                               response is the change of a reading per volt, times the scale
+                               factor of its sensor (1/V) */
     pzs_real least_angle;   /* smallest squared sine of the angle between two vectors of modelled
                                responses (1): that of the amplifier (or sensor) under examination,
                                and those of the others compared so far. The start value is the

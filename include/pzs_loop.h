@@ -1387,11 +1387,13 @@ pzs_status pzs_selftest_accept(pzs_selftest *selftest);
 pzs_status pzs_selftest_repeat(pzs_selftest *selftest);
 
 /*
- * Block (stage of the control tick, in PZS_PHASE_COMMISSION, the first of a list) that tests
- * amplifiers, electrodes, cables and sensors before the loop controls the voltages. Tables:
- * pzs_selftest_tables. Memory returned by pzs_loop_find: pzs_selftest. Errors of its
- * initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC,
- * PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too high).
+ * Block (stage of the control tick) that tests amplifiers, electrodes, cables and sensors before
+ * the loop controls the voltages. Its phase is PZS_PHASE_COMMISSION, so it must be the first block
+ * in the list of blocks. Tables: pzs_selftest_tables. Memory returned by pzs_loop_find:
+ * pzs_selftest. Errors of its initialisation: PZS_E_ARGUMENT (also if the numbers of inputs or
+ * sensors in the tables are not those of the loop, or if sums of voltages are limited),
+ * PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too
+ * high).
  */
 extern const pzs_block_type pzs_selftest_block;
 #define PZS_SELFTEST_BLOCK_BYTES(inputs, sensors)                                                  \

@@ -43,9 +43,10 @@ typedef struct pzs_prescribed_resultants {
      * holds the stress resultants which the input prescribes on this element
      */
     const uint16_t *which;
-    const pzs_real (*value)[10]; /* [values] stress resultants per unit of an input, times the area
-                                    of the element (N m), in the strain order of pzs_element_type.d
-                                  */
+    const pzs_real (*value)[10]; /* [values] rows of prescribed stress resultants per unit of an
+                                    input, times the area of the element (N m), in the strain
+                                    order of pzs_element_type.d. The array `which` tells the row
+                                    for each element on which an input acts */
 } pzs_prescribed_resultants;
 
 /*

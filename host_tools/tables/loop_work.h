@@ -15,7 +15,10 @@
 #include <stdint.h>
 
 #define LOOP_WORK_CYCLES 2.0 /* assumed number of clock cycles per instruction of the processor */
-/* Largest number of missed ticks before a tick for which the bounds of its instructions hold. */
+/*
+ * Number of missed ticks for which the upper bound of the instructions of a tick holds. After more
+ * missed ticks the next tick may take longer, because it makes up for each of them.
+ */
 #define LOOP_WORK_MISSED 2
 
 /*

@@ -899,10 +899,10 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 
 /*
  * Decide what becomes of the last round (sequence of iterations). If it ended at the optimum, the
- * tableau (pivoted Hessian) counts as verified; if the objective fell, the new voltages are kept;
- * otherwise the round is undone. The rounding-error bound of the KKT violation (violation of the
- * optimality conditions) rises with the voltages. If the violation is below its bound only for this
- * reason, the objective must have fallen too.
+ * tableau (pivoted Hessian) counts as verified. The new voltages are kept if the objective fell, or
+ * if the KKT violation (violation of the optimality conditions) is below the rounding-error bound
+ * that held before the round. Otherwise the round is undone. The bound is larger at larger
+ * voltages, so that the new bound alone is no proof: a diverging round could satisfy it.
  */
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {

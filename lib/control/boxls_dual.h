@@ -47,15 +47,16 @@ uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
 
 /*
- * Predict the full step to the minimum over the free voltages, with the voltages of the active
- * inputs at their bounds.
- *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
- * Before the call the array `direction` of the optimiser holds the product of the tableau (pivoted
- * Hessian) with the gradient of the free inputs. Afterwards it holds the step of the free inputs
- * and the multipliers of the active ones. The array next_voltage receives the voltages after the
- * step. The array `scratch` receives their differences from the base voltages, around which the
- * gradient is computed. Returns the number of inputs that would be outside their bounds or have a
- * multiplier of the wrong sign.
+ * Predict the full step to the minimum of the objective over the free voltages, with the voltages
+ * of the active inputs at their bounds. The function uses arrays of the optimiser:
+ *   direction    in/out  in: product of the tableau (pivoted Hessian) with the gradient of the
+ *                        free inputs; out: step of the free inputs (V), multipliers of the
+ *                        active inputs (m2/V)
+ *   next_voltage out     voltages after the step (V)
+ *   scratch      out     voltages after the step minus those in the array `base` (V)
+ *   rounding     in      multipliers of the wrong sign up to this size do not count (m2/V)
+ * Returns the number of inputs that would be outside their bounds or have a multiplier of the wrong
+ * sign.
  */
 uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding);
 

@@ -369,11 +369,12 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     if (damping != NULL && control->state.is_paused)
         ignore_held_moves(optimiser, control);
-    control->state.is_paused = false; /* While the fault detector measures the response to a test
-                                         pulse, the loop does not follow target and loads
-                                         (is_paused). The detector sets the flag again after each
-                                         tick, so that the loop follows them again as soon as the
-                                         detector no longer runs. */
+    control->state.is_paused = false; /* While is_paused is set, the loop does not follow target
+                                         and loads, because the fault detector measures the
+                                         response to a test pulse. Each tick clears the flag
+                                         here, and a running detector sets it again after the
+                                         tick. The loop thus follows target and loads again if
+                                         the detector no longer runs. */
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;

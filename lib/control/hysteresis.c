@@ -417,9 +417,9 @@ typedef struct effect_walk {
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     /*
-     * [plays] position of each play (element with backlash) at the start of the search for a
-     * voltage, relative to the middle of the voltage range (V). It is positive above the middle,
-     * also where the search goes downwards
+     * [plays] position of each play (element with backlash) when the search for the voltage with a
+     * wanted effect begins (V), relative to the middle of the voltage range. It is positive above
+     * the middle, whether the search runs towards higher or lower voltages
      */
     const pzs_real *play;
     const pzs_real *ahead;  /* [plays] weight of each play (element with backlash) in the effect
@@ -767,11 +767,13 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
 }
 
 /*
- * Compute the effect of input k (the voltage that would act alike without hysteresis) at the
- * voltage `given` of the last tick, and at the same voltage in this tick, after the creep in
- * between. The function also moves the plays (elements with backlash) and the creep terms of the
- * input.
- *   rate [creeps] in  fraction of the way to its final value that each creep term goes (1)
+ * Compute two effects of input k at the voltage `given`, which was applied in the last tick. The
+ * effect is the voltage that would move the structure as far without hysteresis. state.effect[k] is
+ * the effect in the last tick, state.present[k] that in this tick, at the same voltage: creep has
+ * changed it in between. The function also updates the plays (elements with backlash) and the creep
+ * terms of the input.
+ *   rate [creeps] in  part of the way to its final value that each creep term goes in between
+ *                     (1)
  */
 static void find_effects(pzs_compensator *compensator, const electrode_tables *electrode,
                          uint32_t k, pzs_real given, const pzs_real *rate)

@@ -31,10 +31,10 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return whether the work limit of the optimiser allows `cost` more multiply-adds and the end of
- * the present round (sequence of iterations). At the end the gradient is computed from the Hessian.
- * If the gradient at the start of the round was only predicted, that one must be computable, too,
- * so that the round can be undone.
+ * Return whether the work limit of the optimiser allows `cost` more multiply-adds and after them
+ * the end of the present round (sequence of iterations). The round ends with a gradient computed
+ * from the Hessian. If the gradient at its start was only predicted, work for a second gradient is
+ * reserved: it is needed if the round must be undone, at the voltages before the round.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

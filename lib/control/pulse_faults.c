@@ -140,10 +140,10 @@
  */
 #define JUMPED PZS_R(0.1)
 /*
- * Largest jump of the readings during a test pulse at which the pulse still proves a fault of the
- * suspected electrode. The jump is divided by the modelled response of the reference electrode, a
- * healthy one with which the suspected one is compared. This limit may be wider, because the gain
- * of the reference electrode need not be accurate.
+ * Largest jump of the readings during a test pulse, divided by the modelled response of the
+ * reference electrode, a healthy one with which the suspected electrode is compared. A pulse with a
+ * larger jump proves no fault. This limit is larger than JUMPED, the limit for the suspected
+ * electrode, because the gain of the reference electrode need not be accurate.
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
@@ -1233,9 +1233,10 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Compute the resolution of each electrode by the sensors (0 to 1). If this electrode alone lacks a
- * voltage, the regularised least-squares estimate finds this part of it at the electrode. It
- * assigns the rest to other electrodes, which move the sensors in similar ways.
+ * Compute the resolution of each electrode (0 to 1), the diagonal of the resolution matrix of the
+ * least-squares estimate. If electrode j alone lacks a voltage, the estimate assigns this part of
+ * the lacking voltage to electrode j. It assigns the rest to other electrodes, which move the
+ * sensors in similar ways.
  */
 static void find_resolutions(pzs_pulse_detector_state *state)
 {

@@ -54,8 +54,8 @@
 
 /*
  * Largest number of times in a tick that the optimiser for limited sums of voltages computes its
- * tableau anew. The tableau is the matrix that gives, with negative sign, the changes of all
- * voltages and limited sums from a change of the multipliers of their limits.
+ * tableau anew. The tableau T gives the changes -T dm of all voltages and limited sums when their
+ * multipliers change by dm.
  */
 #define REBUILDS 3u
 /*
@@ -743,9 +743,10 @@ static void run_round(const rows_run *run)
 }
 
 /*
- * Return by how much the last iterations may have changed the objective (m2) without a real gain or
- * loss: by rounding errors, and by the margins for rounding errors by which the limits of sums of
- * voltages are narrowed.
+ * Return the largest change of the objective (m2) in the last iterations that does not count as a
+ * gain or loss. It has two causes: rounding errors, and moves of the sums of voltages within their
+ * margins. A margin is the distance by which the limits of a sum are narrowed because of rounding
+ * errors.
  */
 static pzs_real change_by_rounding(const rows_run *run)
 {

@@ -117,15 +117,18 @@ static pzs_real square(pzs_real number)
 typedef struct selftest_axis {
     bool is_row;
     uint32_t lines, entries;
-    size_t measured_line, measured_entry; /* distances in the array state.response of measured
-                                             responses (number of reals): measured_line between the
-                                             first entries of two successive columns or rows,
-                                             measured_entry between two successive entries of a
-                                             column or row */
-    size_t model_line, model_entry; /* distances in the array state.direct of modelled responses
-                                       (number of reals): model_line between the first entries of
-                                       two successive columns or rows, model_entry between two
-                                       successive entries of a column or row */
+    /*
+     * strides in the array state.response of measured responses (number of reals): measured_line
+     * from a column (amplifier) or row (sensor) to the next one, measured_entry from an entry of a
+     * column or row to the next one
+     */
+    size_t measured_line, measured_entry;
+    /*
+     * strides in the array state.direct of modelled responses (number of reals): model_line from a
+     * column (amplifier) or row (sensor) to the next one, model_entry from an entry of a column or
+     * row to the next one
+     */
+    size_t model_line, model_entry;
     /*
      * results of the self-test (healthy or kind of fault). If `is_row` is false, `line` [inputs] is
      * for the amplifiers (columns) and `entry` [sensors] for the sensors. Otherwise `line`

@@ -48,13 +48,15 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
     /*
-     * factor for the function `move` (two remainders of powers of x): the product with CRC_REST
-     * bytes of data has the same effect on the CRC-32 CRC_BLOCK bytes later in the array
+     * factor for the function `move`, for a step of CRC_BLOCK bytes. The product of factor and
+     * CRC_REST bytes of data may replace these bytes if it is added CRC_BLOCK bytes later in the
+     * array: the CRC-32 of the array is the same. The factor holds two remainders of powers of x
      */
     const polynomial over_block = {0x154442bd4, 0x1c6e41596};
     /*
-     * factor for the function `move` (two remainders of powers of x): the product with CRC_REST
-     * bytes of data has the same effect on the CRC-32 CRC_REST bytes later in the array
+     * factor for the function `move`, for a step of CRC_REST bytes. The product of factor and
+     * CRC_REST bytes of data may replace these bytes if it is added CRC_REST bytes later in the
+     * array: the CRC-32 of the array is the same. The factor holds two remainders of powers of x
      */
     const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};
     const polynomial start = {(long long)crc, 0};

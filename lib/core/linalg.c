@@ -371,8 +371,10 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 
 /*
  * Return the index of the first column that is still to be eliminated before a panel (PZS_TILE
- * matrix rows) can be finished. For the first panel of a group of panels it is the first stored
- * column of the group, for any other panel the first column of the panel before it.
+ * matrix rows) can be finished. Panels are taken in groups of GROUP, and a step eliminates columns
+ * from all panels of the group that are not finished. For the first panel of a group all stored
+ * columns to the left of the group are still to be eliminated. For any other panel only the columns
+ * of the panel before it are.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {

@@ -40,8 +40,8 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node,
                       pzs_element_type *type);
 
 /*
- * Return whether the tables of a structure contain its element types, with all their data
- * (pzs_element_type) or without the parts that follow from the nodes (pzs_compact_type).
+ * Return true if the tables of a structure contain its element types, in the full form
+ * (pzs_element_type) or in the short form (pzs_compact_type); false if they contain none.
  */
 bool pzs_structure_has_types(const pzs_structure *structure);
 

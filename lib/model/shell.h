@@ -139,11 +139,13 @@ void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
                        const pzs_real *displacement, shell_corner shape[4]);
 
 /*
- * Stresses at the four corners of an element from the stress resultants of its strain modes
- * (constant, linear and bilinear over the element), with the corrections for warp and skew.
- *   resultant [22]    in   stress resultants of all strain modes, times the area (N m)
- *   stress    [4][10] out  stresses at each corner times a quarter of the area, conjugate to the
- *                          strains in the order of pzs_element_type.d (N m)
+ * Compute the stresses at the four corners of an element from the stress resultants of its strain
+ * modes (constant, linear and bilinear over the element), with the corrections for warp and skew.
+ *   resultant [22]    in   stress resultants times the area (N m): for each strain mode those
+ *                          of the strains that the mode contains, ten, five, five and two
+ *                          (kept_strain)
+ *   stress    [4][10] out  stresses at each corner times a quarter of the area (N m), one for
+ *                          each of the ten strains, in the order of pzs_element_type.d
  */
 void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
                         pzs_real stress[4][10]);

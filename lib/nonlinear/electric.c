@@ -117,10 +117,13 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
 }
 
 /*
- * Return the charge that electrode k must gain in a linear solve. For a step of Newton's method
- * (input = NEWTON) it is the prescribed minus the present charge. Otherwise it is the charge per
- * unit of an input; if the input is the voltage of an open electrode, it stands for the prescribed
- * charge of that electrode.
+ * Return the charge that electrode k must gain in a linear solve. `input` tells the purpose of the
+ * solve:
+ *   NEWTON         step of Newton's method: prescribed minus present charge (C)
+ *   input index    response to one unit of this input: minus the charge that the input causes
+ *                  directly at fixed displacement (C per unit); plus 1 if the input belongs to
+ *                  electrode k, because the value of such an input is the prescribed charge of
+ *                  the electrode
  */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)

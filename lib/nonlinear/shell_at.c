@@ -339,11 +339,14 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Collect the strains that a unit displacement of one degree of freedom of a node causes, for all
- * four strain modes (constant, linear and bilinear over the element). They come from one column of
- * the array of nodal strains. Strains to which the seventh degree of freedom of a node (q,
- * displacement of the middle surface minus the mean of both faces) does not contribute are zero in
- * its columns.
+ * Collect the strains that a unit displacement of one degree of freedom causes in the four strain
+ * modes of an element (constant, linear and bilinear over the element). They come from one column
+ * of the array of nodal strains. In a column of the seventh degree of freedom q (displacement of
+ * the middle surface minus the mean of both faces) the strains that do not depend on q are set to
+ * zero.
+ *   column  in   index of the degree of freedom, the column in the array of nodal strains
+ *   node    in   node to which the degree of freedom belongs
+ *   strains out  strains of each mode, in the order of pzs_element_type.d
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
