@@ -133,9 +133,11 @@ typedef struct pzs_optimiser {
     pzs_real *regularisation_gradient; /* [width >= inputs] part of half the gradient of the
                                           objective: regularisation weight times (`base` voltages -
                                           reference voltages) (m2/V) */
-    pzs_real *target_gradient; /* [width >= inputs] part of half the gradient of the objective, to
-                                  be subtracted: B'W^2 (e - B v), with influence matrix B, output
-                                  weights W, target error e, and v the voltages in `base` (m2/V) */
+    pzs_real *target_gradient; /* [width >= inputs] part of half the gradient of the objective
+                                  that depends on the target error e (m2/V): B'W^2 (e - B v),
+                                  with the influence matrix B, the output weights W, and the
+                                  voltages v in the array `base`. Half the gradient is
+                                  model_gradient minus this array */
     pzs_real *model_gradient;  /* [width >= inputs] first part of half the gradient of the
                                   optimiser's objective (m2/V): Hessian * (present voltages -
                                   base voltages) + regularisation weight * (base voltages -

@@ -412,9 +412,10 @@ typedef struct pzs_contact_face {
     uint32_t crc;           /* checksum of the contact tables and their arrays, computed by
                                pzs_contact_face_seal */
     uint8_t face;           /* face of the shell that may come into contact: 0 inner, 1 outer */
-    uint16_t input; /* index of the input that moves the contact body by its value times `motion`,
-                       with an empty force vector; 0xFFFF: the body does not move */
-    pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */
+    uint16_t input;         /* index of the input that moves the contact body by its value times
+                               `motion`; 0xFFFF: the body does not move. The tables of the structure
+                               contain no force entries for this input */
+    pzs_real motion[3];     /* displacement of the contact body per unit of its input (m) */
     /*
      * length that scales tolerances of the contact (m): largest side of the axis-parallel box
      * around the contact face of the shell. A gap between shell and contact body counts as closed

@@ -31,9 +31,12 @@
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
- * Factor in a test for rounding errors of the dual active-set method. A voltage outside its bounds
- * counts as a rounding error if the distance from the bound, times this number, is at most the
- * estimated rounding error of the pivots (V2/m2) times the largest change of a multiplier (m2/V).
+ * Factor in a test for rounding errors of the dual active-set method. A voltage may seem to be
+ * outside its bounds by a distance d (V) although it is a combination of active voltages. This
+ * counts as a rounding error if PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change. Here
+ * pivot_rounding (V2/m2) is the estimated rounding error of the pivots, which are changes of
+ * voltages per change of multiplier. multiplier_change (m2/V) is the size of the changes of
+ * multipliers in the round.
  */
 #define PIVOT_TO_VALUE 16
 /*
@@ -438,10 +441,11 @@ static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Compute how the multipliers of the active inputs (voltages at a bound) and all voltages respond
- * to the multiplier of free input i. The results are in work arrays. The Cholesky factor is that of
- * the inverse Hessian restricted to the active inputs.
- *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor
+ * Prepare the step in which free input i becomes active (its voltage is kept at a bound). Compute
+ * the changes of the other multipliers and of all voltages when the multiplier of input i changes
+ * by 1 m2/V, while the active voltages stay at their bounds. The results are in work arrays:
+ *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor of the
+ *                                inverse Hessian restricted to the active inputs
  *   CHANGE   [active_count] out  change of the multipliers of the active inputs (1)
  *   RESPONSE [width]        out  change of the voltages (V2/m2)
  * Returns the square of the last entry of the row (V2/m2).

@@ -311,12 +311,14 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Change the objective of a tick so that the tick also damps vibration: multiply its gradient at
- * the base voltages (around which gradients are computed) by state.share, a factor from 0 to 1, and
- * add the damping gradient, by which the voltages take energy out of the vibration. Returns
- * `missed`, the weighted squared norm of the target error (m2), enlarged so that the rounding-error
- * bound covers the damping gradient too.
+ * Change the objective of a tick so that the tick also damps vibration. The gradient at the base
+ * voltages (around which gradients are computed) is multiplied by state.share, a factor from 0 to
+ * 1. Then the damping gradient is subtracted, along which the voltages take energy out of the
+ * vibration.
  *   damping [inputs] in  damping gradient (m2/V)
+ *   missed           in  weighted squared norm of the target error (m2)
+ * Returns `missed` plus the square of the smallest target error whose gradient is as large as the
+ * damping gradient (m2). Rounding-error bounds of the whole gradient are computed from this sum.
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)

@@ -423,11 +423,14 @@ typedef struct effect_walk {
      */
     const pzs_real *play;
     const pzs_real *ahead;  /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage without hysteresis) in that half of the voltage range which
-                               the search enters last: the upper half if it goes upwards (1) */
+                               (voltage without hysteresis) for positions of the play in the half
+                               of the voltage range at which a search ends (1). That is the upper
+                               half in a search towards higher voltages, otherwise the lower half */
     const pzs_real *behind; /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage without hysteresis) in that half of the voltage range which
-                               the search enters first: the lower half if it goes upwards (1) */
+                               (voltage without hysteresis) for positions of the play in the half
+                               of the voltage range at which a search begins (1). That is the
+                               lower half in a search towards higher voltages, otherwise the
+                               upper half */
     pzs_real sign; /* direction of the search for a voltage along the characteristic of an electrode
                       (effect as a function of the voltage): 1 towards higher voltages, -1 towards
                       lower ones */
@@ -490,9 +493,10 @@ static pzs_real next_move(const effect_walk *walk)
 }
 
 /*
- * Return the voltage at which the next play (element with backlash) that already moves with the
- * voltage crosses the middle of the voltage range, in a search for the voltage with a wanted
- * effect. The result is relative to the middle (V).
+ * Part of the search for the voltage with a wanted effect: return the next voltage at which a play
+ * (element with backlash) that moves with the voltage reaches the middle of the voltage range. The
+ * weight of the play, and with it the slope of the effect, changes there. The result is relative to
+ * the middle of the range, in the direction of the search (V).
  */
 static pzs_real next_crossing(const effect_walk *walk)
 {

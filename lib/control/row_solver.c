@@ -64,8 +64,8 @@
  */
 #define ROUNDS 40u
 /*
- * Bound of the work for each limited sum of absolute values of voltages when the optimiser chooses
- * the signs of the voltages anew: number of products of a vector with the optimiser's tableau, the
+ * Upper bound of the work of choosing the signs of voltages anew, for each limited sum of absolute
+ * values of voltages. The unit of work is the product of a vector with the optimiser's tableau, the
  * matrix that gives changes of voltages and sums from changes of multipliers.
  */
 #define SIGN_PRODUCTS 8u
@@ -145,9 +145,9 @@ static uint64_t end_work(const rows_run *run)
 }
 
 /*
- * Return the number of multiply-adds that the work limit of the optimiser leaves for the iterations
- * until the next gradient is computed from the Hessian. The corrections and gradients after the
- * iterations are already subtracted.
+ * Return the number of multiply-adds that the work limit of the optimiser leaves for iterations in
+ * the present round. The work at the end of the round is already subtracted: the correction of the
+ * voltages for rounding errors and the gradient from the Hessian (end_work).
  */
 static uint64_t remaining_work(const rows_run *run)
 {
@@ -379,10 +379,11 @@ pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient)
 }
 
 /*
- * Return by how much a multiplier (m2/V) of quantity k, a voltage or scaled limit row (limit of a
- * sum of voltages), violates the optimality (KKT) conditions: zero or negative where its sign is
- * right for the bound at which the quantity is. A quantity within its margin from a bound counts as
- * at the bound; one between its bounds must have the multiplier zero.
+ * Return by how much a multiplier (m2/V) of quantity k violates the optimality (KKT) conditions;
+ * zero or less means no violation. A quantity is a voltage, or a sum of voltages with limits. At
+ * its lower bound the multiplier may be positive, at its upper bound negative, and at both bounds
+ * anything. Between its bounds the multiplier must be zero. A quantity counts as at a bound up to
+ * its margin from this bound (solver->margin).
  */
 static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 {

@@ -7,8 +7,9 @@
 #include "../core/numbers.h"
 
 /*
- * Assumed resolution of the sensors: an expected value counts as moving if it changes in one tick
- * by more than this part (1/RESOLUTION) of |measured| plus the largest |expected| of all sensors.
+ * Assumed resolution of the sensors, as a reciprocal. The expected reading of a sensor counts as
+ * moving if it changes in one tick by more than (|measured reading| + largest |expected reading| of
+ * all sensors) / RESOLUTION.
  */
 #define RESOLUTION 64
 

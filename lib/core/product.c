@@ -117,9 +117,10 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 #else
 
 /*
- * Index of the first matrix column whose sum vector register k holds, for COUNT tiles of PZS_TILE
- * columns. The last tile ends with the last column, so it may overlap the tile before it; both then
- * compute the same sums.
+ * Index of a matrix column in the product with COUNT tiles of PZS_TILE columns. Vector register k
+ * holds the sums of IN_LANE neighbouring columns; LANE_AT is the index of the first of these. The
+ * last tile ends with the last column, so it may overlap the tile before it; both then compute the
+ * same sums.
  */
 #define LANE_AT(k, COUNT)                                                                          \
     ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)

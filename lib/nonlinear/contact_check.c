@@ -216,9 +216,13 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 }
 
 /*
- * Compute how the distance of a point on a flat facet (element of the shell) from the contact body
- * changes with the two facet coordinates of the point: the derivatives along `normal`, the normal
- * of the body, at a time (0 to 1) within the load step.
+ * For a point on a flat facet (element of the shell), compute the derivatives of its distance from
+ * the contact body with respect to its two facet coordinates (m), into search->slope. The distance
+ * is measured along the normal of the body.
+ *   along, across in  facet coordinates of the point (0 to 1)
+ *   time          in  time within the load step (0 to 1), at which the positions are
+ *                     interpolated
+ *   normal [3]    in  normal of the body (1)
  */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
                         const pzs_real normal[3])

@@ -115,9 +115,11 @@ typedef struct pressed_element {
 } pressed_element;
 
 /*
- * Compute, with their derivatives, the two directions of the forces of a follower pressure at one
- * corner of an element, multiplied by the ratio of deformed to undeformed area. A flat element of a
- * curved shell needs the second one, because its edges are not at right angles to the director.
+ * Compute the directions of the two forces of a follower pressure at one corner of an element, with
+ * their derivatives. Where the pressure counts per deformed area, both directions are multiplied by
+ * the ratio of deformed to undeformed area. The second force is zero on a flat shell. Where flat
+ * elements approximate a curved shell, the edges of the element are not at right angles to the
+ * director of the shell; the second force accounts for this.
  *   displacement [4][3] in   displacement of the face at the corners (m)
  *   director_at  [3]    in   director of the corner
  *   normal              out  direction of the force on the loaded face: its normal

@@ -45,12 +45,14 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Where the array of stress rows holds the stresses of one strain mode, which is constant, linear
- * or bilinear over the element. A stress row has one stress per unit of each nodal degree of
- * freedom. Members: number of rows; number of rows to which the seventh degree of freedom of a node
- * contributes (q, displacement of the middle surface minus the mean of both faces); index of the
- * first row; strain that belongs to each row; its row in the packed stiffness of the mode
- * (pzs_element_type.d).
+ * Rows of one strain mode (constant, linear or bilinear over the element) in the array of stress
+ * rows. A stress row holds one stress per unit of each nodal degree of freedom.
+ *   count   number of rows of the mode
+ *   with_q  number of rows to which the seventh degree of freedom q of a node contributes
+ *           (displacement of the middle surface minus the mean of both faces)
+ *   start   index of the first row
+ *   strain  strain to which the stress of each row belongs
+ *   kept    row of this strain in the packed stiffness of the mode (pzs_element_type.d)
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS], kept[ROWS];
@@ -297,9 +299,10 @@ static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, i
 }
 
 /*
- * Whether the seventh degree of freedom q of the nodes contributes to a strain, given by its row
- * among those of a strain mode (constant, linear or bilinear over the element). q is the
- * displacement of the middle surface minus the mean of both faces.
+ * Whether a strain of a strain mode (constant, linear or bilinear over the element) depends on the
+ * seventh degree of freedom q of the nodes, the displacement of the middle surface minus the mean
+ * of both faces. `row` is the index of the strain in mode->strain, which lists the strains of the
+ * mode.
  */
 static bool has_q(const mode_rows *mode, int row)
 {
@@ -361,10 +364,11 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 }
 
 /*
- * Write the column of a degree of freedom of `node` into the array stress_row_of [22][COLUMNS]
- * (stresses per unit of each nodal degree of freedom): the stress resultants that its unit
- * displacement causes. Each is multiplied by the sign that its strain mode (constant, linear or
- * bilinear over the element) has at the node, so that the array contains no signs.
+ * Write one column of the array stress_row_of [22][COLUMNS]: the stress resultants that a unit
+ * displacement of one degree of freedom of `node` causes. They are conjugate to the strain modes of
+ * the element (constant, linear or bilinear over the element). Each resultant is multiplied by the
+ * value (1 or -1) of its mode at the node, because modes_to_nodes multiplies it by this value
+ * again.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
