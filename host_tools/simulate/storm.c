@@ -565,6 +565,21 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 }
 
 /*
+ * Make the influence matrix of the simulated structure as the least-squares problem of the voltages
+ * has it: all entries, without the free functions of the target.
+ *   column    [targets]             out  work array
+ *   influence [targets][amplifiers] out  displacement per volt (length unit/V)
+ */
+static void take_plant_influence(const storm *storm, double *column, double *influence)
+{
+    const storm_rig *rig = storm->rig;
+    design_influence_free(&rig->analysis->design, rig->influence, rig->amplifiers, column,
+                          influence);
+    for (size_t i = 0; i < rig->targets * rig->amplifiers; i++)
+        influence[i] *= storm->plant->gain;
+}
+
+/*
  * Compute the best shape of the simulated structure for the last target, with voltages on the
  * ceramic between the lowest and highest that can act there. The influence matrix is the
  * structure's, of which the controller may leave out small entries. On a deformed structure,
@@ -577,15 +592,15 @@ static pzs_status find_best(storm *storm, double *voltage)
     const bool is_deformed = storm->rig->offset != NULL;
     pzs_problem problem = *given;
     pzs_control control;
-    double *influence = malloc((targets * amplifiers + amplifiers) * sizeof *influence);
+    double *influence = malloc((targets * amplifiers + amplifiers + targets) * sizeof *influence);
     void *work = malloc(pzs_control_bytes(given));
     pzs_status status = PZS_E_WORKSPACE;
     if (influence && work) {
         double *wide = influence + targets * amplifiers;
-        const double gain = is_deformed ? 1 : storm->plant->gain;
-        const double *matrix = is_deformed ? given->influence : storm->rig->influence;
-        for (size_t i = 0; i < targets * amplifiers; i++)
-            influence[i] = gain * matrix[i];
+        if (is_deformed)
+            memcpy(influence, given->influence, targets * amplifiers * sizeof *influence);
+        else
+            take_plant_influence(storm, wide + amplifiers, influence);
         for (size_t k = 0; k < amplifiers; k++)
             wide[k] = HUGE_VAL;
         problem.step_limit = wide;
