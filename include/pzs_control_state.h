@@ -499,10 +499,11 @@ typedef struct pzs_pulse_detector_state {
                        target shape stood still (V): change that the averaged readings show, minus
                        the change that the amplifier was given */
     /*
-     * [inputs] changes of the voltages as the fault detector's least-squares estimate would find
-     * them from the readings (V); `move` holds the changes themselves. While a healthy electrode is
-     * chosen, with which a suspected one is compared: scalar products of the scaled modelled
-     * readings of each electrode and of the suspected one (1/V2)
+     * [inputs] with two uses. First: resolution matrix of the fault detector's least-squares
+     * estimate times the voltage changes `move` (V), which is what the estimate would find of these
+     * changes in exact readings. Second, while a healthy electrode is chosen with which a suspected
+     * one is compared: scalar product of the scaled modelled readings of each electrode with those
+     * of the suspected one (1/V2)
      */
     pzs_real *resolved;
     /*

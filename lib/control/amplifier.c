@@ -23,9 +23,9 @@
 #include "step_bounds.h"
 
 /*
- * Largest number of converter steps (smallest voltage changes that an amplifier can make) of which
- * a voltage is rounded to a whole number. With more steps the voltage is not rounded, because a
- * step would be finer than the resolution of pzs_real.
+ * Upper limit of voltage / converter step, above which a voltage is not rounded to a whole number
+ * of steps. A converter step is the smallest voltage change that an amplifier can make. Above the
+ * limit the step would be finer than the resolution of pzs_real.
  */
 #define STEP_COUNT_LIMIT PZS_R(1e9)
 

@@ -37,7 +37,10 @@
  */
 #define DAMPED_TOLERANCE PZS_R(1e-3)
 
-/* Smallest square of a displacement that loses no digits by underflow (m2). */
+/*
+ * Number that is added under the root in the rounding-error bound of the gradient (m2). Squares of
+ * displacements below it lose digits by underflow, so that without it the bound could be too small.
+ */
 #define SMALLEST_SQUARE PZS_BY_BITS(1e-31f, 1e-292)
 
 /* ---- optimisation step ---------------------------------------------------- */
@@ -221,8 +224,8 @@ static void optimise_within(pzs_optimiser *optimiser, pzs_control *control)
 
 /*
  * Bring the voltages inside the limits of weighted sums of voltages, if there are any. Returns
- * whether they are inside; if not, *where is an input that is still on the way to its limits
- * because of its step limit.
+ * whether they are inside. If not, *where is the first input whose voltage is outside its own
+ * present voltage limits, for example because pzs_hold has fixed it at another voltage; -1: none.
  */
 static bool enter_rows(pzs_control *control, int32_t *where)
 {

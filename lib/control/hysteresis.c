@@ -555,10 +555,11 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 }
 
 /*
- * Find the slope of the effect of an electrode (voltage without hysteresis) at its present voltage,
- * where the search for a voltage with a wanted effect starts. Plays (elements with backlash) that
- * have no slack left are made to move with the voltage, and changes of slope at or behind this
- * voltage are passed.
+ * Begin the search for the voltage of an electrode with a wanted effect (voltage without
+ * hysteresis): find the slope of the effect at the present voltage, in the direction of the search.
+ * Plays (elements with backlash) without slack in this direction move with the voltage from the
+ * beginning. Changes of slope at voltages before the present one, in the direction of the search,
+ * are skipped.
  */
 static void find_first_slope(effect_walk *walk)
 {

@@ -731,9 +731,10 @@ static void run_round(const rows_run *run)
     optimiser->iterations++;
     predict_step(run);
     /*
-     * remaining_work has already subtracted the work after the iterations. The dual active-set
-     * method itself reserves the work of two more products of a matrix and a vector, which this
-     * optimiser does not need; they are therefore added to the limit.
+     * tableau->work_limit is the limit for the iterations of the dual active-set method.
+     * remaining_work has already subtracted the work at the end of the round. The method reserves
+     * work for that end once more: two products of a matrix and a vector. They are added here, so
+     * that the reserve does not shorten the iterations.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = pzs_iterate_dual(tableau, optimiser->rounding_bound / 2);

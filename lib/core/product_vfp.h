@@ -24,10 +24,11 @@
 #define GROUP_LIMIT 15u
 
 /*
- * Assembler instructions for the entries of one matrix row in the registers from s16 on and the
- * entries of a vector in those from s0 on. CHAIN_n adds the first n products of an entry of the row
- * and an entry of the vector to s15, in ascending order. SPREAD_n adds s15 times the first n
- * entries of the row to the entries of the vector.
+ * Assembler instructions of products of matrix and vector on a processor with VFP registers s0 to
+ * s31. The registers from s16 on hold the entries m_k of a matrix row, those from s0 on the entries
+ * v_k of a vector.
+ *   CHAIN_n   scalar product: s15 = s15 + m_1 v_1 + ... + m_n v_n, added in this order
+ *   SPREAD_n  multiple of a row: v_k = v_k + s15 m_k for k = 1 to n
  */
 #define CHAIN_1 "vmla.f32 s15, s0, s16\n\t"
 #define CHAIN_2 CHAIN_1 "vmla.f32 s15, s1, s17\n\t"

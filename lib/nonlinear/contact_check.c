@@ -391,9 +391,10 @@ static bool search_facet_points(facet_search *search)
 }
 
 /*
- * Whether a facet of the shell stays in front of one tangent plane of the contact body during the
- * whole load step, so that it cannot touch the convex body behind the plane. The plane is the one
- * nearest to the middle of the facet at its start (k = 0) or its end (k = 1).
+ * Whether a facet of the shell stays in front of a tangent plane of the contact body during the
+ * whole load step. It then cannot touch a convex body, which lies behind the plane. The plane
+ * touches the body at its point nearest to the middle of the facet: at the start of the load step
+ * (k = 0) or at its end (k = 1).
  */
 static bool is_separated(const facet_search *search, int k)
 {
