@@ -170,7 +170,7 @@ typedef enum pzs_status {
     /*
      * Errors of the equilibrium solver: the solver keeps the last converged equilibrium, and
      * info.load_factor tells where it lies on the way from the input values before the call (0) to
-     * the wanted ones (1).
+     * the wanted ones (dimensionless).
      */
     PZS_E_DIVERGED, /* Error: the load could not be raised beyond the last equilibrium, although
                        load steps were halved down to 1/64, or the voltages of open electrodes did

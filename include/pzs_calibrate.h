@@ -29,11 +29,11 @@ typedef struct pzs_calibration_settings {
     /*
      * number of records (voltages with their readings) that the recursive least squares remember. A
      * new record reduces the weight of older records with voltages in the same proportions; after
-     * this number of new records such an old one hardly counts. At least 2, default infinity (1)
+     * this number of new records such an old one hardly counts. At least 2, default infinity
      */
     pzs_real memory;
     pzs_real amplitude; /* amplitude of the test voltages, relative to half of the voltage range of
-                           each input, above 0 and at most 1; default 0.25 (1) */
+                           each input, above 0 and at most 1; default 0.25 (dimensionless) */
     uint32_t settle;    /* number of ticks for which the test voltages stay constant before their
                            readings count, at least 1; default 8 */
     pzs_real reading_limit; /* largest plausible absolute value of a reading; a record (voltages

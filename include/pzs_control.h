@@ -79,7 +79,8 @@ typedef struct pzs_problem {
                                   is passed to pzs_control_init */
     const pzs_real *hessian;   /* [inputs][inputs] Hessian B'W^2 B of the influence matrix B and the
                                   output weights W (m2/V2); NULL: pzs_control_init computes it */
-    const pzs_real *weight;    /* [outputs] weight of each output in the objective (1) */
+    const pzs_real *weight;    /* [outputs] weight of each output in the objective
+                                  (dimensionless) */
     const pzs_real *lower;     /* [inputs] lower limit of the voltage on each input (V) */
     const pzs_real *upper;     /* [inputs] upper limit of the voltage on each input (V) */
     const pzs_real *step_limit;        /* [inputs] largest change of each voltage in a tick (V) */
@@ -265,9 +266,9 @@ pzs_status pzs_release(pzs_control *control, uint16_t input);
  */
 typedef struct pzs_report {
     pzs_real relative_error; /* weighted norm of (reached shape - target) divided by the weighted
-                                norm of the target (1) */
+                                norm of the target (dimensionless) */
     pzs_real kkt_violation; /* largest violation of the optimality (KKT) conditions, relative to the
-                               largest entry of the gradient at zero voltage (1) */
+                               largest entry of the gradient at zero voltage (dimensionless) */
     uint16_t active_limits; /* number of inputs whose voltage is at its lower or upper limit */
     uint16_t active_rows; /* number of limits of sums of voltages that hold with equality and have a
                              Lagrange multiplier */

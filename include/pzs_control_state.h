@@ -170,9 +170,9 @@ typedef struct pzs_optimiser {
                                      restricted to the inputs whose voltages are free; 0: there is
                                      none */
     /*
-     * threshold of linear dependence (1): an input counts as a combination of the inputs whose
-     * voltages are free if its pivot, divided by its diagonal entry of the Hessian, is below this
-     * number
+     * threshold of linear dependence (dimensionless): an input counts as a combination of the
+     * inputs whose voltages are free if its pivot, divided by its diagonal entry of the Hessian, is
+     * below this number
      */
     pzs_real pivot_floor;
     pzs_real pivot_rounding; /* estimated rounding error of the pivots that belong to limits of sums
@@ -271,7 +271,7 @@ typedef struct pzs_row_solver {
      */
     pzs_real last_gap;
     /*
-     * shift of the diagonal of a nearly singular Hessian, which makes it regular (1):
+     * shift of the diagonal of a nearly singular Hessian, which makes it regular (dimensionless):
      * (regularisation weight + number added to each diagonal entry) / largest diagonal entry; 0: no
      * shift
      */
@@ -443,7 +443,8 @@ typedef struct pzs_fault_detector_state {
                          passed its test is not suspected */
     pzs_test_signal test[PZS_TEST_SIGNALS];
     pzs_real ridge; /* regularisation weight when electrode voltages are estimated from the measured
-                       shape by least squares, relative to the diagonal of the normal matrix (1) */
+                       shape by least squares, relative to the diagonal of the normal matrix
+                       (dimensionless) */
     uint16_t delay, oldest;
     bool is_stale; /* whether the matrix of the least-squares estimate of electrode voltages must be
                       factored anew, because other outputs are measured than before */
@@ -545,10 +546,10 @@ typedef struct pzs_pulse_detector_state {
                        electrode is the voltage that the readings show minus the one that its
                        amplifier gave */
     pzs_real share_factor; /* factor, at least 1, by which a threshold of the fault detector is
-                              multiplied; larger than 1 where the sensors are few (1). The
-                              threshold is the smallest part of the change of the readings that
-                              makes an electrode suspected: a fault of this electrode must
-                              explain at least this part */
+                              multiplied; larger than 1 where the sensors are few (dimensionless).
+                              The threshold is the smallest part of the change of the readings that
+                              makes an electrode suspected: a fault of this electrode must explain
+                              at least this part */
     pzs_real least_energy; /* smallest response of the shape to a full test pulse (m2): sum of the
                               squared weighted changes of the outputs, for the input for which it is
                               smallest */
@@ -865,10 +866,10 @@ typedef struct pzs_selftest_state {
                                response is the change of a reading per volt, times the scale
                                factor of its sensor (1/V) */
     pzs_real least_angle;   /* smallest squared sine of the angle between two vectors of modelled
-                               responses (1): that of the amplifier (or sensor) under examination,
-                               and those of the others compared so far. The start value is the
-                               largest one at which the self-test could not notice that the cables
-                               of both are exchanged */
+                               responses (dimensionless): that of the amplifier (or sensor) under
+                               examination, and those of the others compared so far. The start value
+                               is the largest one at which the self-test could not notice that the
+                               cables of both are exchanged */
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
                                        sensor) under evaluation with two modelled responses: with
                                        its own (own), and with the nearest one found so far
@@ -881,8 +882,8 @@ typedef struct pzs_selftest_state {
     uint16_t worst[2];   /* index of the amplifier [0] and of the sensor [1] whose response differs
                             most from the model; PZS_WIRING_NONE: none differs */
     pzs_real pulse; /* weighted sum of the voltage of a test pulse divided by its height, over the
-                       ticks of the pulse so far (1); the weights are symmetric in time about the
-                       middle of the pulse */
+                       ticks of the pulse so far (dimensionless); the weights are symmetric in time
+                       about the middle of the pulse */
 } pzs_selftest_state;
 
 typedef struct pzs_calibration_state {

@@ -623,7 +623,7 @@ typedef struct pzs_vibration {
     uint16_t inputs, outputs, sensors, modes;
     uint16_t delay;          /* age of the sensor readings when a tick uses them (ticks) */
     const pzs_real *shape;   /* [outputs][modes] displacement of each output per coordinate of each
-                                vibration mode (1) */
+                                vibration mode (dimensionless) */
     const pzs_real *reading; /* [sensors][modes] reading of each sensor per coordinate of each
                                 vibration mode (unit of the sensor per m); NULL: the sensors are the
                                 outputs */
@@ -635,13 +635,13 @@ typedef struct pzs_vibration {
                              vibration modes do not explain; NULL: the sensors are the outputs */
     const pzs_real *precision; /* [sensors] weight of each sensor in the observer: inverse variance
                                   of its noise, relative to the noise for which the observer was
-                                  designed (1); NULL: all 1 */
+                                  designed (dimensionless); NULL: all 1 */
     const pzs_real *modal; /* [modes][inputs] static coordinate of each vibration mode per volt on
                               each input (m/V) */
     /*
-     * [4][modes] entries 11, 12, 21, 22 of a 2 x 2 matrix for each vibration mode (1). By one tick
-     * the matrix advances a pair of numbers: the deviation of the modal coordinate from static
-     * equilibrium, and the modal velocity divided by the angular frequency
+     * [4][modes] entries 11, 12, 21, 22 of a 2 x 2 matrix for each vibration mode (dimensionless).
+     * By one tick the matrix advances a pair of numbers: the deviation of the modal coordinate from
+     * static equilibrium, and the modal velocity divided by the angular frequency
      */
     const pzs_real *turn;
     const pzs_real *observer; /* [3][modes][modes] observer gains, which correct the state of the
@@ -906,8 +906,9 @@ extern const pzs_block_type pzs_feed_forward_block;
 /* Largest number of creep terms in the hysteresis model of an electrode. */
 #define PZS_CREEP_LIMIT 8u
 /*
- * Smallest allowed slope of the piecewise linear part of the effect of an electrode (1). The effect
- * is the voltage that an electrode without hysteresis would need for the same displacement.
+ * Smallest allowed slope of the piecewise linear part of the effect of an electrode
+ * (dimensionless). The effect is the voltage that an electrode without hysteresis would need for
+ * the same displacement.
  */
 #define PZS_LEAST_SLOPE PZS_R(0.001)
 
@@ -931,25 +932,25 @@ typedef struct pzs_hysteresis {
     const pzs_real *offset;
     /*
      * [parameter sets: 1 or inputs][4] slopes of the piecewise linear part of an electrode's effect
-     * (voltage without hysteresis), from the lowest quarter of the voltage range to the highest, at
-     * least PZS_LEAST_SLOPE (1)
+     * (voltage that would move the structure as far without hysteresis), from the lowest quarter of
+     * the voltage range to the highest, at least PZS_LEAST_SLOPE (dimensionless)
      */
     const pzs_real *slope;
     const pzs_real *slack; /* [parameter sets: 1 or inputs][plays] slack of each play (element with
                               backlash that models hysteresis) of an electrode: half the width of
                               its backlash, above 0 and ascending (V) */
     const pzs_real *above; /* [parameter sets: 1 or inputs][plays] weight of each play (element with
-                              backlash) while its position is positive, at least 0 (1): the weight
-                              times the position is added to the effect of the electrode (voltage
-                              without hysteresis) */
+                              backlash) while its position is positive, at least 0 (dimensionless):
+                              the weight times the position is added to the effect of the electrode
+                              (voltage that would move the structure as far without hysteresis) */
     const pzs_real *below; /* [parameter sets: 1 or inputs][plays] weight of each play (element with
-                              backlash) while its position is negative, at least 0 (1): the weight
-                              times the position is added to the effect of the electrode (voltage
-                              without hysteresis) */
+                              backlash) while its position is negative, at least 0 (dimensionless):
+                              the weight times the position is added to the effect of the electrode
+                              (voltage that would move the structure as far without hysteresis) */
     const pzs_real *creep; /* [parameter sets: 1 or inputs][creeps] final value of each creep term
-                              per volt on the electrode, at least 0 (1); creep terms add to the
-                              effect of the electrode (voltage that would cause its strain without
-                              hysteresis) */
+                              per volt on the electrode, at least 0 (dimensionless); creep terms add
+                              to the effect of the electrode (voltage that would cause its strain
+                              without hysteresis) */
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
     /*
@@ -961,23 +962,25 @@ typedef struct pzs_hysteresis {
      */
     const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
                                           constant part of the effect of an electrode (V): the
-                                          effect (voltage without hysteresis) in the middle of the
-                                          voltage range */
+                                          effect (voltage that would move the structure as far
+                                          without hysteresis) in the middle of the voltage range */
     /*
      * [parameter sets: 1 or inputs][4] measured hysteresis model, slopes of the piecewise linear
-     * part of the effect of an electrode (voltage without hysteresis) in the four quarters of the
-     * voltage range (1)
+     * part of the effect of an electrode (voltage that would move the structure as far without
+     * hysteresis) in the four quarters of the voltage range (dimensionless)
      */
     const pzs_real *identified_slope;
     const pzs_real *identified_above; /* [parameter sets: 1 or inputs][plays] measured hysteresis
                                          model, weight of each play (element with backlash) while
-                                         its position is positive (1): the weight times the position
-                                         is added to the effect of the electrode (voltage without
+                                         its position is positive (dimensionless): the weight times
+                                         the position is added to the effect of the electrode
+                                         (voltage that would move the structure as far without
                                          hysteresis) */
     const pzs_real *identified_below; /* [parameter sets: 1 or inputs][plays] measured hysteresis
                                          model, weight of each play (element with backlash) while
-                                         its position is negative (1): the weight times the position
-                                         is added to the effect of the electrode (voltage without
+                                         its position is negative (dimensionless): the weight times
+                                         the position is added to the effect of the electrode
+                                         (voltage that would move the structure as far without
                                          hysteresis) */
 } pzs_hysteresis;
 
@@ -1226,7 +1229,7 @@ typedef enum pzs_wiring_state {
 /* Finding of the self-test about one amplifier with its electrode, or about one sensor. */
 typedef struct pzs_wiring {
     pzs_real gain; /* gain of an amplifier or sensor: measured response divided by the response that
-                      the influence matrix predicts (1) */
+                      the influence matrix predicts (dimensionless) */
     uint16_t other;   /* index of the other amplifier or sensor where cables are exchanged
                          (PZS_WIRING_SWAPPED): of the amplifier whose electrode this amplifier
                          drives, or of the sensor whose place this sensor measures */
@@ -1259,7 +1262,7 @@ typedef struct pzs_selftest_tables {
                                 sensor) */
     pzs_real gain_tolerance; /* largest plausible difference between the gain of an amplifier or
                                 sensor and the mean gain of all amplifiers, divided by this mean
-                                gain, above 0 (1) */
+                                gain, above 0 (dimensionless) */
 } pzs_selftest_tables;
 
 #define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse of the self-test (ticks) */
@@ -1267,15 +1270,15 @@ typedef struct pzs_selftest_tables {
 /*
  * Threshold above which the self-test examines an amplifier or a sensor: sum of the squares of the
  * response that the model predicts, divided by the sum of squares that noise and vibration cause
- * (1). The response of an amplifier has an entry for each sensor, that of a sensor an entry for
- * each amplifier.
+ * (dimensionless). The response of an amplifier has an entry for each sensor, that of a sensor an
+ * entry for each amplifier.
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Squared response of the self-test to white noise in the readings of a sensor, times N (1). It is
- * stated for noise of variance 1 and for test pulses of height 1 with N ticks. With the weights e
- * (symmetric in time) and o (antisymmetric) by which readings are multiplied, and the voltage p of
- * the pulse, it is
+ * Squared response of the self-test to white noise in the readings of a sensor, times N
+ * (dimensionless). It is stated for noise of variance 1 and for test pulses of height 1 with N
+ * ticks. With the weights e (symmetric in time) and o (antisymmetric) by which readings are
+ * multiplied, and the voltage p of the pulse, it is
  *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2
  * with sums over the ticks of the pulse, for large N.
  */
@@ -1347,7 +1350,7 @@ typedef struct pzs_selftest_info {
     uint16_t findings;  /* number of amplifiers and sensors with a fault: pzs_wiring.state is
                            PZS_WIRING_SILENT or larger */
     pzs_real gain; /* mean gain of the amplifiers that respond: measured response divided by the
-                      response that the influence matrix predicts (1) */
+                      response that the influence matrix predicts (dimensionless) */
 } pzs_selftest_info;
 
 /* Settings of the self-test that a program may change after the initialisation. */
@@ -1451,7 +1454,7 @@ typedef struct pzs_pulse_detector_info {
                              readings show whether a faulty electrode is at 0 V (dead) or at another
                              voltage (stuck) */
     pzs_real gain; /* gain of the electrode suspected of a fault: measured response to the last test
-                      pulse divided by the modelled response (1) */
+                      pulse divided by the modelled response (dimensionless) */
     int32_t where; /* index of the input to which the last status of the fault detector refers, or
                       -1 */
     uint16_t found;        /* number of faulty electrodes detected since the initialisation */

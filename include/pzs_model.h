@@ -44,7 +44,7 @@ typedef struct pzs_element_type {
     pzs_real t[4][2][3][3];
     pzs_real g_mean[4][2][3]; /* [4 corners][2 directions][3] base vectors at each corner of the
                                  element along the surface coordinates theta1 and theta2, mean of
-                                 outer and inner face of the shell (1) */
+                                 outer and inner face of the shell (dimensionless) */
     pzs_real g_diff[4][2][3]; /* [4 corners][2 directions][3] difference of the base vectors at each
                                  corner of the element along theta1 and theta2: those of the outer
                                  face minus those of the inner face of the shell, divided by the
@@ -68,17 +68,17 @@ typedef struct pzs_element_type {
      */
     pzs_real height_squared[2][3];
     /*
-     * Correction of the shear strain of a warped (not plane) element: nine factors (1). The mean
-     * strain 12 that is constant over the element is increased by the sum of nine other strains,
-     * each times its factor. A strain is named by component, by m (mean) or d (difference) of the
-     * two faces, and by strain mode: strain mode r1 r2 varies over the element as xi1^r1 xi2^r2,
-     * where xi1 and xi2 run from -1 to 1 over the element. The nine strains are 12d of 00; 13 of
-     * 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
+     * Correction of the shear strain of a warped (not plane) element: nine factors (dimensionless).
+     * The mean strain 12 that is constant over the element is increased by the sum of nine other
+     * strains, each times its factor. A strain is named by component, by m (mean) or d (difference)
+     * of the two faces, and by strain mode: strain mode r1 r2 varies over the element as xi1^r1
+     * xi2^r2, where xi1 and xi2 run from -1 to 1 over the element. The nine strains are 12d of 00;
+     * 13 of 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
      */
     pzs_real warp[9];
     /*
-     * skew alpha_1, alpha_2 of the element, and its length ratio (1). The area varies over the
-     * element as 1 + alpha_1 xi2 + alpha_2 xi1, where xi1 and xi2 run from -1 to 1; on a
+     * skew alpha_1, alpha_2 of the element, and its length ratio (dimensionless). The area varies
+     * over the element as 1 + alpha_1 xi2 + alpha_2 xi1, where xi1 and xi2 run from -1 to 1; on a
      * parallelogram alpha_1 and alpha_2 are 0. The length ratio is the length of the element along
      * theta2 divided by that along theta1
      */
@@ -107,12 +107,12 @@ typedef struct pzs_compact_type {
                                       as in pzs_element_type.height_squared (m2) */
     pzs_real middle;  /* height of the middle of the shell above the reference surface, on which
                          the nodes lie (m) */
-    pzs_real warp[9]; /* nine factors (1) by which other strains are added to the mean strain 12
-                         of a warped (not plane) element: 12d of mode 00; 13 of 01, 23 of 10, 13
-                         of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10, as in
+    pzs_real warp[9]; /* nine factors (dimensionless) by which other strains are added to the mean
+                         strain 12 of a warped (not plane) element: 12d of mode 00; 13 of 01, 23 of
+                         10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10, as in
                          pzs_element_type.warp */
     pzs_real skew[3]; /* skew alpha_1, alpha_2 of the element and its length ratio, as
-                         pzs_element_type.skew defines them (1) */
+                         pzs_element_type.skew defines them (dimensionless) */
     pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along
                                    theta2 (1/m) */
     uint16_t corner[4]; /* indices of the nodes at the four corners of one element of the compact
@@ -134,7 +134,8 @@ typedef struct pzs_structure {
     /*
      * number of degrees of freedom of a node, 6 or 7: displacement u1 u2 u3, mean of both faces of
      * the shell (m); (displacement of the outer face - that of the inner face) / thickness for u1
-     * u2 u3 (1); with 7 also (u3 of the middle surface - mean u3 of the faces) / thickness (1)
+     * u2 u3 (dimensionless); with 7 also (u3 of the middle surface - mean u3 of the faces) /
+     * thickness (dimensionless)
      */
     uint16_t dof_per_node;
     uint16_t free_dof;
@@ -163,7 +164,7 @@ typedef struct pzs_structure {
     pzs_rows output; /* one row for each output, a displacement at a chosen point (m): coefficients
                         of the free degrees of freedom in the output */
     pzs_rows spring; /* one row for each spring: its elongation per unit of each free degree of
-                        freedom (1); count 0: no springs */
+                        freedom (dimensionless); count 0: no springs */
     const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), at least 0
                                        */
     /*
@@ -289,7 +290,8 @@ pzs_status pzs_factor(pzs_model *model);
  * the elements.
  *   value        [inputs]   in   input values (V, K, Pa or load factors)
  *   displacement [free_dof] out  displacements of the free degrees of freedom: means over the
- *                                thickness (m) and differences over the thickness divided by it (1)
+ *                                thickness (m) and differences over the thickness divided by it
+ *                                (dimensionless)
  * Errors: PZS_E_STAGE, PZS_E_NONFINITE, PZS_E_RESIDUAL (the displacement is then the best that was
  * reached).
  */

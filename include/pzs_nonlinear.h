@@ -129,9 +129,10 @@ typedef struct pzs_solver_info {
     pzs_real load_factor; /* part (0 to 1) of the way from the previous equilibrium to the wanted
                              input values that the solver has reached */
     pzs_real residual; /* norm of the force imbalance divided by the norm of the applied force; both
-                          norms weigh each force with the scale factor of its matrix row (1) */
+                          norms weigh each force with the scale factor of its matrix row
+                          (dimensionless) */
     pzs_real relative_increment; /* norm of the last increment of the displacement divided by the
-                                    norm of the displacement of the load step (1) */
+                                    norm of the displacement of the load step (dimensionless) */
     uint32_t linear_solves;      /* number of linear solves in the last call of pzs_equilibrium */
     uint32_t load_steps; /* number of converged load steps in the last call of pzs_equilibrium */
     uint32_t shortened_steps; /* number of converged load steps in the last call of pzs_equilibrium
@@ -263,17 +264,17 @@ typedef struct pzs_follower {
                             by normal_face; 0: force per undeformed area. In both cases it acts
                             along the normal of the deformed face */
     /*
-     * distribution of the force that the follower pressure at one corner of an element causes (1):
-     * the part that acts on this corner [0], on each neighbouring corner [1] and on the opposite
-     * corner [2]
+     * distribution of the force that the follower pressure at one corner of an element causes
+     * (dimensionless): the part that acts on this corner [0], on each neighbouring corner [1] and
+     * on the opposite corner [2]
      */
     pzs_real share[3];
     const pzs_real (*area)[4]; /* [types][4] area of the part of an element, for each element type,
                                   that belongs to each corner (m2) */
     /*
      * [types][4][2] components, along the director of the shell at each corner of an element, of
-     * the two base vectors there (1). They are not zero where a flat element approximates a curved
-     * shell; NULL: all zero
+     * the two base vectors there (dimensionless). They are not zero where a flat element
+     * approximates a curved shell; NULL: all zero
      */
     const pzs_real (*lean)[4][2];
     const pzs_real *pressure; /* [nodes] follower pressure at each node per unit of the input,
@@ -367,7 +368,7 @@ typedef struct pzs_body {
     /*
      * Return the signed distance of a point from the rigid contact body (m), positive outside.
      *   position [3]    in   the point (m)
-     *   normal   [3]    out  gradient of the distance (1)
+     *   normal   [3]    out  gradient of the distance (dimensionless)
      *   hessian  [3][3] out  second derivatives of the distance (1/m)
      */
     pzs_real (*gap)(const struct pzs_body *body, const pzs_real position[3], pzs_real normal[3],
@@ -375,7 +376,7 @@ typedef struct pzs_body {
     pzs_real point[3]; /* contact body: a point on the plane or on the axis of the cylinder, or the
                           centre of the sphere (m) */
     pzs_real axis[3];  /* contact body: outward unit normal of the plane, or unit vector along the
-                          axis of the cylinder (1) */
+                          axis of the cylinder (dimensionless) */
     pzs_real radius;   /* radius of the contact body if it is a cylinder or a sphere, above 0 (m) */
     const void *own; /* data of the program for its own distance function of a contact body, or NULL
                       */
@@ -425,7 +426,7 @@ typedef struct pzs_contact_face {
     const pzs_real (*place)[3]; /* [nodes] positions of the nodes on the undeformed contact face (m)
                                  */
     const pzs_real (*triad)[3][3]; /* [nodes] unit vectors e1, e2, e3 of the frame of each node, in
-                                      rows (1) */
+                                      rows (dimensionless) */
     const pzs_real *area; /* [nodes] area of each node: a quarter of the area of each adjacent
                              element (m2) */
 } pzs_contact_face;
@@ -443,8 +444,8 @@ pzs_status pzs_contact_face_seal(pzs_contact_face *tables, const pzs_structure *
 typedef struct pzs_contact_settings {
     /*
      * penalty stiffness of the contact in the first iteration of a load step, divided by the
-     * stiffness of the structure, above 0 (1); default 10. It doubles in each iteration, up to 100.
-     * The converged result does not depend on it
+     * stiffness of the structure, above 0 (dimensionless); default 10. It doubles in each
+     * iteration, up to 100. The converged result does not depend on it
      */
     pzs_real stiffness;
 } pzs_contact_settings;
@@ -498,7 +499,8 @@ typedef struct pzs_contact_state {
                                      equilibrium (N/m2) */
     /*
      * [nodes] sum over the elements at each node of the scalar product of two normals, of the
-     * contact face and of the contact body (1); negative where the face is turned towards the body
+     * contact face and of the contact body (dimensionless); negative where the face is turned
+     * towards the body
      */
     pzs_real *facing;
     uint8_t *touching; /* [nodes] active set of the contact: 1 if the node is in contact with the

@@ -660,7 +660,7 @@ static void print_voltages(const design *design, const voltages *result)
 /*
  * Return the cost of using the linear model on a nonlinear structure, as a firmware without the
  * nonlinear solver does: the relative shape error with the voltages that are optimal for the linear
- * model, minus that with the voltages that are optimal for the nonlinear model (1).
+ * model, minus that with the voltages that are optimal for the nonlinear model (dimensionless).
  */
 static double cost_of_linear(const shape_run *run)
 {

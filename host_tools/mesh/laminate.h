@@ -147,9 +147,9 @@ typedef struct laminate_field {
  * Return the value of a field in an element at height z. A temperature of all plies (K) varies
  * linearly between the two faces of the laminate; an electric field along the surface (V/m) varies
  * linearly between the two faces of its ply. The temperature of one ply is 1 K. For a voltage, the
- * value is the electric field at height z, divided by its mean through the ply (1): across a curved
- * ply the electric flux is constant, so that the field is inversely proportional to the area at
- * height z.
+ * value is the electric field at height z, divided by its mean through the ply (dimensionless):
+ * across a curved ply the electric flux is constant, so that the field is inversely proportional to
+ * the area at height z.
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);

@@ -339,10 +339,10 @@ static laminate_place element_place(const mesh *mesh, int element)
 }
 
 /*
- * Return the argument `share` of warp_fill for an element: the factor (1) of the warping correction
- * of its membrane shear strain. It is tau (L1^2 k1 + L2^2 k2)/(12 h), with tau the element option
- * of this name, L1 and L2 the lengths of the element along its directions, k1 and k2 its principal
- * curvatures, and h the thickness of the laminate.
+ * Return the argument `share` of warp_fill for an element: the factor (dimensionless) of the
+ * warping correction of its membrane shear strain. It is tau (L1^2 k1 + L2^2 k2)/(12 h), with tau
+ * the element option of this name, L1 and L2 the lengths of the element along its directions, k1
+ * and k2 its principal curvatures, and h the thickness of the laminate.
  */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {

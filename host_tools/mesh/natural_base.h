@@ -9,7 +9,8 @@
 #define NATURAL_BASE_H
 
 typedef struct natural_base {
-    double base[3][3];  /* base vectors of the element in the reference surface, as columns (1) */
+    double base[3][3];  /* base vectors of the element in the reference surface, as columns
+                           (dimensionless) */
     double slope[3][3]; /* change of the element's base vectors per unit of height, as columns (1/m)
                          */
 } natural_base;

@@ -24,7 +24,7 @@ typedef struct shapes {
                               the axes 1 and 2 of the shell (1/m) */
     double twist[4];   /* each shape function is a function with uniform gradient plus a rest whose
                           gradient at the centre of the element is 0: coefficient of xi1 xi2 in this
-                          rest (1) */
+                          rest (dimensionless) */
     double dual[2][2]; /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
 } shapes;
 
@@ -81,8 +81,8 @@ static void list_fields(int ply, laminate_field field[FIELDS])
  * its corners is 1 V and the others are 0. A field along the surface is minus the gradient of the
  * potential.
  *   node            in   index of the potential of 1 V: 2 corner + face (0: inner, 1: outer)
- *   coefficient [5] out  voltage across the ply (1), electric field along axis 1 of the shell at
- *       the inner and at the outer face (1/m), then that along axis 2
+ *   coefficient [5] out  voltage across the ply (dimensionless), electric field along axis 1 of the
+ *       shell at the inner and at the outer face (1/m), then that along axis 2
  */
 static void coefficients(const shapes *shapes, int node, double coefficient[FIELDS])
 {

@@ -14,15 +14,15 @@ typedef struct quad_geometry {
                            with respect to the natural coordinate xi_a at the centre, 1/4 of the sum
                            of xi_a times the corner positions */
     double turn[2][3];  /* derivatives d_a of the director with respect to the natural coordinate
-                           xi_a at the centre (1), 1/4 of the sum of xi_a times the directors of the
-                           corners */
+                           xi_a at the centre (dimensionless), 1/4 of the sum of xi_a times the
+                           directors of the corners */
     double director[3]; /* unit vector along the sum of the directors of the corners */
     double normal[3]; /* unit normal of the element, along the cross product of its base vectors */
     double length[2]; /* lengths of the element along its directions 1 and 2, twice the lengths of
                          the base vectors (m) */
-    double skew[2]; /* skew coefficients alpha_1, alpha_2 of the element (1): components, along the
-                       base vectors, of the hourglass vector, which is 1/4 of the sum of xi1 xi2
-                       times the corner positions */
+    double skew[2];   /* skew coefficients alpha_1, alpha_2 of the element (dimensionless):
+                         components, along its base vectors, of the hourglass vector. This vector is
+                         1/4 of the sum of xi1 xi2 times the corner positions */
     double curvature[3]; /* curvatures B_11, B_22, B_12 of the element along its two directions
                             (1/m): B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), where g_a is `base`,
                             d_a is `turn` and L_a is `length`, which is 2 |g_a| */

@@ -33,11 +33,12 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
  * the element, lock decides whether the mesh is refused.
  */
 typedef struct quad_rule {
-    double thinness;     /* thinness of the element (1): largest of its curvatures times squared
-                            lengths, over the thickness of the laminate */
-    double irregularity; /* irregularity (1) of the element, the larger one of two numbers: the sum
-                            of the absolute values of quad_geometry.skew (0 on a parallelogram), and
-                            the largest irregularity of its four nodes (quad_irregularity) */
+    double thinness;     /* thinness of the element (dimensionless): largest of its curvatures times
+                            squared lengths, over the thickness of the laminate */
+    double irregularity; /* irregularity (dimensionless) of the element, the larger one of two
+                            numbers: the sum of the absolute values of quad_geometry.skew (0 on a
+                            parallelogram), and the largest irregularity of its four nodes
+                            (quad_irregularity) */
     double bubble_share; /* factor, 0 to 1, of the flexibility that the element option `rho` adds to
                             the transverse shears: 1 on regular meshes, smaller on thin elements of
                             an irregular mesh */

@@ -142,7 +142,7 @@ typedef struct quad_build {
     const quad_mesh *quads;
     const surface_point *point;
     const double *irregularity; /* [nodes] distance of each inner node from the mean of its
-                                   neighbours, relative to their distances (1) */
+                                   neighbours, relative to their distances (dimensionless) */
     uint16_t *element_type;
     quad_report *report;
 } quad_build;

@@ -26,7 +26,7 @@ enum {
 /*
  * A storm is a simulation with fast jumps of the target. It counts as settled where the distance of
  * the shape from the best shape within the voltage limits is at most this fraction of the norm of
- * the target (1).
+ * the target (dimensionless).
  */
 #define CERTIFICATE_TOLERANCE 0.05
 
@@ -231,9 +231,9 @@ double certificate_first(const certificate *certificate);
 
 /* Conditions under which the spectral radius of a control loop is computed. */
 typedef struct certificate_conditions {
-    double gain; /* static response of the structure to voltages, divided by that of the model (1)
-                  */
-    int delay;   /* delay of the sensor readings between measurement and use (ticks) */
+    double gain;     /* static response of the structure to voltages, divided by that of the model
+                        (dimensionless) */
+    int delay;       /* delay of the sensor readings between measurement and use (ticks) */
     double interval; /* time between ticks (s) */
     double lag;      /* time constant of the first-order lag of the amplifiers (s); 0: none */
 } certificate_conditions;

@@ -59,8 +59,8 @@ static const double least_after_reversal = 0.6;
  * smallest slope is at least 0.6 of the sum of this slope and all weights. The operators with the
  * smallest slack, which are first in the list, lose their weight first.
  *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part of the model on
- *                                               this side (1)
- *   weight                              in/out  weights of the plays on this side (1)
+ *                                               this side (dimensionless)
+ *   weight                              in/out  weights of the plays on this side (dimensionless)
  */
 static void weaken_side(double *slope, scene_short_list *weight)
 {

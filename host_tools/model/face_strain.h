@@ -8,7 +8,7 @@
 
 /* A principal strain of one face of the shell at the centre of an element. */
 typedef struct face_strain {
-    double strain; /* principal strain in the plane of the face (1) */
+    double strain; /* principal strain in the plane of the face (dimensionless) */
     int element;   /* index of the element at whose centre the principal strain occurs */
     int face;      /* face of the shell on which the principal strain occurs (0: inner, 1: outer) */
 } face_strain;

@@ -172,7 +172,8 @@ static void fill_slopes(const fit *fit, double s, double *row)
  * Fill the rows of the least-squares matrix that fits the hysteresis model to the measured
  * positions of the actuator. Row i belongs to sample i, column j to parameter j of the model (a
  * slope, weight, creep amplitude or offset). The model is linear in these parameters. An entry is
- * the effect (voltage that would act without hysteresis, V) per unit of the parameter.
+ * the effect (voltage that would move the structure as far without hysteresis, V) per unit of the
+ * parameter.
  */
 static void fill_samples(fit *fit)
 {
@@ -290,9 +291,10 @@ static int solve(fit *fit, char *error)
 
 /*
  * Return the slope of the hysteresis model over the whole voltage range: change of the effect
- * (voltage that would act without hysteresis) per volt, from the lowest to the highest voltage and
- * without creep. A play operator stands still after a reversal until the voltage has changed by
- * twice its slack. Its position therefore changes by the range minus twice the slack.
+ * (voltage that would move the structure as far without hysteresis) per volt, from the lowest to
+ * the highest voltage and without creep. A play operator stands still after a reversal until the
+ * voltage has changed by twice its slack. Its position therefore changes by the range minus twice
+ * the slack.
  */
 static double swing_gain(const fit *fit)
 {

@@ -774,7 +774,7 @@ static void fill_parts(const fit *fit, double *part)
  *   part [outputs][columns] in   coefficients of the decaying cosine and sine of the mode in all
  *                                intervals of constant voltages
  *   along [columns]         out  work array
- *   shape [outputs]         out  shape of the mode (1)
+ *   shape [outputs]         out  shape of the mode (dimensionless)
  */
 static void find_shape(const double *part, size_t outputs, size_t columns, double *along,
                        double *shape)

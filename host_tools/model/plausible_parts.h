@@ -41,14 +41,14 @@ enum { WHAT = 300 };
 
 /*
  * An actuator counts as dead if its column of a measured influence matrix has a norm below this
- * fraction of the largest norm of a column (1).
+ * fraction of the largest norm of a column (dimensionless).
  */
 #define MATRIX_DEAD 1e-4
 
 /*
  * An actuator counts as weak if its column of a measured influence matrix has a norm below this
- * fraction of the median of all column norms (1). Such a column may be nothing but measurement
- * noise.
+ * fraction of the median of all column norms (dimensionless). Such a column may be nothing but
+ * measurement noise.
  */
 #define MATRIX_WEAK 1e-2
 

@@ -297,7 +297,8 @@ static void add_contact(all_dof *all)
 /* Point at which the forces of a node act, and director on which its moments act. */
 typedef struct force_place {
     double point[3];    /* mean position of both faces of the shell at the node (m) */
-    double director[3]; /* vector from the inner to the outer face, divided by the thickness (1) */
+    double director[3]; /* vector from the inner to the outer face, divided by the thickness
+                           (dimensionless) */
 } force_place;
 
 /* Transform a vector from the triad (local axes) of a node to the axes x, y and z. */

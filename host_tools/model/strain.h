@@ -12,8 +12,8 @@
 
 /*
  * Numbers that describe the strains of an element at its centre: mean and difference of both faces
- * for the strains 11, 22, 33 and 12; the strains 13 and 23 (1); then the parts of the strains 11,
- * 22 and 12 that are quadratic in the height (1/m2).
+ * for the strains 11, 22, 33 and 12; the strains 13 and 23 (dimensionless); then the parts of the
+ * strains 11, 22 and 12 that are quadratic in the height (1/m2).
  */
 enum { STRAIN_QUADRATIC = 10, STRAIN_COUNT = 13 };
 

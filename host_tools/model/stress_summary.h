@@ -72,7 +72,7 @@ double stress_field_reserve(const design *design, int layer, double field);
  * Compute how far each element is loaded, for the picture in a report. If a material of the scene
  * has strengths, this is 1 over the smallest reserve factor of the element's layers, otherwise the
  * largest von Mises stress in the element (Pa).
- *   value [elements] out  utilisation (1) or stress (Pa) of each element
+ *   value [elements] out  utilisation (dimensionless) or stress (Pa) of each element
  * Returns whether a material has strengths.
  */
 bool stress_load(const stress_field *field, double *value);

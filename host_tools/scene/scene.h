@@ -95,9 +95,9 @@ typedef struct scene_element {
     bool cartesian; /* true: strains are computed from differences of the displacement vectors of an
                        element's corners; false: from derivatives of displacement components in the
                        local triad of the surface */
-    double tau;     /* factor (1) of the warping correction (warp.h), a term of the membrane shear
-                       strain of a curved element for normal displacements of its four corners with
-                       alternating signs; 0: no such term */
+    double tau;     /* factor (dimensionless) of the warping correction (warp.h), a term of the
+                       membrane shear strain of a curved element for normal displacements of its
+                       four corners with alternating signs; 0: no such term */
     double rho; /* factor of the flexibility that is added to the transverse shears of an element on
                    coarse meshes: bending flexibility 12/(E h^3) times length^2/12 */
     bool hr, lin33;   /* hr: linear and bilinear functions of the place in the element occur in some
@@ -490,7 +490,8 @@ typedef struct scene_contact {
     double move[3]; /* displacement x, y, z of the rigid body at full load (length unit of the scene
                        file) */
     double stiffness; /* penalty stiffness of the contact at a node in the first iteration of a load
-                         step, as a multiple of the stiffness of the shell at this node (1) */
+                         step, as a multiple of the stiffness of the shell at this node
+                         (dimensionless) */
     scene_at at;
 } scene_contact;
 
@@ -636,7 +637,8 @@ typedef struct scene_limit {
 typedef struct scene_limit_row {
     int count;
     int *amplifier; /* [count] numbers of the amplifiers whose voltages occur in the weighted sum */
-    double *factor; /* [count] factor of the voltage of each amplifier in the weighted sum (1) */
+    double *factor; /* [count] factor of the voltage of each amplifier in the weighted sum
+                       (dimensionless) */
     double lower, upper; /* lower and upper limit of a weighted sum of voltages (V) */
     bool is_absolute;    /* whether the sum of the absolute values of the voltages is limited */
     scene_at at;
@@ -682,7 +684,7 @@ typedef struct scene_estimate {
     int readings;
     scene_reading *reading;
     double loads; /* standard deviation of the unknown factor by which each load of the scene file
-                     is multiplied in reality (1) */
+                     is multiplied in reality (dimensionless) */
     double voltages;  /* assumed standard deviation of the difference between the voltage that an
                          amplifier should give an electrode and the true one (V); -1: a twentieth of
                          the voltage range of the electrode */
@@ -871,7 +873,7 @@ typedef struct scene_influence {
                                     matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
     double drop_below;  /* entries of the influence matrix smaller than this part of the largest
-                           entry of their column count as zero in the controller (1) */
+                           entry of their column count as zero in the controller (dimensionless) */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
                            file gives none */
     char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's
@@ -960,16 +962,16 @@ typedef struct scene_hysteresis {
     double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
     scene_short_list slope; /* [4] slopes of the part of the model without memory, a piecewise
                                linear function of the voltage, in the four quarters of the voltage
-                               range from the lowest on (1) */
+                               range from the lowest on (dimensionless) */
     scene_short_list slack; /* [plays] slack of each play operator: change of the voltage after a
                                reversal before the operator follows; ascending (V) */
     scene_short_list above; /* [plays] weight of each play operator while its output is above the
-                               middle of the voltage range (1) */
+                               middle of the voltage range (dimensionless) */
     scene_short_list below; /* [plays] weight of each play operator while its output is below the
-                               middle of the voltage range (1) */
+                               middle of the voltage range (dimensionless) */
     scene_short_list creep_time; /* [creeps] time constants of the ceramic's creep (s) */
     scene_short_list creep; /* [creeps] final value of the creep term of each time constant, as a
-                               fraction of the voltage (1) */
+                               fraction of the voltage (dimensionless) */
     double offset; /* constant term of the hysteresis model: its output at 0 V before any other
                       voltage (V) */
 } scene_hysteresis;

@@ -13,7 +13,7 @@ typedef struct scene_film {
     double voltage; /* voltage of the data sheet at which strains and force of the film actuator are
                        given (V) */
     double strain[2]; /* free strains of the film along and across its fibres at the given voltage
-                         (1) */
+                         (dimensionless) */
     double thickness; /* thickness of the film actuator (m) */
     double force, width; /* blocking force (N) of a film of the given width (m); 0: the data sheet
                             gives no force */

@@ -21,11 +21,12 @@ typedef struct inertia {
                      */
     double *memory; /* one allocated block of memory that holds the arrays `deviation`, `velocity`,
                        `input` and `propagator`; NULL if the caller provides their memory */
-    double *deviation; /* [modes] deviation of the modal coordinate of each vibration mode from its
-                          static equilibrium */
-    double *velocity;  /* [modes] velocity of the coordinate of each vibration mode, divided by the
-                          angular frequency of the mode */
-    double *input; /* [inputs] present inputs of the structure: voltages (V) and load factors (1) */
+    double *deviation;  /* [modes] deviation of the modal coordinate of each vibration mode from its
+                           static equilibrium */
+    double *velocity;   /* [modes] velocity of the coordinate of each vibration mode, divided by the
+                           angular frequency of the mode */
+    double *input;      /* [inputs] present inputs of the structure: voltages (V) and load factors
+                           (dimensionless) */
     double *propagator; /* [modes][2][2] propagator of each vibration mode: 2 x 2 matrix that
                            advances its deviation and its scaled velocity by the time `interval` */
     double interval;    /* time interval by which the propagators advance the vibration (s); 0: they

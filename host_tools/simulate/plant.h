@@ -34,8 +34,8 @@ typedef struct plant {
                       computed: voltages, loads and temperature change. A nonlinear structure also
                       has inputs for prescribed displacements and for the motion of a contact's
                       rigid body */
-    double *computed_input; /* [inputs] voltages (V), load factors (1) and temperature change (K)
-                               with which the latest shape of the plant was computed */
+    double *computed_input; /* [inputs] voltages (V), load factors (dimensionless) and temperature
+                               change (K) with which the latest shape of the plant was computed */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
                             such as loads and support displacements */
     double *value;   /* [outputs of the structure] values of all outputs in the latest shape of the

@@ -15,8 +15,8 @@
  * time.
  */
 typedef struct wave {
-    double amplitude, frequency; /* amplitude of the sinusoidal part of a load factor (1), and its
-                                    frequency (Hz) */
+    double amplitude, frequency; /* amplitude of the sinusoidal part of a load factor
+                                    (dimensionless), and its frequency (Hz) */
     double start; /* time at which the sinusoidal part of a load is 0 and rising (s) */
     int until;    /* number of the tick at which the sinusoidal part of the load ends */
 } wave;
@@ -66,9 +66,9 @@ typedef struct loop {
     bool is_silent; /* whether the board that runs the firmware failed to answer in the last tick */
     uint64_t random; /* state of the random number generator of the simulated loop */
     int next_event, missed_until;
-    double factor, scheduled_factor; /* factor by which the target is multiplied (1): present value,
-                                        and value that the scene's schedule alone would give,
-                                        without random events */
+    double factor, scheduled_factor; /* factor by which the target is multiplied (dimensionless):
+                                        present value, and value that the scene's schedule alone
+                                        would give, without random events */
     double *memory; /* one allocation that holds the arrays of this struct from `goal` to
                        `last_voltage` */
     double *goal; /* [targets] wanted displacements of the scene's target or of the last event that

@@ -63,7 +63,7 @@ typedef struct loop_processor {
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
     /*
      * number of instructions of a program loop on the processor, divided by that on a Cortex-M4F
-     * (1); for loops other than products of matrix and vector and the optimiser
+     * (dimensionless); for loops other than products of matrix and vector and the optimiser
      */
     double other;
 } loop_processor;

@@ -354,7 +354,7 @@ static bool is_converged(pzs_optimiser *optimiser)
 
 typedef struct blocking {
     pzs_real part;  /* fraction of a change of all free voltages after which the first of them
-                       reaches a bound (1) */
+                       reaches a bound (dimensionless) */
     uint32_t input; /* index of the first input whose voltage reaches a bound; the number of inputs
                        if no voltage does */
 } blocking;

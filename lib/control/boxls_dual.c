@@ -446,7 +446,7 @@ static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
  * by 1 m2/V, while the active voltages stay at their bounds. The results are in work arrays:
  *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor of the
  *                                inverse Hessian restricted to the active inputs
- *   CHANGE   [active_count] out  change of the multipliers of the active inputs (1)
+ *   CHANGE   [active_count] out  change of the multipliers of the active inputs (dimensionless)
  *   RESPONSE [width]        out  change of the voltages (V2/m2)
  * Returns the square of the last entry of the row (V2/m2).
  */

@@ -46,7 +46,7 @@
 #define NO_RESPONSE 16
 /*
  * Smallest regularisation weight when electrode voltages are estimated from the measured shape by
- * least squares, relative to the diagonal of the normal matrix (1).
+ * least squares, relative to the diagonal of the normal matrix (dimensionless).
  */
 #define LEAST_RIDGE PZS_R(1e-5)
 /*

@@ -122,7 +122,8 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
  * Compute the optimal voltages for the target shape, within the voltage limits of the tables,
  * without step limits, and with the same inputs kept at a fixed voltage as in the control loop. The
  * voltage limits in the loop's controller are not used, because the compensation of hysteresis may
- * have replaced them by limits of effects (voltages without hysteresis).
+ * have replaced them by limits of effects (voltages that would move the structure as far without
+ * hysteresis).
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {

@@ -119,8 +119,8 @@ static bool are_rising(const pzs_real *slack, uint32_t plays)
 
 /*
  * Whether the hysteresis parameters in set k of the tables (one set for all inputs, or one for
- * each) are valid: the numbers are finite, and the effect (voltage without hysteresis) rises with
- * the voltage.
+ * each) are valid: the numbers are finite, and the effect (voltage that would move the structure as
+ * far without hysteresis) rises with the voltage.
  */
 static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 {
@@ -186,18 +186,22 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 /* Parameters of the hysteresis model of one electrode. */
 typedef struct electrode {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
-                              effect (voltage without hysteresis), from the lowest to the highest
-                              quarter of the voltage range (1) */
+                              effect (voltage that would move the structure as far without
+                              hysteresis), from the lowest to the highest quarter of the voltage
+                              range (dimensionless) */
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     const pzs_real *above; /* [plays] weight of each play (element with backlash) in the effect
-                              (voltage without hysteresis) while the play is above the middle of the
-                              voltage range (1) */
+                              (voltage that would move the structure as far without hysteresis)
+                              while the play is above the middle of the voltage range
+                              (dimensionless) */
     const pzs_real *below; /* [plays] weight of each play (element with backlash) in the effect
-                              (voltage without hysteresis) while the play is below the middle of the
-                              voltage range (1) */
+                              (voltage that would move the structure as far without hysteresis)
+                              while the play is below the middle of the voltage range
+                              (dimensionless) */
     const pzs_real *creep; /* [creeps] final value of each creep term in the effect of the electrode
-                              (voltage without hysteresis), divided by the voltage (1) */
+                              (voltage that would move the structure as far without hysteresis),
+                              divided by the voltage (dimensionless) */
     pzs_real middle;     /* middle of the voltage range of the electrode (V), at which the model of
                             hysteresis has its zero */
     pzs_real half_range; /* half of the voltage range of the electrode (V) */
@@ -244,9 +248,10 @@ static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 }
 
 /*
- * Return the piecewise linear part of the effect of an electrode (voltage without hysteresis) at
- * `offset`, the distance of the voltage from the middle of the voltage range (V). It is 0 in the
- * middle, and its slope changes there and at the quarters of the voltage range (V).
+ * Return the piecewise linear part of the effect of an electrode (voltage that would move the
+ * structure as far without hysteresis) at `offset`, the distance of the voltage from the middle of
+ * the voltage range (V). It is 0 in the middle, and its slope changes there and at the quarters of
+ * the voltage range (V).
  */
 static pzs_real line_at(const electrode_tables *electrode, pzs_real offset)
 {
@@ -261,7 +266,8 @@ static pzs_real line_at(const electrode_tables *electrode, pzs_real offset)
 
 /*
  * Return the contribution of play i (an element with backlash) to the effect of an electrode
- * (voltage without hysteresis) when the play is at `position` (V).
+ * (voltage that would move the structure as far without hysteresis) when the play is at `position`
+ * (V).
  */
 static pzs_real part_of(const electrode_tables *electrode, uint32_t i, pzs_real position)
 {
@@ -317,7 +323,8 @@ static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_re
  * Move the creep terms in the hysteresis model of an electrode by some ticks under a voltage.
  * Returns the sum of their changes (V).
  *   creep [creeps] in/out  creep terms before and after these ticks (V)
- *   rate  [creeps] in      fraction of the way to its final value that each creep term goes (1)
+ *   rate  [creeps] in      fraction of the way to its final value that each creep term goes
+ *                          (dimensionless)
  */
 static pzs_real move_creeps(const electrode_tables *electrode, pzs_real *creep, pzs_real voltage,
                             const pzs_real *rate)
@@ -334,8 +341,8 @@ static pzs_real move_creeps(const electrode_tables *electrode, pzs_real *creep, 
 
 /*
  * Move the plays (elements with backlash) of an electrode to the positions that follow from a new
- * voltage. Returns the effect of the electrode (voltage without hysteresis), without its creep
- * terms (V).
+ * voltage. Returns the effect of the electrode (voltage that would move the structure as far
+ * without hysteresis), without its creep terms (V).
  *   play [plays] in/out  positions of the plays before and after the change to `voltage` (V)
  */
 static pzs_real move_plays(const electrode_tables *electrode, pzs_real *play, pzs_real voltage)
@@ -383,8 +390,8 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
 }
 
 /*
- * Return by how much the effect of an electrode (voltage without hysteresis) changes when its
- * voltage changes from one value to another (V).
+ * Return by how much the effect of an electrode (voltage that would move the structure as far
+ * without hysteresis) changes when its voltage changes from one value to another (V).
  *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
 static pzs_real effect_change(const electrode_tables *electrode, const pzs_real *play,
@@ -404,16 +411,17 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * Search for the voltage with a wanted effect (voltage without hysteresis), from the present
- * voltage of an electrode upwards or downwards, along its piecewise linear characteristic (effect
- * as a function of the voltage). All positions are multiplied by `sign`, the direction of the
- * search, so that the search always runs towards larger numbers. A play is an element with
- * backlash.
+ * Search for the voltage with a wanted effect (voltage that would move the structure as far without
+ * hysteresis), from the present voltage of an electrode upwards or downwards, along its piecewise
+ * linear characteristic (effect as a function of the voltage). All positions are multiplied by
+ * `sign`, the direction of the search, so that the search always runs towards larger numbers. A
+ * play is an element with backlash.
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
-                              effect (voltage without hysteresis), from the lowest to the highest
-                              quarter of the voltage range (1) */
+                              effect (voltage that would move the structure as far without
+                              hysteresis), from the lowest to the highest quarter of the voltage
+                              range (dimensionless) */
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     /*
@@ -423,41 +431,46 @@ typedef struct effect_walk {
      */
     const pzs_real *play;
     const pzs_real *ahead;  /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage without hysteresis) for positions of the play in the half
-                               of the voltage range at which a search ends (1). That is the upper
-                               half in a search towards higher voltages, otherwise the lower half */
+                               (voltage that would move the structure as far without hysteresis) for
+                               positions of the play in the half of the voltage range at which a
+                               search ends (dimensionless). That is the upper half in a search
+                               towards higher voltages, otherwise the lower half */
     const pzs_real *behind; /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage without hysteresis) for positions of the play in the half
-                               of the voltage range at which a search begins (1). That is the
-                               lower half in a search towards higher voltages, otherwise the
-                               upper half */
+                               (voltage that would move the structure as far without hysteresis) for
+                               positions of the play in the half of the voltage range at which a
+                               search begins (dimensionless). That is the lower half in a search
+                               towards higher voltages, otherwise the upper half */
     pzs_real sign; /* direction of the search for a voltage along the characteristic of an electrode
                       (effect as a function of the voltage): 1 towards higher voltages, -1 towards
                       lower ones */
     pzs_real knot; /* distance of the outer changes of slope from the middle of the voltage range
                       (V), a quarter of the range: the slope of the piecewise linear part of the
-                      effect (voltage without hysteresis) changes there and in the middle */
+                      effect (voltage that would move the structure as far without hysteresis)
+                      changes there and in the middle */
     pzs_real place; /* voltage that the search along the characteristic of an electrode (effect as a
                        function of the voltage) has reached, relative to the middle of the voltage
                        range (V) */
     pzs_real gain; /* slope of the characteristic at the voltage that the search has reached, in the
-                      direction of the search (1); the characteristic is the effect of an electrode
-                      (voltage without hysteresis) as a function of its voltage */
+                      direction of the search (dimensionless); the characteristic is the effect of
+                      an electrode (voltage that would move the structure as far without hysteresis)
+                      as a function of its voltage */
     uint32_t plays;
     uint32_t moving;  /* number of plays (elements with backlash) that have used up their slack and
                          move with the voltage: the first ones in the order of their slack */
     uint32_t crossed; /* number of plays (elements with backlash) that move with the voltage and
                          have crossed the middle of the voltage range */
     uint32_t knots;   /* number of changes of slope in the piecewise linear part of the effect
-                         (voltage without hysteresis) that the search for a voltage has passed */
+                         (voltage that would move the structure as far without hysteresis) that the
+                         search for a voltage has passed */
 } effect_walk;
 
 #define NOWHERE PZS_R(HUGE_VAL)
 
 /*
- * Return the slope of the piecewise linear part of an electrode's effect (voltage without
- * hysteresis) in quarter k of the voltage range: k = 0 to 3 from the lowest voltages to the highest
- * in a search towards higher voltages, otherwise in the reverse order.
+ * Return the slope of the piecewise linear part of an electrode's effect (voltage that would move
+ * the structure as far without hysteresis) in quarter k of the voltage range: k = 0 to 3 from the
+ * lowest voltages to the highest in a search towards higher voltages, otherwise in the reverse
+ * order.
  */
 static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 {
@@ -505,8 +518,8 @@ static pzs_real next_crossing(const effect_walk *walk)
 
 /*
  * Return the next voltage at which the slope of the piecewise linear part of the effect (voltage
- * without hysteresis) changes, in a search for the voltage with a wanted effect. The result is
- * relative to the middle of the voltage range (V).
+ * that would move the structure as far without hysteresis) changes, in a search for the voltage
+ * with a wanted effect. The result is relative to the middle of the voltage range (V).
  */
 static pzs_real next_knot(const effect_walk *walk)
 {
@@ -515,8 +528,9 @@ static pzs_real next_knot(const effect_walk *walk)
 
 /*
  * Let the next play (element with backlash) move with the voltage in the search for a voltage with
- * a wanted effect, and add its weight to the slope of the effect (voltage without hysteresis). The
- * weight differs below and above the middle of the voltage range.
+ * a wanted effect, and add its weight to the slope of the effect (voltage that would move the
+ * structure as far without hysteresis). The weight differs below and above the middle of the
+ * voltage range.
  */
 static void move_play(effect_walk *walk)
 {
@@ -540,7 +554,8 @@ static void pass_knot(effect_walk *walk)
 
 /*
  * Let the search for a voltage with a wanted effect pass the nearest voltage at which the slope of
- * the effect (voltage without hysteresis) changes, and update the slope.
+ * the effect (voltage that would move the structure as far without hysteresis) changes, and update
+ * the slope.
  */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
@@ -555,11 +570,11 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 }
 
 /*
- * Begin the search for the voltage of an electrode with a wanted effect (voltage without
- * hysteresis): find the slope of the effect at the present voltage, in the direction of the search.
- * Plays (elements with backlash) without slack in this direction move with the voltage from the
- * beginning. Changes of slope at voltages before the present one, in the direction of the search,
- * are skipped.
+ * Begin the search for the voltage of an electrode with a wanted effect (voltage that would move
+ * the structure as far without hysteresis): find the slope of the effect at the present voltage, in
+ * the direction of the search. Plays (elements with backlash) without slack in this direction move
+ * with the voltage from the beginning. Changes of slope at voltages before the present one, in the
+ * direction of the search, are skipped.
  */
 static void find_first_slope(effect_walk *walk)
 {
@@ -575,8 +590,8 @@ static pzs_real smaller(pzs_real one, pzs_real other)
 }
 
 /*
- * Return the voltage (V) at which the effect of an electrode (voltage without hysteresis) differs
- * by `way` (V) from the effect at the voltage `from`.
+ * Return the voltage (V) at which the effect of an electrode (voltage that would move the structure
+ * as far without hysteresis) differs by `way` (V) from the effect at the voltage `from`.
  *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
 static pzs_real voltage_after(const electrode_tables *electrode, const pzs_real *play,
@@ -688,7 +703,8 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
         return PZS_E_STAGE;
     /*
      * The compensation of hysteresis is refused where sums of voltages are limited: it replaces
-     * voltages by effects (voltages without hysteresis), to which such limits do not apply.
+     * voltages by effects (voltages that would move the structure as far without hysteresis), to
+     * which such limits do not apply.
      */
     if (control->state.problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
@@ -723,9 +739,9 @@ static bool set_range(pzs_compensator *compensator, const pzs_control *control, 
 }
 
 /*
- * Replace the voltage limits of input k in the controller by limits of its effect (voltage without
- * hysteresis): the effects at the lowest and the highest voltage that this tick allows, starting
- * from the present voltage `given`.
+ * Replace the voltage limits of input k in the controller by limits of its effect (voltage that
+ * would move the structure as far without hysteresis): the effects at the lowest and the highest
+ * voltage that this tick allows, starting from the present voltage `given`.
  */
 static void set_effect_limits(const pzs_compensator *compensator, pzs_control *control,
                               const electrode_tables *electrode, uint32_t k, pzs_real given)
@@ -741,9 +757,9 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 }
 
 /*
- * A change of the effect (voltage without hysteresis) of an input since the controller last
- * predicted the shape counts as a rounding error if it is at most this multiple of the machine
- * epsilon times the largest voltage.
+ * A change of the effect (voltage that would move the structure as far without hysteresis) of an
+ * input since the controller last predicted the shape counts as a rounding error if it is at most
+ * this multiple of the machine epsilon times the largest voltage.
  */
 #define ROUNDING 256
 
@@ -778,7 +794,7 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
  * changed it in between. The function also updates the plays (elements with backlash) and the creep
  * terms of the input.
  *   rate [creeps] in  part of the way to its final value that each creep term goes in between
- *                     (1)
+ *                     (dimensionless)
  */
 static void find_effects(pzs_compensator *compensator, const electrode_tables *electrode,
                          uint32_t k, pzs_real given, const pzs_real *rate)
@@ -831,7 +847,7 @@ static pzs_status inverse_init(void *self, const void *tables, pzs_loop_signals 
 
 /*
  * Return the voltage of input k, inside the range that this tick allows, that has the effect
- * (voltage without hysteresis) which the optimiser has chosen.
+ * (voltage that would move the structure as far without hysteresis) which the optimiser has chosen.
  */
 static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control *control,
                            const pzs_real *given, uint32_t k)

@@ -16,14 +16,14 @@
 uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables);
 
 /*
- * Memory of one electrode with hysteresis and creep, through which its effect (voltage without
- * hysteresis) depends on earlier voltages.
+ * Memory of one electrode with hysteresis and creep, through which its effect (voltage that would
+ * move the structure as far without hysteresis) depends on earlier voltages.
  */
 typedef struct hysteresis_memory {
     pzs_real *play; /* [plays] position of each play (element with backlash), relative to the middle
                        of the voltage range (V) */
     pzs_real *creep; /* [creeps] present value of each creep term in the effect of the electrode
-                        (voltage without hysteresis) (V) */
+                        (voltage that would move the structure as far without hysteresis) (V) */
 } hysteresis_memory;
 
 /*
@@ -59,10 +59,10 @@ pzs_real pzs_hysteresis_identified(const pzs_compensator *compensator, uint32_t 
                                    pzs_real voltage);
 
 /*
- * Return the voltage at which electrode `input` has a wanted effect (voltage without hysteresis),
- * starting from its present voltage `from` (V). The result is exact up to rounding. The effect is a
- * piecewise linear function of the voltage; the search for the voltage visits at most 2 n + 4
- * pieces, with n plays (elements with backlash).
+ * Return the voltage at which electrode `input` has a wanted effect (voltage that would move the
+ * structure as far without hysteresis), starting from its present voltage `from` (V). The result is
+ * exact up to rounding. The effect is a piecewise linear function of the voltage; the search for
+ * the voltage visits at most 2 n + 4 pieces, with n plays (elements with backlash).
  */
 pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
                                 hysteresis_memory memory, pzs_real from, pzs_real effect);

@@ -39,9 +39,9 @@
  * anew after a pause of the target.
  *
  * Where the loop compensates hysteresis, this file uses, in place of the voltages, their effects
- * (voltages without hysteresis) by the hysteresis model as it was measured. The compensation
- * assumes less hysteresis for the sake of robustness; with its model, healthy electrodes would seem
- * to miss a part of their voltages.
+ * (voltages that would move the structure as far without hysteresis) by the hysteresis model as it
+ * was measured. The compensation assumes less hysteresis for the sake of robustness; with its
+ * model, healthy electrodes would seem to miss a part of their voltages.
  *
  * The work of a tick is outputs + 8 (inputs + sensors) operations, and with compensation of
  * hysteresis about 3 operations for each of its plays (elements with backlash) of each electrode.
@@ -326,8 +326,8 @@ static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 
 /*
  * Return the voltages [inputs] that act on the structure according to the model (V): the voltages,
- * or, where the loop compensates hysteresis, their effects (voltages without hysteresis) by the
- * hysteresis model as it was measured.
+ * or, where the loop compensates hysteresis, their effects (voltages that would move the structure
+ * as far without hysteresis) by the hysteresis model as it was measured.
  */
 static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
                                        const pzs_loop_signals *signals)
@@ -372,13 +372,13 @@ static uint32_t window_ticks(const pzs_pulse_detector_state *state)
 
 /*
  * Weights of the voltages and readings of a tick in the sums of the fault detector over a test
- * pulse or a window, a time over which readings are averaged (1).
+ * pulse or a window, a time over which readings are averaged (dimensionless).
  */
 typedef struct weights {
     pzs_real mean; /* weight of a tick in a mean of readings or voltages; during a test pulse,
-                      weight in the sum that measures the response to the pulse (1) */
+                      weight in the sum that measures the response to the pulse (dimensionless) */
     pzs_real late; /* weight of a tick in the sum that measures a sudden step of the readings during
-                      a test pulse (1) */
+                      a test pulse (dimensionless) */
 } weights;
 
 static weights weights_of(const pzs_pulse_detector_state *state, uint32_t tick)
@@ -725,8 +725,9 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
  */
 typedef struct own_loss {
     pzs_real common; /* part of every voltage change that seems to be missing at all electrodes
-                        alike (1), because the gain of the structure differs from the model; at most
-                        COMMON_LOSS in size; negative if the changes seem larger than they are */
+                        alike (dimensionless), because the gain of the structure differs from the
+                        model; at most COMMON_LOSS in size; negative if the changes seem larger than
+                        they are */
     pzs_real lost;   /* voltage error of the electrode (V): the voltage that the readings show minus
                         the given one, without the error that all electrodes have in common because
                         the gain of the structure differs from the model */
@@ -790,7 +791,7 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
  * readings of an earlier interval in which the target stood still.
  *   rest  in  part of the change that the voltage errors of all electrodes together leave
  *             unexplained: its sum of squares, divided by the weight of the regularisation (V2)
- *   least in  smallest part of the change that makes an electrode suspected (1)
+ *   least in  smallest part of the change that makes an electrode suspected (dimensionless)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
 {

@@ -39,28 +39,28 @@ static pzs_real square(pzs_real number)
  */
 typedef struct pulse_fit {
     pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of a matrix of scalar products over the
-                                          sensors (1): of the modelled responses to the suspected
-                                          electrode, to the healthy one and to all others, each with
-                                          each; after the factorisation the L D L^T factors of the
-                                          matrix */
+                                          sensors (dimensionless): of the modelled responses to the
+                                          suspected electrode, to the healthy one and to all others,
+                                          each with each; after the factorisation the L D L^T
+                                          factors of the matrix */
     pzs_real response[COLUMNS]; /* scalar products over the sensors of the measured response to a
-                                   test pulse with three modelled responses (1): to the suspected
-                                   electrode, to the healthy one and to all others; after the
-                                   solution the three gains (measured over modelled response) */
+                                   test pulse with three modelled responses (dimensionless): to the
+                                   suspected electrode, to the healthy one and to all others; after
+                                   the solution the three gains (measured over modelled response) */
     /*
-     * squared norm over the sensors of the modelled response to the suspected electrode (1); a
-     * response is the change of a reading times the scale factor of its sensor
+     * squared norm over the sensors of the modelled response to the suspected electrode
+     * (dimensionless); a response is the change of a reading times the scale factor of its sensor
      */
     pzs_real own;
-    pzs_real energy; /* squared norm over the sensors of the measured response to a test pulse (1);
-                        a response is the change of a reading times the scale factor of its sensor
-                      */
+    pzs_real energy; /* squared norm over the sensors of the measured response to a test pulse
+                        (dimensionless); a response is the change of a reading times the scale
+                        factor of its sensor */
 } pulse_fit;
 
 /*
  * Set column[COLUMNS] to the responses of sensor i that the model predicts, times the scale of the
- * sensor (1): to the test pulse of the suspected electrode, to that of the reference electrode (a
- * healthy one), and to the voltages of all others.
+ * sensor (dimensionless): to the test pulse of the suspected electrode, to that of the reference
+ * electrode (a healthy one), and to the voltages of all others.
  */
 static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
                             pzs_real column[COLUMNS])

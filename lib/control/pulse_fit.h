@@ -42,14 +42,15 @@ typedef struct pulse_response {
      */
     pzs_real gain[2];
     /*
-     * jump of the readings between the first and the second half of the test pulse (1), fitted by
-     * two vectors: the modelled responses to the electrode suspected of a fault [0] and to the
-     * healthy one [1]. The two entries are the factors of these vectors in the least-squares fit
+     * jump of the readings between the first and the second half of the test pulse (dimensionless),
+     * fitted by two vectors: the modelled responses to the electrode suspected of a fault [0] and
+     * to the healthy one [1]. The two entries are the factors of these vectors in the least-squares
+     * fit
      */
     pzs_real jumped[2];
     /*
-     * unexplained part of the measured response (1): sum of squares of the part that no modelled
-     * response explains, divided by the sum of squares of the modelled response
+     * unexplained part of the measured response (dimensionless): sum of squares of the part that no
+     * modelled response explains, divided by the sum of squares of the modelled response
      */
     pzs_real unexplained;
     bool is_measured; /* whether the gains (measured over modelled response) of the suspected and of

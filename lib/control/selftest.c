@@ -244,8 +244,8 @@ static void set_voltages(pzs_selftest *selftest, uint32_t position)
 /*
  * Add a reading of sensor i to the two weighted sums of its readings during a test pulse. A missing
  * reading is replaced by the last one.
- *   even, odd in  weights of the reading in the two sums (1): `even` is symmetric, `odd`
- *                 antisymmetric in time about the middle of the pulse
+ *   even, odd in  weights of the reading in the two sums (dimensionless): `even` is symmetric,
+ *                 `odd` antisymmetric in time about the middle of the pulse
  */
 static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading, pzs_real even,
                         pzs_real odd)

@@ -577,10 +577,11 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 
 /*
  * Return how much the measured responses of two amplifiers (or two sensors) differ from modelled
- * responses (1). The modelled responses are their own, or each is that of the other one, as if
- * their cables were exchanged. The responses of two sensors are compared as one long vector if the
- * modelled ones are multiplied by the measured gains of the amplifiers. Two sensors may see nearly
- * the same shape; an exchange of their cables then shows only in the sizes of their responses.
+ * responses (dimensionless). The modelled responses are their own, or each is that of the other
+ * one, as if their cables were exchanged. The responses of two sensors are compared as one long
+ * vector if the modelled ones are multiplied by the measured gains of the amplifiers. Two sensors
+ * may see nearly the same shape; an exchange of their cables then shows only in the sizes of their
+ * responses.
  *   one, other in  comparisons of the measured response of the first and of the second amplifier
  *                  (or sensor) with a modelled response
  */

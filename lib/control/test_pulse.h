@@ -76,10 +76,10 @@ static inline pzs_real test_pulse_mean(pzs_real place)
 }
 
 /*
- * Normalised sum over the ticks of a test pulse (1): its voltage times the even weight of the tick,
- * divided by the number of ticks and by the height of the pulse. For many ticks it is half the
- * integral over s from -1 to 1 of b^4 (the pulse) times b^3 (1 - 9 s^2) (the weight), with the time
- * s in the pulse and b = 1 - s^2.
+ * Normalised sum over the ticks of a test pulse (dimensionless): its voltage times the even weight
+ * of the tick, divided by the number of ticks and by the height of the pulse. For many ticks it is
+ * half the integral over s from -1 to 1 of b^4 (the pulse) times b^3 (1 - 9 s^2) (the weight), with
+ * the time s in the pulse and b = 1 - s^2.
  */
 #define TEST_PULSE_RESPONSE PZS_R(0.149767)
 

@@ -74,9 +74,9 @@ typedef struct linalg_inertia {
                                pivot is negative */
     int32_t zero; /* row of the first pivot of the factorisation L D L^T that is below its bound or
                      not finite, which makes the factors unusable; -1: no such pivot */
-    pzs_real growth; /* growth of the pivots in the factorisation L D L^T (1): largest absolute
-                        pivot, divided by the largest absolute diagonal entry of the matrix before
-                        the factorisation */
+    pzs_real growth; /* growth of the pivots in the factorisation L D L^T (dimensionless): largest
+                        absolute pivot, divided by the largest absolute diagonal entry of the matrix
+                        before the factorisation */
 } linalg_inertia;
 
 /*

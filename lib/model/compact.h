@@ -23,7 +23,7 @@
  *   s, t                    out  derivative of the displacement with respect to the
  *                                displacements of the corner and of the neighbour (1/m)
  *   g_mean                  out  base vector in this direction, mean of both faces of the shell
- *                                (1)
+ *                                (dimensionless)
  *   g_diff                  out  base vector of the outer face minus that of the inner face,
  *                                divided by the thickness (1/m)
  */

@@ -53,13 +53,13 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 /*
  * Geometry of a deformed element at one corner, or a change of this geometry.
  *   mean [2][3]  base vectors along the surface coordinates theta1 and theta2, mean of both faces
- *                (1)
+ *                (dimensionless)
  *   diff [2][3]  base vectors of the outer face minus those of the inner face, divided by the
  *                thickness (1/m)
  *   beta [3]     director: position of the outer minus that of the inner face, divided by the
- *                thickness (1)
+ *                thickness (dimensionless)
  *   q            displacement u3 of the middle surface minus the mean of both faces, divided by the
- *                thickness (1)
+ *                thickness (dimensionless)
  * In a change under a displacement, mean and diff are derivatives of the displacement along the
  * surface, and beta and q are the changes of director and q.
  */

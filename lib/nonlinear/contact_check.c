@@ -222,7 +222,7 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
  *   along, across in  facet coordinates of the point (0 to 1)
  *   time          in  time within the load step (0 to 1), at which the positions are
  *                     interpolated
- *   normal [3]    in  normal of the body (1)
+ *   normal [3]    in  normal of the body (dimensionless)
  */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
                         const pzs_real normal[3])

@@ -43,7 +43,7 @@ void pzs_face_scatter(const pzs_model *model, const uint16_t *node, unsigned cou
  * two mesh directions xi1 and xi2 of the element. All vectors have components in the orthonormal
  * frame of the corner.
  *   displacement [4][3] in   displacement of the face at the corners (m)
- *   base         [2][3] out  base vectors (1)
+ *   base         [2][3] out  base vectors (dimensionless)
  */
 void pzs_face_base(const pzs_element_type *type, pzs_real height, const pzs_real (*displacement)[3],
                    unsigned corner, pzs_real base[2][3]);
@@ -52,7 +52,7 @@ void pzs_face_base(const pzs_element_type *type, pzs_real height, const pzs_real
  * Compute the normal of the deformed face at one corner of an element, the vector product of its
  * base vectors. Its length is the ratio of deformed to undeformed area.
  *   displacement [4][3] in   displacement of the face at the corners (m)
- *   eta          [3]    out  normal (1)
+ *   eta          [3]    out  normal (dimensionless)
  */
 void pzs_face_normal(const pzs_element_type *type, pzs_real height,
                      const pzs_real (*displacement)[3], unsigned corner, pzs_real eta[3]);
