@@ -485,8 +485,8 @@ typedef struct pzs_pulse_detector_state {
                                pulse (V): voltage minus that of its first tick, times a weight that
                                is antisymmetric in time about the middle of the pulse */
     pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V): the voltages that
-                         electrodes without hysteresis would need for the same displacement, by the
-                         hysteresis model as it was measured */
+                         would move the structure as far without hysteresis, according to the
+                         measured hysteresis model */
     pzs_real *cleared_loss; /* [inputs] size of the voltage error of each electrode when the fault
                                detector last suspected it (V): absolute difference between the
                                voltage given to the electrode and the voltage that the readings
@@ -500,11 +500,13 @@ typedef struct pzs_pulse_detector_state {
                        target shape stood still (V): change that the averaged readings show, minus
                        the change that the amplifier was given */
     /*
-     * [inputs] with two uses. First: resolution matrix of the fault detector's least-squares
-     * estimate times the voltage changes `move` (V), which is what the estimate would find of these
-     * changes in exact readings. Second, while a healthy electrode is chosen with which a suspected
-     * one is compared: scalar product of the scaled modelled readings of each electrode with those
-     * of the suspected one (1/V2)
+     * [inputs] with two uses. First: the voltage changes that the fault detector's least-squares
+     * estimate would find from readings without noise, if the true changes were `move` (V); they
+     * are the resolution matrix of the estimate times `move`. Second, while a healthy electrode is
+     * chosen with which a suspected one is compared: for each electrode, the scalar product over
+     * the sensors of two modelled responses (1/V2), that to 1 V on this electrode and that to 1 V
+     * on the suspected one. A response is the change of a reading times the scale factor of its
+     * sensor
      */
     pzs_real *resolved;
     /*

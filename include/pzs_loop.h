@@ -955,10 +955,9 @@ typedef struct pzs_hysteresis {
                                    each creep term moves in a tick */
     /*
      * The tables may hold two hysteresis models of the electrodes. The fault detector uses the
-     * model as it was measured, whose arrays begin with `identified_`. The compensation uses the
-     * arrays without this prefix, which may describe a ceramic with less hysteresis, because the
-     * inverse of such a model is more robust. The identified arrays are NULL where both models are
-     * equal.
+     * measured model, whose arrays begin with `identified_`. The compensation uses the arrays
+     * without this prefix, which may describe a ceramic with less hysteresis, because the inverse
+     * of such a model is more robust. The identified arrays are NULL where both models are equal.
      */
     const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
                                           constant part of the effect of an electrode (V): the

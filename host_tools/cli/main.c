@@ -621,9 +621,9 @@ static int modes_error(const options *options, const scene *scene, const vibrati
 }
 
 /*
- * Compute natural frequencies and mode shapes of a structure. With linear kinematics they belong to
- * the structure without loads, otherwise to its equilibrium under the loads of the scene. Returns
- * 0, or an exit code after the message on the error.
+ * Compute natural frequencies and mode shapes of a structure. With linear kinematics they are those
+ * of the reference state, otherwise those about the equilibrium under the loads and applied
+ * voltages of the scene. Returns 0, or an exit code after the message on the error.
  *   modes out  modes, and the first natural frequency without and with the loads
  */
 static int find_modes(const options *options, const scene *scene, loaded_modes *modes)

@@ -59,8 +59,9 @@ static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double 
 }
 
 /*
- * Express the quadratic part m of the strains by mean and difference of the element, which contain
- * m themselves: the mean is e + a m, and the difference is thickness k + b m, so that
+ * Express the quadratic part m of the strains by two numbers that the element has for each strain:
+ * the mean of its values at both faces, and the difference between them. Both contain m themselves:
+ * the mean is e + a m, and the difference is thickness k + b m, so that
  *   (1 + with_slope b/thickness - with_mean a) m = with_slope difference/thickness - with_mean
  * mean. The matrix on the left is near unity unless the shell is as thick as its radius of
  * curvature.

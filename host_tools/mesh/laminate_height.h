@@ -3,12 +3,13 @@
  * Part of the in-plane strains of an element that is quadratic in the height.
  *
  * The directors of a shell are straight, so that an in-plane strain at height z above the middle of
- * all plies is e + z k + z^2 m. An element has two numbers for each strain, mean and difference. A
- * straight line a + b z/thickness replaces z^2. With the element option `quadratic` it is the line
- * that deviates least from z^2, as a mean over the thickness weighted with the stiffness of the
- * plies in the direction of the strain: membrane force and bending moment are then the integrals of
- * the stresses. One homogeneous ply has a = thickness^2/12 and stiff faces on a soft core have
- * a = thickness^2/4. Without this option a = thickness^2/4 and b = 0, which is exact at the faces.
+ * all plies is e + z k + z^2 m. An element has two numbers for each strain: the mean of its values
+ * at both faces, and the difference between them. A straight line a + b z/thickness replaces z^2.
+ * With the element option `quadratic` it is the line that deviates least from z^2, as a mean over
+ * the thickness weighted with the stiffness of the plies in the direction of the strain: membrane
+ * force and bending moment are then the integrals of the stresses. One homogeneous ply has a =
+ * thickness^2/12 and stiff faces on a soft core have a = thickness^2/4. Without this option a =
+ * thickness^2/4 and b = 0, which is exact at the faces.
  */
 #ifndef LAMINATE_HEIGHT_H
 #define LAMINATE_HEIGHT_H
@@ -17,8 +18,9 @@ enum { HEIGHT_ROWS = 3 }; /* number of in-plane strains: 11, 22 and 12 */
 
 /*
  * Strains of an element over the height. In a curved element that is not deformed much, the part of
- * the strains that is quadratic in the height follows from mean and difference of the strains:
- * m = of_mean mean + of_difference difference, in the order 11, 22, 12.
+ * the strains that is quadratic in the height follows from two numbers for each strain, the mean of
+ * its values at both faces and the difference between them: m = of_mean mean + of_difference
+ * difference, in the order 11, 22, 12.
  */
 typedef struct laminate_heights {
     double middle;                            /* height of the middle of all plies above the

@@ -61,7 +61,8 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
 }
 
 /*
- * Add the charges at the potentials of one layer of an element to the matrix of charges, in the
+ * Bare faces (faces of a layer without electrodes) have an unknown electric potential at each node.
+ * Add the charges at these nodes, for one layer of an element, to the matrix of charges, in the
  * column of a temperature input (temperature load or heater).
  *   factor in  temperature of the layer per kelvin of the input
  */
@@ -101,10 +102,12 @@ static void add_temperatures(const design *design, int layer, int element, doubl
 }
 
 /*
- * Add the capacitances between two layers with bare faces (without electrodes) in one element to
- * the matrix of charges: the charge at each potential of `layer` per volt of each potential of
- * `other`.
- *   dense in/out  charges, one row for each electrode and potential, per unit of each input
+ * Bare faces (faces of a layer without electrodes) have an unknown electric potential at each node.
+ * Add the capacitances between these nodes of two layers, in one element, to the matrix of charges:
+ * the charge at each node of `layer` per volt at each node of `other`.
+ *   dense in/out  matrix of charges: each row is the charge on an electrode, or at a node of a bare
+ *                 face (C); each column is for one volt (or other unit) of an input. The potentials
+ *                 of bare faces count as inputs
  */
 static void add_pair(const design *design, int layer, int other, int element, double *dense)
 {

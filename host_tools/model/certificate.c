@@ -98,11 +98,12 @@ static void add_driven(const transition *transition, double *row, size_t i, doub
 }
 
 /*
- * Fill the two rows of vibration mode i in the transition matrix, for the deviation e from
- * equilibrium and the scaled velocity p. At the tick the equilibrium moves by `change`:
- * conditions->gain times the change of the mode's static coordinate under the mean output voltages,
- * from one tick interval to the next. Until the next tick, e and p then follow the propagator
- * `turn` of free vibration:
+ * Fill the two rows of vibration mode i in the transition matrix. Its states are e, the deviation
+ * of the modal coordinate from static equilibrium, and the modal velocity p, divided by the angular
+ * frequency. The amplifiers' mean output voltage differs from one tick interval to the next, which
+ * moves the equilibrium at the tick by `change`. This is the motion that the model predicts, times
+ * conditions->gain (static response of the structure, divided by that of the model). Until the next
+ * tick, the mode vibrates freely, with the 2 x 2 propagator `turn`:
  *     e' = turn[0] (e - change) + turn[1] p
  *     p' = turn[2] (e - change) + turn[3] p
  */

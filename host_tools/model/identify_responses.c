@@ -177,11 +177,13 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return the relative squared residual of the static responses that are fitted to the voltage
- * steps, if the voltages act with the given delay. The fitted data are the changes of the static
- * modal coordinates in the steps, computed from the jumps of the free vibration. Both sums of
- * squares run over all vibration modes and steps. The residual includes the imaginary parts of
- * these changes.
+ * Return how badly the voltage steps explain the recorded free vibration, if the voltages act with
+ * the given delay (samples). In static equilibrium each vibration mode has a modal coordinate,
+ * which a voltage step changes. The change follows from the jump of the free vibration about the
+ * equilibrium. Responses that are linear in the voltages are fitted to these changes. The result is
+ * the sum of the squared residuals over all modes and steps, divided by the sum of the squared
+ * changes. The residual includes the imaginary parts of the changes, which are zero at the right
+ * delay.
  *   squares  out  sum of the squared residuals; modal coordinates are multiples of the mode shapes
  */
 static double unexplained(const steps *steps, double delay, double *squares)

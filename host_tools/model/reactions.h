@@ -41,11 +41,12 @@ typedef struct reactions {
     double (*place)[3]; /* [nodes] positions of the nodes at which the forces act (m) */
     int supports;       /* number of different names of supports that hold a dof */
     support_reaction *support; /* [supports] reactions of the supports of each name */
-    total_force held;    /* reactions of all supports, moments about the origin of x, y and z */
-    total_force load;    /* forces of all loads on the shell, moments about the origin of x, y and z
-                          */
-    total_force spring;  /* forces of all springs and stacks on the shell, moments about the origin
-                          */
+    total_force held;    /* resultant force (N) of all supports on the shell, and its moment about
+                            the origin (N m) */
+    total_force load;    /* resultant force (N) of all loads on the shell, and its moment about the
+                            origin (N m) */
+    total_force spring;  /* resultant force (N) of all springs and stack actuators on the shell, and
+                            its moment about the origin (N m) */
     total_force contact; /* resultant force (N) of the contact body on the shell, and its moment
                             about the origin (N m) */
     total_force sum; /* sum of the forces of supports, loads, springs and contact body, and of their

@@ -60,8 +60,9 @@ static void nonlinear_strains(const pzs_element_type *type, unsigned dof_per_nod
 }
 
 /*
- * Compute the part of the strains of an element that is quadratic in the height from mean and
- * difference of the strains.
+ * Compute the part of an element's in-plane strains that is quadratic in the height. It follows
+ * from two numbers that the element has for each strain: the mean of its values at the outer and at
+ * the inner face, and the difference between them.
  */
 static void linear_quadratic_part(const laminate_heights *heights, double strain[STRAIN_COUNT])
 {

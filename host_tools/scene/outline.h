@@ -59,8 +59,8 @@ typedef struct scene_outlines {
 } scene_outlines;
 
 /*
- * Append an electrode without area to a list of electrodes. Returns the electrode, or NULL where
- * memory runs out.
+ * Append an electrode to a list of electrodes. It covers nothing until polygons or a formula are
+ * added. Returns the electrode, or NULL where memory runs out.
  */
 scene_outline *outline_append(scene_outlines *outlines, scene_at at);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Part of each element that each electrode of any outline covers (outline_shares.h). */
+/* Area fraction of each element that each electrode covers (outline_shares.h). */
 #include "outline_shares.h"
 
 #include <math.h>
@@ -44,8 +44,8 @@ static void append(share_list *list, int element, int electrode, double share)
 }
 
 /*
- * Arguments and work memory for one item of the section `patches`, while the part of each element
- * that each of its electrodes covers is computed.
+ * Arguments and work memory for one item of the section `patches`, while the area fraction of each
+ * element that each of its electrodes covers is computed.
  */
 typedef struct outline_work {
     const scene *scene;
@@ -183,8 +183,8 @@ static int check_place(const outline_work *work, int electrode, const electrode_
 }
 
 /*
- * For one electrode, find the part of every element that the electrode covers, and append these
- * parts to the list. Returns 0, or -1 with error filled.
+ * Compute the area fraction of every element that one electrode covers, and append the fractions
+ * above 0 to the list. Returns 0, or -1 with error filled.
  */
 static int add_electrode(outline_work *work, int electrode)
 {

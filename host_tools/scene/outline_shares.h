@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Part of the area of each element that an electrode with an outline of any shape covers.
+ * Area fraction of each element that an electrode covers: covered area divided by the area of the
+ * element, from 0 to 1. The outline of the electrode may have any shape.
  *
  * Outlines are drawn in a plane, either of two coordinates in space or of the surface coordinates
  * theta1 and theta2. Polygons are clipped to the element, whose sides are straight in this plane.
  * The ratio of the areas on the surface and in the plane is taken as linear over an element. The
- * parts are therefore exact on plates and on polar meshes; elsewhere their error is of second order
- * in the size of the elements. A formula is taken as linear on the triangles of a 16 x 16 grid in
- * each element. Where electrodes together cover the whole of an element, their parts add up to 1.
+ * area fractions are therefore exact on plates and on polar meshes; elsewhere their error is of
+ * second order in the size of the elements. An electrode may also be the region in which a formula
+ * is positive. The formula is then taken as linear on each triangle of a 16 x 16 grid in the
+ * element. Where electrodes together cover the whole of an element, their area fractions add up to
+ * 1.
  */
 #ifndef OUTLINE_SHARES_H
 #define OUTLINE_SHARES_H
@@ -15,14 +18,16 @@
 #include "scene.h"
 
 /*
- * Return the part of an element that an electrode covers, from 0 to 1, after the scene has been
- * checked.
+ * Return the area fraction of an element that an electrode covers, from 0 to 1. outline_find_shares
+ * must have been called before.
  */
 double outline_share(const scene_outlines *outlines, int electrode, int element);
 
 /*
- * Compute the parts of all elements that the electrodes of one item of the section `patches` cover.
- * Electrodes that leave the surface or their layer are refused. Returns 0, or -1 with error filled.
+ * Compute, for every element, the area fraction that each electrode of one item of the section
+ * `patches` covers. An electrode is refused if a part of it lies outside the surface, or on
+ * elements in which its layer does not exist, unless the scene asks to cut such parts off. Returns
+ * 0, or -1 with error filled.
  */
 int outline_find_shares(const scene *scene, scene_patches *patches, char *error);
 

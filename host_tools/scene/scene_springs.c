@@ -160,10 +160,12 @@ static const form spring_form = {.type = FORM_MAP, .fields = spring_fields, .cas
 const form springs_form = {.type = FORM_LIST, .item = &spring_form};
 
 /*
- * Check the keys of an item of springs or stacks. It must name either a place of the mesh or
- * points. It needs a direction, a node at the other end, or an axis. An axis (torsional spring)
- * excludes the other two, and a stiffness per length or area requires a place, a direction and no
- * other node. Returns 0, or -1 after writing an error message about the scene file.
+ * Check the keys of an item of springs or stack actuators. It is attached either to nodes of the
+ * mesh, by one of the keys `at`, `edge` and `set`, or to points, by `points`. At least one of
+ * `along` (direction), `to` (node at the other end) and `about` (axis of a torsional spring) is
+ * required. `about` excludes `along`, `to` and `on`. A stiffness per length or area (key `per`)
+ * excludes `to`, `about` and `points`. Returns 0, or -1 after writing an error message about the
+ * scene file.
  */
 static int check_ends(reader *reader, int node, const scene_spring *spring)
 {

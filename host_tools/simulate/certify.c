@@ -418,8 +418,8 @@ static int try_neighbouring_ages(const trial *trial, certificate_loop *loop, cha
 /* ---- choice of the settings of the vibration damper ------------------- */
 
 /*
- * Phase angle of the first vibration mode that the loop observes in a tick (rad); 0 where the loop
- * observes no mode.
+ * Angle by which the phase of the first vibration mode that the loop observes advances in one tick
+ * (rad): angular frequency times tick interval. 0 where the loop observes no mode.
  */
 static double first_angle(const trial *trial)
 {

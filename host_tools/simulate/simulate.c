@@ -247,8 +247,8 @@ static int regularise(simulation *simulation, char *error)
 /*
  * Make the tables of the controller. For a plant with inertia they contain a vibration model where
  * the loop needs one, like the tables that `pzs tables` writes; for a quasi-static plant they do
- * not. If the supervisor of the loop waits for a command of the firmware to start, this command is
- * given before the first tick.
+ * not. In firmware the supervisor of the loop may wait for a start command; in the simulation the
+ * loop always starts by itself.
  */
 static int make_tables(const simulation *simulation, analysis *nominal, char *error)
 {

@@ -143,9 +143,9 @@ typedef struct simulation {
                             loads; empty unless `estimates` or `feeds` is set */
     damper damper; /* tables of the stage of the control tick that damps vibration; unused for a
                       quasi-static plant */
-    wiring_test pulses; /* test pulses (short steps of an amplifier's voltage) of the fault detector
-                           in a loop that damps vibration; unused where the scene asks for no
-                           detected faults */
+    wiring_test pulses; /* tables of the test pulses (slow, smooth pulses of an amplifier's voltage)
+                           of the fault detector in a loop that damps vibration; unused unless the
+                           scene lets the controller itself detect electrode faults */
     wiring_test wiring; /* self-test of amplifiers, cables and sensors, which the controller makes
                            before the first tick of the simulation; unused where the scene has none
                          */

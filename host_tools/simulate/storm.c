@@ -517,9 +517,10 @@ static pzs_status open_loop(storm *storm)
 }
 
 /*
- * Static displacement of an output of the structure at 0 V, under the load of a load step.
- * Simulations without voltage limits measure the growth of small vibrations. They leave out the
- * displacement without load, because the voltages would only move to compensate it.
+ * Static displacement of an output of the structure at 0 V (m). It is the sum of the displacement
+ * that the output has at 0 V without the load of a load step, and of the displacement by this load.
+ * Simulations without voltage limits, which measure the growth of small vibrations, leave out the
+ * first term: the voltages would only move to compensate it.
  */
 static double offset_of(const storm *storm, size_t row)
 {

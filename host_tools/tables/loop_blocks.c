@@ -279,8 +279,8 @@ static void write_shared(const emitter *emitter, const void *table, const char *
 }
 
 /*
- * Write tables of test pulses, short steps of one amplifier's voltage to which the sensors have to
- * respond.
+ * Write tables of test pulses: slow, smooth pulses of one amplifier's voltage, to which the sensors
+ * have to respond.
  *   name in  name of the tables in the generated header, after the prefix
  */
 static void write_pulses(emitter *emitter, const pzs_selftest_tables *tables, const char *name)

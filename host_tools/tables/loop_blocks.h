@@ -19,9 +19,9 @@ typedef struct loop_blocks {
     const damper *damper;
     const wiring_test *wiring; /* tables of the self-test that runs before the control loop takes
                                   control; NULL: the loop has no self-test */
-    const wiring_test *pulses; /* tables of the test pulses (short steps of an amplifier's voltage)
-                                  of the fault detector in a loop that damps vibration; NULL: the
-                                  loop has no such detector */
+    const wiring_test *pulses; /* tables of the test pulses (slow, smooth pulses of an amplifier's
+                                  voltage) of the fault detector in a loop that damps vibration;
+                                  NULL: the loop has no such detector */
     /*
      * Tables of those blocks (stages of a control tick) whose data are neither in the numerical
      * model of the scene (struct design) nor in the shape estimator nor in the vibration damper.
@@ -62,8 +62,8 @@ typedef struct loop_parts {
     estimator estimator;
     damper damper;
     wiring_test wiring; /* tables of the self-test of amplifiers, cables and sensors */
-    wiring_test pulses; /* tables of the test pulses (short steps of an amplifier's voltage) of the
-                           fault detector, in a loop that damps vibration */
+    wiring_test pulses; /* tables of the test pulses (slow, smooth pulses of an amplifier's voltage)
+                           of the fault detector, in a loop that damps vibration */
     loop_blocks blocks;
 } loop_parts;
 
@@ -94,9 +94,9 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
                       const damper *damper);
 
 /*
- * Add the blocks that make test pulses (short steps of an amplifier's voltage) to a filled list of
- * the blocks (stages) of a control tick, where the scene has such blocks: the self-test, and the
- * fault detector of a loop that damps vibration.
+ * Add the blocks that make test pulses (slow, smooth pulses of an amplifier's voltage) to a filled
+ * list of the blocks (stages) of a control tick, where the scene has such blocks: the self-test,
+ * and the fault detector of a loop that damps vibration.
  *   wiring in  tables of the self-test; must outlive the list
  *   pulses in  tables of the test pulses of the fault detector; must outlive the list
  */

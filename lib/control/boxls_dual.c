@@ -432,7 +432,8 @@ static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 
 /*
  * Return the smallest pivot (V2/m2) with which input i may become active (voltage at a bound). With
- * a smaller pivot its voltage depends linearly on those of the active inputs.
+ * a smaller pivot the voltage of input i counts as linearly dependent on the voltages of the active
+ * inputs.
  */
 static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 {

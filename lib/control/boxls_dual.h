@@ -67,8 +67,9 @@ void pzs_dual_free_all(pzs_optimiser *optimiser);
 void pzs_dual_free(pzs_optimiser *optimiser, uint32_t i);
 
 /*
- * Keep the voltage of input i, which is free, at a bound from now on (active input), with the
- * multiplier zero, unless it depends linearly on those of the active inputs.
+ * Make the free input i active: keep its voltage at a bound from now on, with the multiplier zero.
+ * The function changes nothing if the voltage of input i depends linearly on the voltages of the
+ * active inputs, and therefore cannot be prescribed.
  *   side in  -1 for the lower bound, +1 for the upper one
  */
 void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);

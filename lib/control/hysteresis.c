@@ -66,8 +66,8 @@ uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables)
 
 /*
  * Whether hysteresis tables contain either all or none of the arrays identified_offset,
- * identified_slope, identified_above and identified_below, the model of the electrodes as it was
- * measured.
+ * identified_slope, identified_above and identified_below, the measured hysteresis model of the
+ * electrodes.
  */
 static bool is_identified_complete(const pzs_hysteresis *tables)
 {
@@ -628,8 +628,8 @@ pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
 /* ---- identified model ------------------------------------------------- */
 
 /*
- * Return the parameters of the hysteresis model of the electrode of an input as it was measured.
- * The compensation may use a model with less hysteresis, whose inverse is more robust.
+ * Return the parameters of the measured hysteresis model of the electrode of an input. The
+ * compensation may use a model with less hysteresis, whose inverse is more robust.
  */
 static electrode_tables identified_electrode(const pzs_hysteresis *tables, uint32_t input)
 {

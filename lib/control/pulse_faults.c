@@ -39,8 +39,8 @@
  * anew after a pause of the target.
  *
  * Where the loop compensates hysteresis, this file uses, in place of the voltages, their effects
- * (voltages that would move the structure as far without hysteresis) by the hysteresis model as it
- * was measured. The compensation assumes less hysteresis for the sake of robustness; with its
+ * (voltages that would move the structure as far without hysteresis) according to the measured
+ * hysteresis model. The compensation assumes less hysteresis for the sake of robustness; with its
  * model, healthy electrodes would seem to miss a part of their voltages.
  *
  * The work of a tick is outputs + 8 (inputs + sensors) operations, and with compensation of
@@ -222,7 +222,7 @@ static pzs_real square(pzs_real number)
  * Limit of the predicted motion of an electrode in a test pulse of normal height, divided by the
  * motion without hysteresis. If a loop that compensates hysteresis predicts less for the suspected
  * or for the reference electrode, all test pulses of both are higher (GROWTH). The prediction uses
- * the identified model of hysteresis.
+ * the measured hysteresis model.
  */
 #define WEAK_PULSE PZS_R(0.25)
 
@@ -325,9 +325,10 @@ static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 /* ---- readings and voltages ------------------------------------------------ */
 
 /*
- * Return the voltages [inputs] that act on the structure according to the model (V): the voltages,
- * or, where the loop compensates hysteresis, their effects (voltages that would move the structure
- * as far without hysteresis) by the hysteresis model as it was measured.
+ * Return the voltages [inputs] with which the model predicts the readings of the sensors (V).
+ * Without compensation of hysteresis they are the voltages of the last tick. With it, they are the
+ * effects of these voltages, that is, the voltages that would move the structure as far without
+ * hysteresis, according to the measured hysteresis model.
  */
 static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
                                        const pzs_loop_signals *signals)
@@ -508,9 +509,9 @@ static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs
 }
 
 /*
- * Whether a test pulse of normal height would hardly move one of the electrodes under test, by the
- * identified model of hysteresis. After a reversal of the voltage the ceramic follows a small
- * change only in part.
+ * Whether a test pulse of normal height would hardly move one of the electrodes under test,
+ * according to the measured hysteresis model. After a reversal of the voltage the ceramic follows a
+ * small change only in part.
  */
 static bool is_pulse_weak(const pzs_pulse_detector_state *state)
 {
@@ -666,9 +667,10 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the changes of the electrode voltages as the regularised least-squares estimate would
- * find them from the readings. They are the resolution matrix 1 - r (G + r)^-1 times the true
- * changes, with the weight r of the regularisation and the matrix G + r of the estimate.
+ * Compute which changes of the electrode voltages the regularised least-squares estimate would find
+ * from readings without noise, given the true changes (V). They are the resolution matrix 1 - r (G
+ * + r)^-1 times the true changes, with the weight r of the regularisation and the matrix G + r of
+ * the estimate.
  */
 static void resolve_moves(pzs_pulse_detector_state *state)
 {

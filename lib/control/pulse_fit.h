@@ -42,10 +42,10 @@ typedef struct pulse_response {
      */
     pzs_real gain[2];
     /*
-     * jump of the readings between the first and the second half of the test pulse (dimensionless),
-     * fitted by two vectors: the modelled responses to the electrode suspected of a fault [0] and
-     * to the healthy one [1]. The two entries are the factors of these vectors in the least-squares
-     * fit
+     * two dimensionless factors, found by least squares: they multiply the modelled responses to
+     * the electrode suspected of a fault [0] and to the healthy one [1], so that the sum fits the
+     * jump of the readings between the first and the second half of the test pulse, as far as the
+     * voltages do not explain the jump
      */
     pzs_real jumped[2];
     /*

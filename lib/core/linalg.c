@@ -495,9 +495,10 @@ static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_rea
 }
 
 /*
- * Backward substitution L^T x = b for one panel (PZS_TILE rows of the factor L): finish the rows of
- * the panel, the last one first, and subtract their products from all entries to the left of its
- * diagonal tile.
+ * Backward substitution L^T x = b for one panel (PZS_TILE rows of the factor L): compute the
+ * entries of x that belong to these rows, the last one first. Then subtract, from each entry of the
+ * vector that belongs to an earlier row, the scalar product of the new entries of x with the column
+ * of L that has the number of this earlier row.
  *   vector [rows of the matrix] in/out  entries of b, then known entries of x
  */
 static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
