@@ -1231,7 +1231,8 @@ typedef struct pzs_wiring {
                       the influence matrix predicts (dimensionless) */
     uint16_t other;   /* index of the other amplifier or sensor where cables are exchanged
                          (PZS_WIRING_SWAPPED): of the amplifier whose electrode this amplifier
-                         drives, or of the sensor whose place this sensor measures */
+                         drives, or of the sensor whose signal arrives as the reading of this
+                         sensor */
     uint16_t similar; /* index of another amplifier (or sensor) with so similar a response that the
                          self-test would not notice if the cables of both were exchanged;
                          PZS_WIRING_NONE: there is none */

@@ -24,8 +24,8 @@ static const char *layer_name(const design *design, int layer, char text[SCENE_N
 /* ---- text ------------------------------------------------------------- */
 
 /*
- * Print an extreme stress, strain or reserve factor and the place where it occurs; print a dash if
- * the extreme has no value.
+ * Print an extreme stress, strain or reserve factor with the element, layer and height where it
+ * occurs; print a dash if the extreme has no value.
  */
 static void print_extreme(const stress_field *field, const char *name, const stress_extreme *found,
                           const char *unit)

@@ -49,7 +49,8 @@ void number_table_free(number_table *table);
  * Check that no finite number of a table exceeds NUMBER_LARGEST, as the numbers of a file with
  * damaged bytes or another byte order do.
  *   path                 in   file of the table, for the message
- *   error [NUMBER_ERROR] out  message with the place and the value of the number
+ *   error [NUMBER_ERROR] out  message with the value of the number and its row and column in the
+ *                             table
  * Returns 0, or -1 with error filled.
  */
 int number_table_check(const number_table *table, const char *path, char *error);

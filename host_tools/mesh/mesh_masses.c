@@ -11,7 +11,7 @@ typedef struct mass_list {
     const scene_mass *item;
     char *error;
     int *element;  /* [nodes] an element that has the node as a corner */
-    int *node;     /* [nodes] nodes of a place */
+    int *node;     /* [nodes] nodes of an edge, region or set of the mesh */
     double *share; /* [nodes] length or area that belongs to each node */
 } mass_list;
 
@@ -79,8 +79,8 @@ static int append_points(const mass_list *list)
 }
 
 /*
- * Compute the length of edge, or the area, that belongs to each node of a place. Returns 0, or -1
- * with error filled.
+ * Compute the length of edge, or the area, that belongs to each node of an edge, region or set of
+ * the mesh. Returns 0, or -1 with error filled.
  */
 static int find_shares(const mass_list *list)
 {

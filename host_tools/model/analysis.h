@@ -246,8 +246,8 @@ int analysis_linearise(analysis *analysis, char *error);
 int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error);
 
 /*
- * Fill `error` with the message of a library status and with the place on the mesh to which the
- * status refers. Returns -1.
+ * Fill `error` with the message of a library status and, where it refers to a degree of freedom,
+ * with the node of the mesh to which this belongs. Returns -1.
  */
 int analysis_explain(const analysis *analysis, pzs_status status, char *error);
 

@@ -230,8 +230,8 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
 
 /*
  * Whether a named output belongs to mesh nodes. Displacements, contact pressures and potentials do;
- * voltages and charges of electrodes do not, nor do forces of the whole contact, which the scene
- * states without a place.
+ * voltages and charges of electrodes do not, nor does the resultant contact force on the whole
+ * shell.
  */
 static int has_place(const scene_output *output)
 {

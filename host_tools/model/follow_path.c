@@ -607,8 +607,8 @@ static int follow_arcs(load_path *path, analysis *analysis, double *reached, cha
 }
 
 /*
- * Fill `error` with the place where a load path ends before the full load, and with the most likely
- * cause.
+ * Fill `error` with the fraction of the full load at which a load path ends, and with the most
+ * likely cause.
  */
 static void explain_end(const load_path *path, const analysis *analysis, double reached,
                         char *error)

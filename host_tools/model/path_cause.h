@@ -11,7 +11,7 @@ enum { PATH_CAUSE_BYTES = 2 * SCENE_ERROR };
 /*
  * Return whether the shell is compressed so strongly that its material law softens. This is
  * examined at one point of the load path: at the first limit point; without limit points, at the
- * first bifurcation; without both, at the last point.
+ * first bifurcation; with neither limit points nor bifurcations, at the last point.
  */
 bool path_is_softened(const load_path *path);
 

@@ -241,7 +241,7 @@ static void balance(const stress_field *field, const stencil *stencil, gradient 
  * For a profile of the transverse shear stresses 13 and 23 over the thickness, compute the values
  * at the outer face and the resultants.
  *   left [4] out  stresses 13 and 23 at the outer face of the laminate (Pa), then the shear forces
- *       per length that both stresses make (N/m)
+ *       per length of these two stresses (N/m)
  */
 static void resultants_of(const stress_field *field, const stencil *stencil, profile values,
                           double left[4])

@@ -71,8 +71,9 @@ bool stress_load(const stress_field *field, double *value)
 }
 
 /*
- * Store a value and its place as the extreme value of a stress or strain, if none is stored yet or
- * the value is more extreme: larger for order = 1, smaller for order = -1.
+ * Store a value, with its element, layer and height in the layer, as the extreme value of a stress
+ * or strain, if none is stored yet or the value is more extreme: larger for order = 1, smaller for
+ * order = -1.
  */
 static void keep(stress_extreme *extreme, double order, double value, stress_extreme place)
 {
@@ -83,8 +84,8 @@ static void keep(stress_extreme *extreme, double order, double value, stress_ext
 }
 
 /*
- * Store a value and its place as the extreme value of a stress or strain, if none is stored yet or
- * the magnitude of the value exceeds that of the stored value.
+ * Store a value, with its element, layer and height in the layer, as the extreme value of a stress
+ * or strain, if none is stored yet or the magnitude of the value exceeds that of the stored value.
  */
 static void keep_larger(stress_extreme *extreme, double value, stress_extreme place)
 {

@@ -9,8 +9,8 @@
 #include "stress_field.h"
 
 /*
- * An extreme value and the place where it occurs. If no value has been found, the member `element`
- * is -1.
+ * An extreme value, with the element, the layer and the height in the layer where it occurs. If no
+ * value has been found, the member `element` is -1.
  */
 typedef struct stress_extreme {
     double value;

@@ -428,7 +428,7 @@ static int by_place(const void *left, const void *right)
 }
 
 /*
- * Count the pairs of nodes on free edges at nearly the same place, in elements that are not
+ * Count the pairs of nodes on free edges at nearly the same position, in elements that are not
  * connected there, and report the first pair as a warning.
  */
 static void find_slit(const quad_mesh *mesh, const node_state *states, placed *list,

@@ -21,9 +21,9 @@ typedef struct quad_warnings {
     double sharp_angle; /* angle of the sharpest edge between two elements (degrees); 0: no edge is
                            sharp */
     int64_t sharp[2];   /* numbers of the two elements at the sharpest edge */
-    size_t slits;     /* number of pairs of nodes at nearly the same place, in elements that are not
-                         connected there */
-    int64_t slit[2];  /* numbers of two nodes at nearly the same place in elements that are not
+    size_t slits;     /* number of pairs of nodes at nearly the same position, in elements that are
+                         not connected there */
+    int64_t slit[2];  /* numbers of two nodes at nearly the same position in elements that are not
                          connected there: the first such pair that was found */
     quad_loose loose; /* nodes of the file that belong to no quadrilateral */
 } quad_warnings;

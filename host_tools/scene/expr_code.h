@@ -58,8 +58,8 @@ struct expr {
                                      each among the coordinates x, y, z in space and theta1, theta2
                                      on the surface */
     double spacing; /* median distance of a scattered point to its nearest neighbour, where the
-                       function interpolates between points; used to judge how far a place lies from
-                       the data */
+                       function interpolates between points; used to judge how far an interpolated
+                       point lies from the data */
     double *list;   /* [rows] values of a function that is given as a list, one for each row of a
                        target (controlled displacement); NULL for other functions */
     int rows;

@@ -25,8 +25,7 @@ typedef struct share_entry {
 typedef struct share_list {
     share_entry *entry;
     size_t count, room;
-    bool is_full; /* whether memory ran out while covered parts of elements were appended to the
-                     list */
+    bool is_full; /* whether memory ran out while area fractions were appended to the list */
 } share_list;
 
 static void append(share_list *list, int element, int electrode, double share)
@@ -87,8 +86,8 @@ static int refuse_steep(const outline_work *work, int electrode, const outline_c
 }
 
 /*
- * Append the part of one element's area that an electrode covers to the list of such parts. Returns
- * 0, or -1 with error filled.
+ * Append the area fraction of one element that an electrode covers to the list of these fractions.
+ * Returns 0, or -1 with error filled.
  */
 static int add_share(outline_work *work, int electrode, int element, clip_room *room,
                      electrode_sums *sums)
@@ -213,8 +212,8 @@ static int add_electrode(outline_work *work, int electrode)
 }
 
 /*
- * Sort the list of the parts of elements that electrodes cover by elements, and by electrodes in
- * each element. Returns 0, or -1 where memory runs out.
+ * Sort the list of the area fractions that electrodes cover: by elements, and in each element by
+ * electrodes. Returns 0, or -1 where memory runs out.
  */
 static int sort_entries(const share_list *list, int elements, scene_outlines *outlines)
 {

@@ -266,8 +266,8 @@ typedef enum scene_where_type {
 typedef struct scene_where {
     scene_where_type type;
     scene_edge edge;
-    double theta[2];   /* surface coordinates theta1 and theta2 of a place on the mesh that is a
-                          single node */
+    double theta[2];   /* surface coordinates theta1 and theta2 of the node, where a single node of
+                          the mesh is meant */
     double span[2][2]; /* start and end of a region along the surface coordinates theta1 and theta2;
                           infinite where the scene file gives no limit */
     int node[2]; /* indices of the mesh lines of the surface coordinates theta1 and theta2 on which
@@ -416,15 +416,15 @@ typedef struct scene_support {
     double direction[3]; /* unit vector whose projection on the surface is the first local axis of
                             the support's nodes, or the direction of an oblique support; zero
                             vector: not given */
-    expr *formula[3]; /* components of the direction of an oblique support as formulas of the place
-                         of the node; NULL: the direction is given by numbers */
-    unsigned fix;     /* dof of the support's nodes that it holds, one bit each. Bits 0 to 2: mean
-                         displacements of both faces along the local axes of the node; 3 to 5: their
-                         differences; 6: normal displacement of the middle surface relative to the
-                         mean. The bits from 128 on (FIX_SIMPLE to FIX_ACROSS) stand for directions
-                         other than the local axes */
-    expr *value; /* formula of the displacement that a support prescribes at full load (length unit
-                    of the scene file); NULL: 0 */
+    expr *formula[3];    /* components of the direction of an oblique support as formulas of the
+                            position of the node; NULL: the direction is given by numbers */
+    unsigned fix; /* dof of the support's nodes that it holds, one bit each. Bits 0 to 2: mean
+                     displacements of both faces along the local axes of the node; 3 to 5: their
+                     differences; 6: normal displacement of the middle surface relative to the
+                     mean. The bits from 128 on (FIX_SIMPLE to FIX_ACROSS) stand for directions
+                     other than the local axes */
+    expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
+                     of the scene file); NULL: 0 */
     unsigned move; /* held dof to which the support gives its value, bits as in `fix`; all other
                       held dof are 0. For a prescribed normal displacement, for example, the mean of
                       both faces has the value, and their difference is 0. The bit FIX_ALONG is the
@@ -497,7 +497,7 @@ typedef struct scene_contact {
 
 /*
  * Quantity of contact that is an output: a component of the resultant force on the shell, the
- * number of nodes in contact, or the contact pressure at a place.
+ * number of nodes in contact, or the contact pressure at given nodes of the mesh.
  */
 typedef enum scene_contact_output {
     CONTACT_NONE,
@@ -549,12 +549,12 @@ typedef struct scene_output {
     char name[SCENE_NAME];
     scene_reaction_output reaction; /* component of a reaction of supports that the output gives;
                                        REACTION_NONE: the output gives another quantity. A reaction
-                                       has one value for all nodes of its place, or for all supports
-                                       of one name. */
+                                       has one value for all nodes that the output names, or for all
+                                       supports of one name. */
     char support[SCENE_NAME];  /* name of the supports whose reaction an output gives; empty: the
-                                  output is the reaction at a place */
-    scene_recovered recovered; /* whether the output is a strain or a stress; if so, it has a place
-                                  on the mesh, but is no displacement */
+                                  output is the reaction at given nodes of the mesh */
+    scene_recovered recovered; /* whether the output is a strain or a stress; if so, it belongs to
+                                  nodes of the mesh, but is no displacement */
     int recovered_component; /* component of a strain or stress, from 0 in the order 11 22 33 23 13
                                 12, or RECOVERED_MISES for the von Mises stress */
     int layer;  /* layer of a strain, stress or potential output; -1: a strain that is measured over
@@ -564,12 +564,12 @@ typedef struct scene_output {
     double angle; /* angle by which axis 1 of a strain output is turned from that of the shell
                      (degrees) */
     scene_contact_output contact;   /* quantity of contact with a rigid body that the output gives;
-                                       CONTACT_NONE: the output gives another quantity. Without a
-                                       place, a force or a number of nodes in contact is that of the
-                                       whole shell. */
+                                       CONTACT_NONE: the output gives another quantity. Where the
+                                       output names no nodes, a force or a number of nodes in
+                                       contact is that of the whole shell. */
     scene_electric_output electric; /* electric quantity that the output gives; ELECTRIC_NONE: the
                                        output gives another quantity. Of the electric quantities
-                                       only ELECTRIC_POTENTIAL has a place on the mesh. */
+                                       only ELECTRIC_POTENTIAL belongs to nodes of the mesh. */
     bool of_sensor;   /* type of the electrodes of an electric output (voltage, charge): true:
                          electrodes of sensors; false: electrodes that amplifiers drive; other
                          outputs do not use this member */
@@ -585,7 +585,7 @@ typedef struct scene_output {
 
 /*
  * One of several target shapes for which the voltages are optimised one by one: its name and
- * formula; it has the displacement component, place and weights of the scene's target.
+ * formula; its displacement component, nodes and weights are those of the scene's target.
  */
 typedef struct scene_mode {
     char name[SCENE_NAME];
@@ -595,7 +595,8 @@ typedef struct scene_mode {
 
 typedef struct scene_target {
     bool given;
-    scene_output what; /* component, face and place of the displacement that is controlled */
+    scene_output what; /* component of the displacement that is controlled, and the face and nodes
+                          at which it is controlled */
     expr *value; /* formula of the desired displacement in the coordinates of the nodes (length unit
                     of the scene file) */
     int modes;

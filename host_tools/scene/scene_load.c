@@ -160,7 +160,7 @@ static bool is_numbers(const reader *reader, int node)
 }
 
 /*
- * Read a direction that varies from node to node: a list of three formulas of the place of the
+ * Read a direction that varies from node to node: a list of three formulas of the position of the
  * node. Returns 0, or -1 after an error message about the scene.
  */
 static int read_formulas(reader *reader, int node, scene_support *support)

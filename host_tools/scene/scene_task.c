@@ -591,8 +591,8 @@ static int read_support_of(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Check that an output of a reaction has either a place or the name of supports. Returns 0, or -1
- * after writing an error message about the scene file.
+ * Check that an output that is a reaction names either nodes of the mesh or supports, not both.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 static int finish_reaction(reader *reader, int node, const output_text *text)
 {

@@ -17,8 +17,8 @@ enum { BAND = 7, ROW = 3 * BAND + 1, VALUE = 0, SECOND = 1, MULTIPLIER = 2 };
 struct spline {
     int knots;
     double *parameter;   /* [knots] chord length from the first point to each knot */
-    double (*value)[2];  /* [knots] both coordinates of the spline curve at its knots */
-    double (*second)[2]; /* [knots] second derivatives of both coordinates of the spline curve at
+    double (*value)[2];  /* [knots] the two coordinates of the spline curve at its knots */
+    double (*second)[2]; /* [knots] second derivatives of the two coordinates of the spline curve at
                             its knots */
 };
 

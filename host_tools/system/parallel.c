@@ -34,7 +34,10 @@ int parallel_threads(void)
     return threads < PARALLEL_LIMIT ? (int)threads : PARALLEL_LIMIT;
 }
 
-/* Run the next part, if there is one; `lock` is held, but not while the part runs. */
+/*
+ * Run the next part of the shared work, if there is one. The caller holds `lock`; the function
+ * releases it while the part runs.
+ */
 static bool run_next(shared *shared)
 {
     if (shared->is_ended || shared->next == shared->parts)

@@ -135,7 +135,7 @@ static void begin_reals(const emitter *emitter, const char *name, size_t count, 
 
 /*
  * Write the entry with index i of an array of reals, whose values in single and in double precision
- * may differ; the compiler of the device chooses one of both.
+ * may differ; the compiler of the device chooses one of the two values.
  */
 static void list_by_bits(emitter *emitter, size_t i, double single, double value)
 {

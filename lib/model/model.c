@@ -278,10 +278,10 @@ typedef struct add_place {
 } add_place;
 
 /*
- * Find the places of the unconstrained degrees of freedom of `count` nodes in the stiffness matrix,
- * which is stored in envelope form.
- *   place [count dof_per_node] out  places
- * Returns the number of places.
+ * Find, for the unconstrained degrees of freedom of `count` nodes, where their rows and columns are
+ * stored in the stiffness matrix (envelope form).
+ *   place [count dof_per_node] out  storage position of each of these degrees of freedom
+ * Returns the number of these degrees of freedom.
  */
 static unsigned free_places(const pzs_model *model, const uint16_t *node, unsigned count,
                             add_place *place)

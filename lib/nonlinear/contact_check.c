@@ -409,7 +409,7 @@ static bool is_separated(const facet_search *search, int k)
 
 /*
  * Search a facet of the shell for points that have penetrated or passed through the contact body.
- * The place of penetration is written to search->found, whose node is a corner number from 0 to 3,
+ * The point of penetration is written to search->found, whose node is a corner number from 0 to 3,
  * or PZS_CONSTRAINED for a point between the corners.
  */
 static void search_facet(facet_search *search)
