@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Table of the library for the electrodes of a scene: those of amplifiers and sensors, and the
- * potentials of bare faces (without electrodes). The table contains the charge that each input
- * causes on each electrode while the shell does not deform.
+ * Table of the library for the electrodes of a scene. It has rows for the electrodes of amplifiers
+ * and sensors, and for the nodes of bare faces (faces of a layer without electrodes), whose
+ * electric potentials are unknown. The table contains the charge that each input causes on each
+ * electrode and at each of these nodes while the shell does not deform.
  */
 #ifndef ELECTRODES_H
 #define ELECTRODES_H

@@ -78,8 +78,8 @@ static void append_actuator(resultant_builder *builder, const mesh *mesh,
 }
 
 /*
- * Append to the tables of prescribed resultants those of each electric potential of the bare faces
- * (without electrodes): the stress resultants that 1 V causes at zero strain.
+ * Append, for each node of a bare face (face of a layer without electrodes), the stress resultants
+ * that 1 V at this node causes at zero strain to the tables of prescribed resultants.
  */
 static void append_potentials(resultant_builder *builder, const design *design)
 {

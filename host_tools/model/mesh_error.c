@@ -137,7 +137,7 @@ static int compare_names(const mesh_values *fine, const mesh_values *coarse, cha
 
 /*
  * Compute, on one coarser mesh, the results whose discretisation error is estimated, and check that
- * they are those of the mesh of the scene. Returns 0, or -1 with error filled.
+ * they have the same names as on the mesh of the scene. Returns 0, or -1 with error filled.
  */
 static int measure_coarser(const mesh_error *result, const scene *fine, const int elements[2],
                            mesh_measure *measure, const void *context, mesh_values *values,

@@ -39,8 +39,9 @@ typedef struct scene_outline {
 } scene_outline;
 
 /*
- * Electrodes of any outline on one layer, and the part of the area of each element that each of
- * them covers. The parts are sorted by elements; an element may belong to several electrodes.
+ * Electrodes of any outline on one layer, and the area fraction of each element that each of them
+ * covers. There is an entry for each pair of an electrode and an element that it covers in full or
+ * in part. The entries are sorted by elements.
  */
 typedef struct scene_outlines {
     int electrodes;
@@ -50,12 +51,12 @@ typedef struct scene_outlines {
     scene_outline *electrode; /* [electrodes] outline of each electrode, in the order of the scene
                                */
     int elements;
-    size_t *start; /* [elements + 1] index, in electrode_of and share, of the first covered part of
-                      each element; the last entry is the number of all parts */
-    int *electrode_of; /* [parts] number of the electrode that covers each part of an element;
-                          within one element the numbers ascend */
-    double *share; /* [parts] covered area of each part divided by the area of its element, above 0
-                      and at most 1 */
+    size_t *start; /* [elements + 1] index, in electrode_of and share, of the first entry of each
+                      element; the last number is the count of all entries */
+    int *electrode_of; /* [entries] number of the electrode; within one element the numbers
+                          ascend */
+    double *share;     /* [entries] area fraction: area of the element that the electrode covers,
+                          divided by the area of the element; above 0 and at most 1 */
 } scene_outlines;
 
 /*

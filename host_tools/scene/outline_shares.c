@@ -227,9 +227,9 @@ static int sort_entries(const share_list *list, int elements, scene_outlines *ou
         outlines->start[list->entry[i].element + 2]++;
     for (int element = 0; element < elements; element++)
         outlines->start[element + 2] += outlines->start[element + 1];
-    for (size_t i = 0; i < list->count; i++) { /* the covered parts of elements are listed electrode
-                                                  by electrode, so that each element receives its
-                                                  parts in the order of the electrodes */
+    for (size_t i = 0; i < list->count; i++) { /* the list is sorted by electrodes, so that the
+                                                  entries of each element keep the order of the
+                                                  electrodes */
         const size_t to = outlines->start[list->entry[i].element + 1]++;
         outlines->electrode_of[to] = list->entry[i].electrode;
         outlines->share[to] = list->entry[i].share;

@@ -100,11 +100,11 @@ typedef struct scene_element {
                        four corners with alternating signs; 0: no such term */
     double rho; /* factor of the flexibility that is added to the transverse shears of an element on
                    coarse meshes: bending flexibility 12/(E h^3) times length^2/12 */
-    bool hr, lin33;   /* hr: linear and bilinear functions of the place in the element occur in some
-                         of its strains only. true (Hellinger-Reissner): the linear and bilinear
-                         parts of the stress resultants of all other strains are 0; false: those of
-                         the other strains themselves are 0. lin33: true lets each ply thicken
-                         freely */
+    bool hr, lin33;   /* hr: linear and bilinear functions of the position in the element occur in
+                         some of its strains only. true (Hellinger-Reissner): the linear and
+                         bilinear parts of the stress resultants of all other strains are 0; false:
+                         the linear and bilinear parts of these strains themselves are 0. lin33:
+                         true lets each ply thicken freely */
     bool metric;      /* true: strains take the exact variation of the surface metric through the
                          thickness; false: metric of the reference surface */
     bool exact_area;  /* which area of an element the stiffness and the loads contain, on meshes
@@ -115,9 +115,10 @@ typedef struct scene_element {
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
                                its layers; false: from a shear strain that is constant through the
                                thickness */
-    bool quadratic; /* true: the part of the in-plane strains that is quadratic in the height enters
-                       mean and difference of the strains as plies of their stiffness carry it;
-                       false: as its values at the two faces */
+    bool quadratic; /* how a straight line over the height replaces the part of the in-plane strains
+                       that is quadratic in the height. true: the line deviates least from this
+                       part, with the stiffness of the plies as weight; false: the line has the same
+                       values at the two faces */
 } scene_element;
 
 typedef struct scene_line { /* Mesh lines along which one surface coordinate, theta1 or theta2, is

@@ -259,8 +259,8 @@ static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
  * Table of the keys of a sensor. The key `drives`, the patches whose electrodes the sensor reads,
- * is read by the same function as that of an actuator. Its argument `rule` is NULL for an actuator;
- * for a sensor any other pointer will do, here `circuits`.
+ * is read by the same function as an actuator's key `drives`. The argument `rule` of this function
+ * is NULL for an actuator; for a sensor any other pointer will do, here `circuits`.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,

@@ -146,8 +146,8 @@ static pzs_real *frame_of(const pzs_loop_core *core, const pzs_problem *problem,
 }
 
 /*
- * Return the data that the last check of the voltages before the amplifiers needs, with the array
- * that the check is to fill with the next voltages.
+ * Return the data of the output gate, which checks the voltages before they go to the amplifiers,
+ * and the array in which the gate stores the checked voltages.
  */
 static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
 {

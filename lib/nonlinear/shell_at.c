@@ -452,8 +452,10 @@ typedef struct block {
 } block;
 
 /*
- * One in-plane stress at a corner of an element, conjugate to the products of mean and mean, mean
- * and difference, difference and difference of the displacement derivatives.
+ * Three numbers for one in-plane stress at a corner of an element. A displacement derivative has a
+ * mean over the two faces of the shell and a difference between them. The numbers are conjugate to
+ * the products of two derivatives: mean times mean, mean times difference, and difference times
+ * difference.
  */
 typedef struct conjugate {
     pzs_real mean, cross, diff;
@@ -562,9 +564,9 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
 /* ---- the tangent ------------------------------------------------------ */
 
 /*
- * Write row i of one node, up to its diagonal, to its place in the packed tangent stiffness of an
- * element: product of nodal strains (strains per unit of each nodal degree of freedom) and stresses
- * plus geometric stiffness.
+ * Compute row i of one node, up to its diagonal, in the packed tangent stiffness of an element:
+ * product of nodal strains (strains per unit of each nodal degree of freedom) and stresses plus
+ * geometric stiffness.
  */
 static void write_row(const pzs_real *restrict sum, const block pair[10], unsigned dof_per_node,
                       int node, int i, pzs_real *restrict stiffness)
