@@ -70,9 +70,7 @@ static int append_points(const mass_list *list)
     for (int k = 0; k < item->points; k++) {
         mesh_spot spot;
         if (mesh_spot_find(list->mesh, item->point[k], &spot) < 0)
-            return scene_fault(item->at, list->error,
-                               "point %d, [%g, %g], is not on the mesh; move it", k + 1,
-                               item->point[k][0], item->point[k][1]);
+            return mesh_spot_refuse(item->at, k, item->point[k], list->error);
         append(list, &spot, 1);
     }
     return 0;

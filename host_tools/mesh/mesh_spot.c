@@ -2,6 +2,7 @@
 /* Points of a mesh that need not be nodes (mesh_spot.h). */
 #include "mesh_spot.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "../quads/vector.h"
@@ -191,6 +192,15 @@ static int find_in_quads(const mesh *mesh, const double point[3], mesh_spot *spo
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot)
 {
     return (mesh->quads ? find_in_quads : find_on_lines)(mesh, point, spot);
+}
+
+int mesh_spot_refuse(scene_at at, int k, const double point[3], char *error)
+{
+    char height[32] = "";
+    if (isfinite(point[2]))
+        snprintf(height, sizeof height, ", %g", point[2]);
+    return scene_fault(at, error, "point %d, [%g, %g%s], is not on the mesh; move it", k + 1,
+                       point[0], point[1], height);
 }
 
 int mesh_spot_of_spring(const mesh *mesh, const scene_spring *spring, int k, mesh_spot *spot,

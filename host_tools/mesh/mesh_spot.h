@@ -28,6 +28,15 @@ mesh_spot mesh_spot_of_node(int node);
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 
 /*
+ * Write an error message about a point that no element contains.
+ *   at        in   line of the scene file that the message names
+ *   k         in   index of the point in its list, from 0
+ *   point [3] in   its coordinates, as those of mesh_spot_find
+ * Returns -1.
+ */
+int mesh_spot_refuse(scene_at at, int k, const double point[3], char *error);
+
+/*
  * Find the mesh point at which one of several equal springs or stacks is attached. An entry of the
  * scene's list `springs`, or the stacks of an actuator, may name several points, or a place with
  * several nodes, each with a spring of its own.

@@ -279,9 +279,7 @@ static int append_points(spring_builder *builder)
     for (int k = 0; k < item->points; k++) {
         mesh_spot spot;
         if (mesh_spot_find(builder->mesh, item->point[k], &spot) < 0)
-            return scene_fault(item->at, builder->error,
-                               "point %d, [%g, %g], is not on the mesh; move it", k + 1,
-                               item->point[k][0], item->point[k][1]);
+            return mesh_spot_refuse(item->at, k, item->point[k], builder->error);
         if (append(builder, &spot, item->stiffness) < 0)
             return -1;
     }

@@ -250,6 +250,18 @@ static void test_weight(void **state)
 
 /* ---- refusals -------------------------------------------------------------- */
 
+/* Check that the mesh of a scene is refused with each of some changes. */
+static void assert_refused_on(const char *name, const refusal *item, size_t items)
+{
+    for (size_t i = 0; i < items; i++) {
+        scene_run run;
+        assert_int_equal(scene_run_open(&run, name, item[i].set), -1);
+        if (!strstr(run.error, item[i].expected))
+            fail_msg("%s: %s", item[i].set, run.error);
+        scene_run_close(&run);
+    }
+}
+
 static void test_refused(void **state)
 {
     static const refusal bad[] = {
@@ -274,15 +286,14 @@ static void test_refused(void **state)
         {"masses=[{points: [[0.01, .nan]], mass: 1}]", "points"},
         {"masses=[{at: nodes, per: length, mass: 1}]", "needs an edge"},
     };
+    static const refusal on_dish[] = {
+        {"masses=[{points: [[9, 9, 5]], mass: 1}]", "point 1, [9, 9, 5], is not on the mesh"},
+        {"masses=[{points: [[9, 9]], mass: 1}]", "point 1, [9, 9], is not on the mesh"},
+    };
     (void)state;
     assert_refused("plate-50-patches", bad, sizeof bad / sizeof *bad);
-    for (size_t i = 0; i < sizeof on_mesh / sizeof *on_mesh; i++) {
-        scene_run run;
-        assert_int_equal(scene_run_open(&run, "plate-50-patches", on_mesh[i].set), -1);
-        if (!strstr(run.error, on_mesh[i].expected))
-            fail_msg("%s: %s", on_mesh[i].set, run.error);
-        scene_run_close(&run);
-    }
+    assert_refused_on("plate-50-patches", on_mesh, sizeof on_mesh / sizeof *on_mesh);
+    assert_refused_on("tests/rigs/scenes/dish.yaml", on_dish, sizeof on_dish / sizeof *on_dish);
 }
 
 int main(void)
