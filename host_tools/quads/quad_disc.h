@@ -16,7 +16,7 @@ typedef struct quad_disc {
     double sphere; /* radius of the sphere of which the disc is a part, with the centre below the
                       disc (m); 0: no sphere */
     double focal;  /* focal length of the paraboloid of which the disc is a part, with the focus
-                      above  the disc (m); 0: no paraboloid. A disc without sphere and paraboloid is
+                      above the disc (m); 0: no paraboloid. A disc without sphere and paraboloid is
                       flat */
     double ring[QUAD_RINGS]; /* [rings] radii of circles on the disc that no element crosses,
                                 ascending, without the rim (m) */

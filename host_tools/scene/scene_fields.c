@@ -355,7 +355,7 @@ int read_pair(reader *reader, int node, void *to, const void *rule)
 {
     double *pair = to;
     const int first = reader->t->node[node].first;
-    if (require_two(reader, node, ", [from, to]") != 0)
+    if (require_two(reader, node, ", as [0, 1]") != 0)
         return -1;
     if (read_real(reader, first, &pair[0], rule) != 0)
         return -1;

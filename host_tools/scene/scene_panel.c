@@ -37,6 +37,11 @@ static int check_panel(reader *reader, int node, const quad_panel *panel)
     const double extent[2] = {panel->length, panel->width};
     for (int axis = 0; axis < 2; axis++) {
         const double free = extent[axis] / 2 - fabs(panel->centre[axis]);
+        if (!(free > 0))
+            return tree_fault(reader->t, tree_find(reader->t, node, "centre"),
+                              "the centre [%g, %g] of the hole is not on the panel, which extends "
+                              "%g and %g from its middle; move it",
+                              panel->centre[0], panel->centre[1], extent[0] / 2, extent[1] / 2);
         if (!(panel->hole <= most_hole * free))
             return tree_fault(reader->t, tree_find(reader->t, node, "hole"),
                               "the hole of radius %g has its centre %g from an edge, and its "

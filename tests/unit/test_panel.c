@@ -184,6 +184,8 @@ static void test_refusals(void **state)
         {"mesh.panel.hole=-1", "hole"},
         {"mesh.panel.hole=9", "may be at most 0.8"},
         {"mesh.panel.centre=[9, 0]", "1 from an edge"},
+        {"mesh.panel.centre=[99, 0]", "the centre [99, 0] of the hole is not on the panel"},
+        {"mesh.panel.centre=[3]", "'centre' has 1 values; give two, as [0, 1]"},
         {"mesh.panel.centre=[0, .nan]", "centre"},
         {"mesh.panel.length=.inf", "length"},
         {"mesh.panel.cylinder=3", "goes around the cylinder"},
