@@ -120,8 +120,8 @@ typedef struct certificate_loop {
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
     double load_step; /* time until 5 % of the effect of a suddenly applied load are left (periods
-                         of the first observed vibration mode), the longest of a few loads; 8:
-                         longer; NAN: no mode is observed, or no load can be compensated */
+                         of the first observed vibration mode), the longest of a few loads; 8 or
+                         more: longer; NAN: no mode is observed, or no load can be compensated */
     double angle; /* phase angle of the first observed vibration mode in a tick (rad); 0: no mode
                      is observed */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
