@@ -175,8 +175,8 @@ int mesh_error_make(mesh_error *result, const scene *scene, const mesh_values *v
     memset(result, 0, sizeof *result);
     if (scene->quads) {
         snprintf(error, SCENE_ERROR,
-                 "--error: a mesh from a file has no coarser meshes: mesh the part with half the "
-                 "element size and compare");
+                 "--error: a mesh of a panel, of a disc or from a file has no coarser meshes: "
+                 "halve the size of its elements and compare");
         return -1;
     }
     if (values->count == 0) {

@@ -698,6 +698,7 @@ run 2 solve scordelis-lo --path && says 'needs kinematics: nonlinear'; check 'so
 run 1 solve tests/rigs/scenes/pulled-cylinder.yaml --strict && grep -q '^  path: .*twice as many load steps' "$dir/out"; check 'solve: an answer off the load path is a warning' $?
 run 2 solve bimorph-actuator --error && says 'mesh.theta1 has 5 elements, which cannot be halved'; check 'solve --error: a mesh that cannot be halved' $?
 run 2 solve mirror --error && says 'no output with a single value'; check 'solve --error: no output' $?
+run 2 solve tests/rigs/scenes/holed-panel.yaml --error && says 'a mesh of a panel, of a disc or from a file has no coarser meshes'; check 'solve --error: a panel' $?
 run 2 modes plate-50-patches --number 0 && says '--number' && run 2 modes plate-50-patches --number 2.5 && says '--number' && run 2 check plate-50-patches --number 3 && says 'belongs to modes'; check 'modes: a wrong number' $?
 run 0 tables plate-closed-loop -o "$dir/damped.h" && cp "$dir/out" "$dir/damped.out" && grep -q 'pzs_vibration_block' "$dir/damped.h" &&
     grep -q '9 modes from 15.04 to 314.2 Hz, at 1000 ticks a second' "$dir/damped.h" && ! grep -q QUASI_STATIC "$dir/damped.h"; check 'tables of an unstable loop damp vibration' $?
@@ -719,9 +720,10 @@ run 3 check "$dir/even.yaml" --set 'control={rate: 2000}' --set "$late" --set si
     [ ! -e "$dir/late.h" ] && run 0 check "$dir/even.yaml" --set 'control={rate: 2000}' --set "$late" --set simulate.sensors.delay=1
 check 'check, tables: a loop that is not safe has an exit code of its own' $?
 run 0 check plate-closed-loop --json && cp "$dir/out" "$dir/check.json" && json "j['certificate']['stable'] is True and j['certificate']['storms']==30 and j['certificate']['storms_failed']==0 and
-    0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and 0.5<j['certificate']['load_step_periods']<=2 and
+    0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and 0.5<j['certificate']['load_step_periods']<=2 and not j['certificate']['load_step_longer'] and
     j['certificate']['margin']['frequency'][0]<0.9 and j['certificate']['margin']['frequency'][1]>1.1 and j['certificate']['rate_from']<500 and j['certificate']['rate_to']>1500"
 check 'check --json: certificate of the damped loop' $?
+run 3 check tests/rigs/scenes/storm-panel.yaml --set limits.step_limit=0.2 --json && json "j['certificate']['load_step_periods']>=8 and j['certificate']['load_step_longer']"; check 'check --json: a load step that takes longer than is simulated' $?
 grep -q '#define PLATE_CLOSED_LOOP_STORMS_FAILED 0' "$dir/damped.h" && grep -q '30 of 30 storms' "$dir/damped.h" &&
     grep -q '#define PLATE_CLOSED_LOOP_READINGS_OLDER 1' "$dir/damped.h" && grep -q '#define PLATE_CLOSED_LOOP_LOAD_STEP_PERIODS PZS_R(1[.]' "$dir/damped.h"; check 'tables: the header carries the certificate' $?
 grep -q 'Storms (stress tests: .*' "$dir/damped.h" && ! grep -q '^ [*].* $' "$dir/damped.h"; check 'tables: the comments of the certificate have no blanks at their ends' $?
