@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Charges at the potentials of bare faces (without electrodes) while the strains are zero
- * (bare_charges.h).
+ * Charges at the nodes of bare faces (faces of a layer without electrodes) while the strains are
+ * zero (bare_charges.h).
  */
 #include "bare_charges.h"
 #include "load_forces.h"

@@ -12,8 +12,9 @@
 #include "../mesh/potential_element.h"
 
 /*
- * Largest number of potentials of bare faces (without electrodes). Each potential costs a linear
- * solve, and the matrix of their charges per volt is dense.
+ * Largest number of unknown electric potentials: one for each node of the bare faces (faces of a
+ * layer without electrodes). Each potential costs a linear solve, and the matrix of their charges
+ * per volt is dense.
  */
 enum { BARE_POTENTIALS = 2000 };
 
@@ -82,8 +83,9 @@ void bare_faces_numbers(const bare_faces *bare, int layer, int element,
 
 /*
  * Return the capacitance matrix [8][8] of the bare faces (without electrodes) of two layers in one
- * element (C/V). A layer has eight potentials in an element, at four corners of two faces. Row:
- * charge at a potential of `layer`; column: per volt of a potential of `other`, at zero strain.
+ * element (C/V). A layer has eight nodes with a potential in an element, four corners on each of
+ * its two faces. Row: charge at such a node of `layer`; column: per volt at such a node of `other`,
+ * at zero strain.
  */
 const double (*bare_faces_capacitance(const bare_faces *bare, int layer, int other,
                                       int element))[POTENTIAL_NODES];

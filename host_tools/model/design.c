@@ -416,8 +416,8 @@ static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_
 }
 
 /*
- * Append one column of nodal forces per volt for each potential of the bare faces (without
- * electrodes).
+ * Append one column of nodal forces per volt for each node of the bare faces (faces of a layer
+ * without electrodes).
  */
 static void potential_columns(const design *design, row_builder *columns, double *dense)
 {

@@ -79,8 +79,8 @@ static void all_across(const design *design, int element, across_list *list)
 }
 
 /*
- * Return the part of an element's area in which two electrodes overlap, from 0 to 1. Electrodes of
- * one layer do not overlap.
+ * Return the fraction of an element's area in which two electrodes overlap, from 0 to 1. Electrodes
+ * of one layer do not overlap.
  */
 static double common_share(const design *design, int element, const across *one,
                            const across *other)

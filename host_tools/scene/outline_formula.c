@@ -42,8 +42,8 @@ static void triangle_of(int i, int j, int k, int corner[3][2])
 }
 
 /*
- * Return the part of the area of a triangle in which a linear function is positive. value [3]: the
- * function at the corners
+ * Return the fraction (0 to 1) of the area of a triangle in which a linear function is positive.
+ * value [3]: the function at the corners
  */
 static double positive_part(const double value[3])
 {

@@ -23,8 +23,8 @@ int formula_sample(const scene *scene, const outline_cell *cell, const scene_out
                    formula_grid value, char *error);
 
 /*
- * Return the part of the area of an element, from 0 to 1, in which the formula of an electrode is
- * positive.
+ * Return the fraction of the area of an element, from 0 to 1, in which the formula of an electrode
+ * is positive.
  */
 double formula_share(const outline_cell *cell, formula_grid value);
 

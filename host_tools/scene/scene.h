@@ -874,7 +874,7 @@ typedef struct scene_influence {
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
-    double drop_below;  /* entries of the influence matrix smaller than this part of the largest
+    double drop_below;  /* entries of the influence matrix smaller than this fraction of the largest
                            entry of their column count as zero in the controller (dimensionless) */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
                            file gives none */

@@ -114,8 +114,8 @@ field_read read_plane, read_outlines;
 extern const form plane_form, outlines_form;
 
 /*
- * Compute the part of each element that each electrode covers, and refuse electrodes that extend
- * beyond the surface or overlap (outline_check.c). Returns 0, or -1 with error filled.
+ * Compute the area fraction of each element that each electrode covers, and refuse electrodes that
+ * extend beyond the surface or overlap (outline_check.c). Returns 0, or -1 with error filled.
  */
 int check_outlines(scene *scene, char *error);
 

@@ -44,9 +44,9 @@
  */
 #define SUM_RESERVE PZS_R(4294967296.0)
 /*
- * A test voltage of a calibration counts as constant if it changes in a tick by at most this part
- * of the voltage range of its input and by at most half of its step limit. (Far from the value that
- * the test pattern demands, it changes by the whole step limit.)
+ * A test voltage of a calibration counts as constant if it changes in a tick by at most this
+ * fraction of the voltage range of its input and by at most half of its step limit. (Far from the
+ * value that the test pattern demands, it changes by the whole step limit.)
  */
 #define AT_REST PZS_R(1e-4)
 /*

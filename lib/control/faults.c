@@ -51,8 +51,8 @@
 #define LEAST_RIDGE PZS_R(1e-5)
 /*
  * Threshold of the fault detector: an electrode is observable if the least-squares estimate,
- * applied to the shape that 1 V on this electrode alone makes, returns more than this part of a
- * volt for it.
+ * applied to the shape that 1 V on this electrode alone makes, returns more than this fraction of a
+ * volt for this electrode.
  */
 #define OBSERVABLE PZS_R(0.75)
 /* Number of voltage changes by which the fault detector tests an electrode. */

@@ -52,7 +52,7 @@
 /*
  * The divergence monitor judges the response of the structure only if the predicted changes of the
  * shape are large enough: the root of their exponentially decaying sum of squares must exceed this
- * part of the shape change that the largest sudden load causes.
+ * fraction of the shape change that the largest sudden load causes.
  */
 #define LEAST_MOVE PZS_R(0.25)
 

@@ -190,7 +190,7 @@
  */
 #define NO_INPUT 0xFFFFu
 /*
- * At most this part (1/MISSING_LIMIT) of the sensors may give no reading during a window, in
+ * At most this fraction (1/MISSING_LIMIT) of the sensors may give no reading during a window, in
  * which readings are averaged, or a test pulse.
  */
 #define MISSING_LIMIT 8u

@@ -36,7 +36,7 @@
 #endif
 
 /*
- * A pivot counts as zero only below this part of its diagonal entry, 2^-23. In float the usual
+ * A pivot counts as zero only if it is below 2^-23 times its diagonal entry. In float the usual
  * bound, number of rows times machine epsilon, would reject thin shells that iterative refinement
  * still solves.
  */
