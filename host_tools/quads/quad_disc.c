@@ -258,15 +258,8 @@ static int allocate(const disc_plan *plan, quad_mesh *mesh)
                  rings = (size_t)plan->layers * (size_t)plan->around;
     mesh->nodes = (elements + 1) * (elements + 1) + rings;
     mesh->elements = elements * elements + rings;
-    mesh->regions = mesh->node_sets = mesh->edge_sets = 1;
+    mesh->node_sets = mesh->edge_sets = 1;
     mesh->element_sets = 1 + (size_t)(plan->bands - 1) * (size_t)plan->disc->sectors;
-    mesh->position = calloc(mesh->nodes, sizeof *mesh->position);
-    mesh->director = calloc(mesh->nodes, sizeof *mesh->director);
-    mesh->axis = calloc(mesh->nodes, sizeof *mesh->axis);
-    mesh->node_label = calloc(mesh->nodes, sizeof *mesh->node_label);
-    mesh->element = calloc(mesh->elements, sizeof *mesh->element);
-    mesh->element_label = calloc(mesh->elements, sizeof *mesh->element_label);
-    mesh->region = calloc(1, sizeof *mesh->region);
     mesh->node_set = calloc(1, sizeof *mesh->node_set);
     mesh->edge_set = calloc(1, sizeof *mesh->edge_set);
     mesh->element_set = calloc(mesh->element_sets, sizeof *mesh->element_set);
@@ -274,10 +267,7 @@ static int allocate(const disc_plan *plan, quad_mesh *mesh)
         mesh->node_sets = mesh->edge_sets = mesh->element_sets = 0;
         return -1;
     }
-    return mesh->position && mesh->director && mesh->axis && mesh->node_label && mesh->element &&
-                   mesh->element_label && mesh->region
-               ? 0
-               : -1;
+    return quad_mesh_allocate(mesh);
 }
 
 int quad_disc_make(quad_mesh *mesh, const quad_disc *disc)

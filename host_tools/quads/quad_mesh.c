@@ -17,6 +17,20 @@ static void free_sets(quad_set *set, size_t count)
     free(set);
 }
 
+int quad_mesh_allocate(quad_mesh *mesh)
+{
+    mesh->regions = 1;
+    mesh->position = calloc(mesh->nodes, sizeof *mesh->position);
+    mesh->director = calloc(mesh->nodes, sizeof *mesh->director);
+    mesh->axis = calloc(mesh->nodes, sizeof *mesh->axis);
+    mesh->node_label = calloc(mesh->nodes, sizeof *mesh->node_label);
+    mesh->element = calloc(mesh->elements, sizeof *mesh->element);
+    mesh->element_label = calloc(mesh->elements, sizeof *mesh->element_label);
+    mesh->region = calloc(1, sizeof *mesh->region);
+    const bool has_nodes = mesh->position && mesh->director && mesh->axis && mesh->node_label;
+    return has_nodes && mesh->element && mesh->element_label && mesh->region ? 0 : -1;
+}
+
 void quad_mesh_free(quad_mesh *mesh)
 {
     free(mesh->position);

@@ -79,6 +79,12 @@ typedef struct quad_mesh {
 void quad_mesh_free(quad_mesh *mesh);
 
 /*
+ * Allocate the arrays of the nodes, the elements and one region, for the numbers of nodes and
+ * elements that `mesh` states. All entries are 0. Returns 0, or -1 if memory is short.
+ */
+int quad_mesh_allocate(quad_mesh *mesh);
+
+/*
  * Sort the members (nodes, elements or edges) of a set in ascending order and remove repetitions.
  */
 void quad_set_sort(quad_set *set);

@@ -328,21 +328,11 @@ static int allocate(const panel_plan *plan, quad_mesh *mesh)
     mesh->nodes = node_count(plan);
     mesh->elements = (size_t)plan->elements[0] * (size_t)plan->elements[1] - side * side +
                      (size_t)plan->layers * (size_t)plan->around;
-    mesh->regions = 1;
-    mesh->position = calloc(mesh->nodes, sizeof *mesh->position);
-    mesh->director = calloc(mesh->nodes, sizeof *mesh->director);
-    mesh->axis = calloc(mesh->nodes, sizeof *mesh->axis);
-    mesh->node_label = calloc(mesh->nodes, sizeof *mesh->node_label);
-    mesh->element = calloc(mesh->elements, sizeof *mesh->element);
-    mesh->element_label = calloc(mesh->elements, sizeof *mesh->element_label);
-    mesh->region = calloc(1, sizeof *mesh->region);
     mesh->edge_set = calloc(5, sizeof *mesh->edge_set);
     mesh->element_set = calloc(1, sizeof *mesh->element_set);
     mesh->edge_sets = mesh->edge_set ? 5 : 0;
     mesh->element_sets = mesh->element_set ? 1 : 0;
-    const bool has_nodes = mesh->position && mesh->director && mesh->axis && mesh->node_label;
-    const bool has_elements = mesh->element && mesh->element_label && mesh->region;
-    return has_nodes && has_elements && mesh->edge_set && mesh->element_set ? 0 : -1;
+    return mesh->edge_set && mesh->element_set ? quad_mesh_allocate(mesh) : -1;
 }
 
 int quad_panel_make(quad_mesh *mesh, const quad_panel *panel)
