@@ -197,10 +197,10 @@ typedef struct pzs_optimiser {
                                (m2): weighted squared norm of the target shape minus the shape
                                without voltages */
     /*
-     * largest violation of the optimality (KKT) conditions by an input (m2/V). In a tick that only
-     * predicts the gradient, by the tableau (pivoted Hessian), the gradient is checked at two
-     * inputs in turn; then this number is the sum of both prediction errors, and must not exceed
-     * the same bound
+     * largest violation of the optimality (KKT) conditions by an input (m2/V). Exception: where
+     * most of the gradient is only predicted, by the tableau (pivoted Hessian), two of its entries
+     * are also computed from the Hessian. The member is then the sum of the absolute errors of both
+     * predictions. In either case it is compared with `rounding_bound`
      */
     pzs_real kkt_violation;
     pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)
@@ -250,10 +250,11 @@ typedef struct pzs_row_solver {
                                entries of the inputs come first, those of the limited sums of
                                voltages follow */
     /*
-     * [width >= inputs + rows] factors of the voltages and of their limited sums. For a limited
-     * sum: the reciprocal of its largest absolute coefficient, by which the optimiser multiplies
-     * the sum. For an input: the sign (1 or -1) that its voltage keeps, so that a sum of absolute
-     * values becomes a sum of voltages with these signs
+     * [width >= inputs + rows] first an entry for each input, then one for each limited sum of
+     * voltages. The entry of an input is used for limits of sums of absolute values: 1 if its
+     * voltage must not become negative in the present iterations, -1 if it must not become
+     * positive. The entry of a limited sum is the factor by which the optimiser multiplies this
+     * sum: the reciprocal of its largest absolute coefficient
      */
     pzs_real *scale;
     /*
@@ -271,9 +272,9 @@ typedef struct pzs_row_solver {
      */
     pzs_real last_gap;
     /*
-     * shift of the diagonal of a nearly singular Hessian, which makes it regular (dimensionless):
-     * (regularisation weight + number added to each diagonal entry) / largest diagonal entry; 0: no
-     * shift
+     * shift of the diagonal of a nearly singular Hessian, which makes it regular, as a ratio
+     * (dimensionless): (regularisation weight + number added to each diagonal entry) / largest
+     * diagonal entry; 0: no shift
      */
     pzs_real least_curvature;
     pzs_real least_rounding; /* rounding-error bound of a violation of the optimality (KKT)
@@ -351,10 +352,9 @@ typedef struct pzs_control_state {
                          its output should have moved */
     uint8_t *faulty;  /* [inputs] 1: the fault detector keeps the voltage of the input constant
                          because the shape did not respond to it; otherwise 0 */
-    const pzs_real *damping; /* [inputs] damping gradient: term that a tick which also damps
-                                vibration subtracts from half the gradient of its objective, so that
-                                the voltages take energy out of the vibration (m2/V); NULL: no
-                                damping */
+    const pzs_real *damping; /* [inputs] damping gradient (m2/V); NULL: no damping. It is subtracted
+                                from half the gradient of the objective, so that the optimal
+                                voltages also take energy out of the vibration */
     pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not made
                         because of their converter steps and dead band (V); NULL: such parts are
                         ignored */
@@ -500,13 +500,15 @@ typedef struct pzs_pulse_detector_state {
                        target shape stood still (V): change that the averaged readings show, minus
                        the change that the amplifier was given */
     /*
-     * [inputs] with two uses. First: the voltage changes that the fault detector's least-squares
-     * estimate would find from readings without noise, if the true changes were `move` (V); they
-     * are the resolution matrix of the estimate times `move`. Second, while a healthy electrode is
-     * chosen with which a suspected one is compared: for each electrode, the scalar product over
-     * the sensors of two modelled responses (1/V2), that to 1 V on this electrode and that to 1 V
-     * on the suspected one. A response is the change of a reading times the scale factor of its
-     * sensor
+     * [inputs] array with two uses.
+     *
+     * Estimation of voltage errors: the part of the true voltage changes `move` that the sensors
+     * can resolve (V). The fault detector's least-squares estimate would find this part from
+     * readings without noise. It is the resolution matrix of the estimate times `move`.
+     *
+     * Choice of a healthy reference electrode: for each electrode, the scalar product (1/V2) of its
+     * modelled response and that of the suspected electrode. A modelled response is a vector with
+     * an entry for each sensor: the change of its reading per volt, times its scale factor
      */
     pzs_real *resolved;
     /*
@@ -547,11 +549,10 @@ typedef struct pzs_pulse_detector_state {
                        errors of all electrodes by least squares. The voltage error of an
                        electrode is the voltage that the readings show minus the one that its
                        amplifier gave */
-    pzs_real share_factor; /* factor, at least 1, by which a threshold of the fault detector is
-                              multiplied; larger than 1 where the sensors are few (dimensionless).
-                              The threshold is the smallest part of the change of the readings that
-                              makes an electrode suspected: a fault of this electrode must explain
-                              at least this part */
+    pzs_real share_factor; /* factor (dimensionless), at least 1, of a threshold of the fault
+                              detector; larger than 1 where the sensors are few. An electrode is
+                              suspected only if its fault would explain a large enough part of the
+                              change of the readings; the threshold is the smallest such part */
     pzs_real least_energy; /* smallest response of the shape to a full test pulse (m2): sum of the
                               squared weighted changes of the outputs, for the input for which it is
                               smallest */
@@ -861,28 +862,34 @@ typedef struct pzs_selftest_state {
                          moves (squared unit of each sensor) */
     pzs_real *start;  /* [inputs] voltages before the self-test, to which each amplifier returns
                          after its test pulse (V) */
-    pzs_real difference[2]; /* largest difference between measured and modelled responses found
-                               so far (1/V2), over the amplifiers [0] and over the sensors [1].
-                               It is the squared norm of a difference of vectors: responses of
-                               all sensors to an amplifier, or of a sensor to all amplifiers. A
-                               response is the change of a reading per volt, times the scale
-                               factor of its sensor (1/V) */
-    pzs_real least_angle;   /* smallest squared sine of the angle between two vectors of modelled
-                               responses (dimensionless): that of the amplifier (or sensor) under
-                               examination, and those of the others compared so far. The start value
-                               is the largest one at which the self-test could not notice that the
-                               cables of both are exchanged */
+    /*
+     * largest deviation from the model found so far (1/V2): [0] of an amplifier, [1] of a sensor.
+     * The measured response of an amplifier is a vector with an entry for each sensor, that of a
+     * sensor one with an entry for each amplifier. An entry is the change of a reading per volt,
+     * times the scale factor of its sensor (1/V). The deviation is the squared norm of (measured
+     * response - mean gain of all amplifiers * modelled response), minus what noise adds to it
+     */
+    pzs_real difference[2];
+    /*
+     * squared sine of the smallest angle found so far (dimensionless). The angle is that between
+     * two modelled responses, taken as vectors: that of the amplifier (or sensor) under examination
+     * and that of another one. The start value is a limit: at a larger angle the self-test would
+     * notice if the cables of both were exchanged
+     */
+    pzs_real least_angle;
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
                                        sensor) under evaluation with two modelled responses: with
                                        its own (own), and with the nearest one found so far
                                        (nearest) */
-    pzs_selftest_sums partner_own,
-        partner_nearest; /* comparisons of the measured response of a second amplifier (or sensor),
-                            whose cable may be exchanged with that of the first one, with two
-                            modelled responses: with its own (partner_own), and with that of the
-                            first one (partner_nearest) */
-    uint16_t worst[2];   /* index of the amplifier [0] and of the sensor [1] whose response differs
-                            most from the model; PZS_WIRING_NONE: none differs */
+    /*
+     * results of two comparisons in the search for exchanged cables. Both compare the measured
+     * response of a partner: a second amplifier (or sensor), whose cable may be exchanged with that
+     * of the one under evaluation. In partner_own it is compared with the modelled response of the
+     * partner, in partner_nearest with that of the one under evaluation
+     */
+    pzs_selftest_sums partner_own, partner_nearest;
+    uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs
+                          most from the model; PZS_WIRING_NONE: none differs */
     pzs_real pulse; /* weighted sum of the voltage of a test pulse divided by its height, over the
                        ticks of the pulse so far (dimensionless); the weights are symmetric in time
                        about the middle of the pulse */

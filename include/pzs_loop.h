@@ -414,15 +414,25 @@ extern const pzs_block_type pzs_reading_delay_block;
 
 /*
  * Operating modes of the supervisor, which decides in each tick whether the loop controls the
- * voltages. Where it does not, the supervisor keeps the voltages at the park voltages, the safe
- * voltages in its tables, or ramps them there along a straight line inside voltage limits and step
- * limits.
+ * voltages. Where it does not, the supervisor ramps the voltages to the park voltages, the safe
+ * voltages in its tables, and keeps them there. A ramp is a straight line inside voltage limits and
+ * step limits.
  *
- *     pzs_loop_init
- *     INITIALISE --ARM--> ARMED --all readings usable, parked--> RUNNING <--readings, none-->
- *       HOLDING
- *     RUNNING, HOLDING --PARK, FLAT--> PARKING --arrived--> PARKED --RESUME--> ARMED
- *     any --STOP, alarm, time-out, error of a block--> STOPPING --arrived--> LATCHED
+ *   mode        voltages                             event: next mode
+ *   INITIALISE  ramp to the park voltages            command ARM: ARMED
+ *   ARMED       ramp continues or has ended          ramp ended, all readings usable: RUNNING
+ *   RUNNING     controlled from target and readings  no usable reading: HOLDING
+ *   HOLDING     controlled from target and model     usable readings: RUNNING
+ *   PARKING     ramp by the command PARK or FLAT     ramp ended: PARKED; command RESUME: ARMED
+ *   PARKED      kept where this ramp has ended       command RESUME: ARMED
+ *   STOPPING    ramp to the park voltages            ramp ended: LATCHED
+ *   LATCHED     kept at the park voltages            none
+ *
+ * The first mode after pzs_loop_init is INITIALISE. The command PARK begins a ramp to the park
+ * voltages, FLAT one to the reference voltages of the optimisation; both lead to PARKING from any
+ * mode but STOPPING and LATCHED. The command STOP and the error of a block lead to STOPPING from
+ * any mode but LATCHED. So do a time-out without readings and an alarm of the divergence monitor,
+ * from RUNNING and HOLDING.
  *
  * The status of pzs_loop_tick tells the program what to do. While the loop controls the voltages:
  * the status of the other stages of the tick. PZS_W_PARKED: before control begins, or by command,
@@ -448,9 +458,8 @@ typedef enum pzs_supervisor_mode {
     PZS_MODE_INITIALISE = 0, /* operating mode of the supervisor before the command PZS_COMMAND_ARM:
                                 the voltages are at the park voltages (safe voltages of the
                                 amplifiers) or on their way there */
-    PZS_MODE_ARMED, /* operating mode of the supervisor in which it waits until the voltages are at
-                       the park voltages (safe voltages of the amplifiers) and every reading of a
-                       tick is usable */
+    PZS_MODE_ARMED,   /* operating mode of the supervisor in which it waits until its ramp of the
+                         voltages has ended and every reading of a tick is usable */
     PZS_MODE_RUNNING, /* operating mode of the supervisor in which the loop controls the voltages
                          from target and readings */
     PZS_MODE_HOLDING, /* operating mode of the supervisor in which the loop controls the voltages
@@ -489,8 +498,7 @@ typedef enum pzs_supervisor_command {
  */
 typedef enum pzs_supervisor_event {
     PZS_EVENT_FRAME = 0, /* supervisor event: usable readings arrived; in PZS_MODE_ARMED: all
-                            readings were usable and the voltages were at the park voltages (safe
-                            voltages of the amplifiers) */
+                            readings were usable, and the ramp of the voltages had ended */
     PZS_EVENT_NO_FRAME,  /* supervisor event: no reading was usable, or the target was not finite */
     PZS_EVENT_ARM, /* supervisor event: the program gave the command PZS_COMMAND_ARM, to let the
                       loop control the voltages */
@@ -644,9 +652,12 @@ typedef struct pzs_vibration {
      * static equilibrium, and the modal velocity divided by the angular frequency
      */
     const pzs_real *turn;
-    const pzs_real *observer; /* [3][modes][modes] observer gains, which correct the state of the
-                                 vibration modes: modal coordinate, modal velocity divided by
-                                 angular frequency, and static modal coordinate under loads */
+    const pzs_real *observer; /* [3][modes][modes] observer gains, three matrices that correct the
+                                 estimated state of the vibration modes: [0] the modal coordinates,
+                                 [1] the modal velocities divided by the angular frequencies, [2]
+                                 the static modal coordinates under loads. Each matrix multiplies
+                                 the vector [modes] of innovations (reading minus predicted reading)
+                                 projected on the mode shapes at the sensors */
     const pzs_real *explain; /* [modes][modes] inverse of the normal matrix of the least-squares fit
                                 that determines the coordinates of the vibration modes from sensor
                                 readings */
@@ -685,16 +696,17 @@ typedef struct pzs_damper_info {
                              (m) */
     /*
      * amplitude of the vibration (m, RMS over the outputs): root of the sum over the vibration
-     * modes of the squared deviation from static equilibrium and the squared velocity divided by
-     * the angular frequency
+     * modes of d^2 + (v / w)^2. Here d is the deviation of the modal coordinate from static
+     * equilibrium, v the modal velocity and w the angular frequency
      */
     pzs_real deviation;
     /*
      * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick
-     * (m); 0 where no reading was usable. A special case: shapes such as rigid motions may be added
-     * to the target at no cost, all target nodes are measured, and vibration modes are observed.
-     * The readings then contain such shapes, which the model does not predict. Therefore only the
-     * part of the innovations that the vibration modes explain counts
+     * (m); 0 where no reading was usable. Some scenes leave shapes such as rigid motions free: any
+     * amount of them may be added to the target. If in addition all target nodes are measured and
+     * vibration modes are observed, the readings contain free motions, which the model does not
+     * predict. The member is then the norm of the modal coordinates that a least-squares fit of the
+     * innovations finds (m)
      */
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
@@ -796,9 +808,12 @@ typedef struct pzs_governor_state {
      */
     pzs_real *reference;
     /*
-     * [inputs] voltages (V) whose predicted shape the governor (which slows targets down) subtracts
-     * from the target: (optimal voltages - `reference`) - (change of `reference` in this tick) /
-     * pzs_governor.share. The tick then moves the voltages as `reference` moves
+     * [inputs] correction of the target by the governor (which slows targets down), as voltages
+     * (V): their predicted shape is subtracted from the target. They are (optimal voltages -
+     * `reference`) - r / share, with the change r of `reference` in this tick. With the difference
+     * in parentheses the loop follows `reference` in place of the optimal voltages. The second term
+     * compensates that a tick goes only the part pzs_governor.share of the way to its target, so
+     * that the tick changes the voltages by r
      */
     pzs_real *ahead;
     pzs_real *target; /* [outputs] target shape for which the voltages that are optimal in static
@@ -1220,8 +1235,8 @@ typedef enum pzs_wiring_state {
 } pzs_wiring_state;
 
 /*
- * Value of the amplifier or sensor indices `other` and `similar` of pzs_wiring: there is no such
- * amplifier or sensor.
+ * Value that means "none" in the members `other` and `similar` of pzs_wiring, which otherwise hold
+ * the index of an amplifier or sensor.
  */
 #define PZS_WIRING_NONE 0xFFFFu
 
@@ -1275,12 +1290,13 @@ typedef struct pzs_selftest_tables {
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Squared response of the self-test to white noise in the readings of a sensor, times N
- * (dimensionless). It is stated for noise of variance 1 and for test pulses of height 1 with N
- * ticks. With the weights e (symmetric in time) and o (antisymmetric) by which readings are
- * multiplied, and the voltage p of the pulse, it is
+ * Noise energy of the self-test, times the number N of ticks in a test pulse (dimensionless). The
+ * self-test computes two sums of the readings over the ticks of a pulse, one with weights e
+ * (symmetric in time), one with weights o (antisymmetric). White noise of variance 1 gives these
+ * sums the variances (sum of e^2) and (sum of o^2). Both sums are divided by (sum of p e), so that
+ * the response to the voltage p of a pulse of height 1 is 1. For large N the constant is therefore
  *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2
- * with sums over the ticks of the pulse, for large N.
+ * with sums over the ticks of the pulse.
  */
 #define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
 
@@ -1355,10 +1371,10 @@ typedef struct pzs_selftest_info {
 
 /* Settings of the self-test that a program may change after the initialisation. */
 typedef struct pzs_selftest_settings {
-    uint32_t work_limit; /* largest work of the self-test's evaluation in a tick: number of compared
-                            entries of the measured responses, plus PZS_SELFTEST_STEP_WORK for each
-                            comparison; default: PZS_SELFTEST_WORK; the larger the limit, the fewer
-                            ticks the evaluation takes */
+    uint32_t work_limit; /* work after which a tick of the self-test's evaluation ends; default:
+                            PZS_SELFTEST_WORK. The work of a comparison of two responses is their
+                            number of entries plus PZS_SELFTEST_STEP_WORK. The larger the limit, the
+                            fewer ticks the evaluation takes */
 } pzs_selftest_settings;
 
 typedef struct pzs_selftest {

@@ -68,12 +68,16 @@ typedef struct pzs_element_type {
      */
     pzs_real height_squared[2][3];
     /*
-     * Correction of the shear strain of a warped (not plane) element: nine factors (dimensionless).
-     * The mean strain 12 that is constant over the element is increased by the sum of nine other
-     * strains, each times its factor. A strain is named by component, by m (mean) or d (difference)
-     * of the two faces, and by strain mode: strain mode r1 r2 varies over the element as xi1^r1
-     * xi2^r2, where xi1 and xi2 run from -1 to 1 over the element. The nine strains are 12d of 00;
-     * 13 of 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
+     * Correction of the shear strain of a warped (not plane) element: nine factors (dimensionless),
+     * each of another strain. The sum of factor times strain is added to the mean strain 12 in mode
+     * 00. "Mean" is the mean of the strains of the two faces of the shell, "difference" their
+     * difference. Strain mode r1 r2 varies over the element as xi1^r1 xi2^r2, where xi1 and xi2 run
+     * from -1 to 1; mode 00 is constant. The strains are
+     *   [0]        difference of strain 12, mode 00
+     *   [1], [2]   strain 13, mode 01; strain 23, mode 10
+     *   [3], [4]   strain 13, mode 00; strain 23, mode 00
+     *   [5], [6]   difference of strain 11, modes 00 and 01
+     *   [7], [8]   difference of strain 22, modes 00 and 10
      */
     pzs_real warp[9];
     /*
@@ -103,14 +107,13 @@ typedef struct pzs_compact_type {
     pzs_real d[88];     /* stiffness of the four strain modes (variations over the element) of an
                            element type, as in pzs_element_type.d (N m) */
     pzs_real thickness; /* thickness of the element (m) */
-    pzs_real height_squared[2][3]; /* straight lines that replace z^2 in the strains 11, 22 and 12,
-                                      as in pzs_element_type.height_squared (m2) */
+    pzs_real height_squared[2][3]; /* numbers that replace the squared height z^2 in the in-plane
+                                      strains 11, 22 and 12 (m2), as pzs_element_type.height_squared
+                                      defines them */
     pzs_real middle;  /* height of the middle of the shell above the reference surface, on which
                          the nodes lie (m) */
-    pzs_real warp[9]; /* nine factors (dimensionless) by which other strains are added to the mean
-                         strain 12 of a warped (not plane) element: 12d of mode 00; 13 of 01, 23 of
-                         10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10, as in
-                         pzs_element_type.warp */
+    pzs_real warp[9]; /* factors that correct the shear strain of a warped (not plane) element, as
+                         pzs_element_type.warp defines them (dimensionless) */
     pzs_real skew[3]; /* skew alpha_1, alpha_2 of the element and its length ratio, as
                          pzs_element_type.skew defines them (dimensionless) */
     pzs_real inverse_length[2]; /* 1 divided by the length of the element along theta1 and along
@@ -306,16 +309,17 @@ pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displace
 void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, pzs_real *output);
 
 /*
- * Compute the influence matrix, the outputs per unit of each input, by one solve for each input.
- *   influence [outputs][inputs] out  influence matrix (m/V); outputs and inputs are those of the
- *                                    structure, in generated tables PREFIX_ALL_OUTPUTS and
- *                                    PREFIX_ALL_INPUTS
- * A structure whose tables contain electrodes (PREFIX_ELECTRODES) has more inputs than amplifiers.
- * If some electrodes are open, pzs_electric_factor and pzs_influence_open must follow. The
- * controller (pzs_loop_init, pzs_control_init) takes the first PREFIX_INPUTS columns of the first
- * PREFIX_OUTPUTS rows; the program copies them into a matrix without the other columns. Errors:
- * those of pzs_solve, which leave info.where at the index of an input; the columns of the inputs
- * before info.where are then written.
+ * Compute the influence matrix of a structure, the outputs per unit of each input, by one solve for
+ * each input.
+ *   influence [outputs][inputs] out  influence matrix (m/V); generated tables define its size as
+ *                                    PREFIX_ALL_OUTPUTS rows and PREFIX_ALL_INPUTS columns
+ * If some electrodes of the structure are open, pzs_electric_factor and pzs_influence_open must
+ * follow. The controller (pzs_loop_init, pzs_control_init) needs the influence of the PREFIX_INPUTS
+ * amplifiers on the PREFIX_OUTPUTS target nodes: the upper left part of the matrix. Further columns
+ * belong to inputs without an amplifier, for example electrodes that serve as sensors, and further
+ * rows to outputs that are no targets. Where there are any, the program copies the upper left part
+ * into a matrix of its own. Errors: those of pzs_solve, which leave info.where at the index of an
+ * input; the columns of the inputs before info.where are then written.
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 

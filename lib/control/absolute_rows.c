@@ -37,9 +37,10 @@ static uint32_t first_absolute(const rows_run *run)
 }
 
 /*
- * Compute the absolute value of a part of the gradient for each input: what the active limits of
- * sums of absolute values of voltages contribute to it.
- *   force [inputs] out  contributions (m2/V); -1 for an input in no such sum
+ * For each input, compute the slope (m2/V) that the active limits of sums of absolute values of
+ * voltages add to the objective on each side of 0 V, in the direction away from 0 V. It is the sum
+ * over these limits of the weight of the input times the absolute value of the limit's multiplier.
+ *   force [inputs] out  these slopes (m2/V); -1 for an input in no such sum
  */
 static void add_forces(const rows_run *run, pzs_real *force)
 {
@@ -61,12 +62,12 @@ static void add_forces(const rows_run *run, pzs_real *force)
  * Return by how much input i, whose voltage is 0 V in a sum of absolute values, violates the
  * optimality (KKT) conditions because its voltage could get the other sign (m2/V). The result is
  * positive if the change of sign lowers the objective. Let s = 1 or -1 be the present sign, g the
- * gradient without the limits of sums of absolute values, and f their contribution. A step from 0 V
- * in the direction s changes the objective at the rate s g + f, which is s times the reduced
- * gradient. A step in the direction -s changes it at the rate -s g + f; the function returns the
- * negative of this rate.
+ * gradient without the limits of sums of absolute values, and f the slope that these limits add on
+ * each side of 0 V. A step from 0 V in the direction s changes the objective at the rate s g + f,
+ * which is s times the reduced gradient. A step in the direction -s changes it at the rate -s g +
+ * f; the function returns the negative of this rate.
  *   reduced in  gradient of the input minus the contributions of all active limits of sums (m2/V)
- *   force   in  contribution of the active limits of sums of absolute values to the gradient (m2/V)
+ *   force   in  slope f (m2/V), which add_forces computes
  */
 static pzs_real slope_across(const rows_run *run, uint32_t i, pzs_real reduced, pzs_real force)
 {
@@ -74,8 +75,8 @@ static pzs_real slope_across(const rows_run *run, uint32_t i, pzs_real reduced, 
 }
 
 /*
- * Return how far the voltage of input i may go beyond 0 V if the input changes its sign (V), zero
- * or negative if its bounds exclude this.
+ * Return how far the voltage of input i may go beyond 0 V if the sign chosen for it is reversed
+ * (V), zero or negative if its bounds exclude this.
  */
 static pzs_real room_across(const rows_run *run, uint32_t i)
 {
@@ -116,10 +117,11 @@ static bool follow_voltages(const rows_run *run)
 /*
  * Reverse the chosen sign of each input at 0 V (in a sum of absolute values of voltages) if its
  * voltage with the other sign may lower the objective by more than solver->gap. This duality gap
- * bounds how much the objective can fall with the present signs. If the last iterations have not
- * lowered the objective, only a pseudo-random half of these signs is reversed. Where the voltages
- * are at several limits at once, some choices of signs do not let the objective fall. Returns
- * whether any input met the condition.
+ * bounds how much the objective can fall with the present signs. After iterations that have not
+ * lowered the objective, only a pseudo-random half of these signs is reversed. This happens where
+ * the voltages are at several limits at once: no voltage may then be able to move, whether its sign
+ * is reversed or not, and the same choices of signs could alternate for ever. Returns whether any
+ * input met the condition.
  */
 static bool cross_zero(const rows_run *run)
 {
@@ -146,11 +148,12 @@ static bool cross_zero(const rows_run *run)
 }
 
 /*
- * Set the bounds of the voltages of all inputs in limited sums of absolute values: those of the
- * present tick, and 0 V on the side that the sign chosen for the voltage excludes. The limited
- * sums, formed with the chosen signs, are then never negative. Their lower bound is set to the
- * negative upper bound. It never limits the sums; it is needed because the duality gap would be
- * infinite with an infinite bound.
+ * Set the bounds of the voltages of all inputs in limited sums of absolute values, and the lower
+ * bounds of these sums. A voltage whose chosen sign is 1 gets a lower bound of at least 0 V, and
+ * one whose chosen sign is -1 an upper bound of at most 0 V. Otherwise the bounds of the present
+ * tick hold. A sum with the chosen signs is then never negative and needs no lower bound. It still
+ * gets a finite one, the negative of its upper bound, because an infinite bound would make the
+ * duality gap infinite.
  */
 static void split_bounds(const rows_run *run)
 {
@@ -193,11 +196,11 @@ static void renew_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * After the optimiser has chosen other signs for some voltages, compute the data of limited sums of
- * absolute values of voltages anew. These are the rows of the sums in the optimiser's tableau
- * (matrix that gives changes of voltages and sums from changes of multipliers). For active limits
- * they are also the rows of the Cholesky factor. Active limits stay active and keep their
- * multipliers.
+ * After the chosen signs of some voltages have changed, compute two rows for each limited sum of
+ * absolute values of voltages: its row in the optimiser's tableau, the matrix that gives changes of
+ * voltages and sums from changes of multipliers; and, if its limit is active, its row in the
+ * Cholesky factor of the active limits. Active limits keep their multipliers. They stay active,
+ * unless they now depend linearly on other active limits.
  */
 static void renew_rows(const rows_run *run)
 {

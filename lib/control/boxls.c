@@ -10,25 +10,27 @@
  * direction if the step violates no bound and leaves no multiplier of the wrong sign. Otherwise it
  * makes iterations of three types:
  *   descent           go along the direction; an input that meets a bound stays there and leaves F;
- *   release together  at a minimum over F, move all inputs of A that would each run to their
- *                     other bound there at once, while F follows so that its gradient stays zero;
- *                     stop at the minimum along this line, or where an input of F meets a bound and
- *                     leaves F;
+ *   release together  at a minimum over F, choose those inputs of A each of which would reach its
+ *                     other bound if it alone were released; move all of them towards these bounds,
+ *                     while F follows so that its gradient stays zero; stop at the minimum along
+ *                     this line, or where an input of F meets a bound and leaves F;
  *   release           at a minimum over F, move one input of A while F follows so that its gradient
  *                     stays zero; if the minimum along this line is nearer than the bound of the
  *                     input, the input joins F there.
  * A round ends with the true gradient, computed from H. Rounding errors of the tableau therefore
  * never reach the voltages; they only cost another round.
  *
- * Termination. A descent that a bound stops makes F smaller by one. Inputs of A strictly between
- * their bounds are released first: each such iteration lowers the number 2 (inputs of A strictly
- * between their bounds) + (inputs of F). After at most 3 inputs iterations all inputs strictly
- * between their bounds have zero gradient. The point is then the minimum of a face of the feasible
- * box, so that its objective depends only on which inputs are at which bound. An input at a bound
- * is released only at such a point. Iterations of zero length only make F smaller, and the next one
- * of positive length strictly lowers the objective. The objective of successive faces thus falls
- * strictly, no face occurs twice, and the number of faces is finite. Releases together never raise
- * the objective, and their number in a round is limited.
+ * Termination. Let n be the number of inputs, f the number of inputs in F, and m the number of
+ * inputs of A strictly between their bounds; 2 m + f is at most 2 n. A descent that a bound stops
+ * lowers f by one. Inputs of A strictly between their bounds are released first. Such a release
+ * ends in one of three ways: the input joins F, it reaches a bound, or an input of F meets a bound
+ * and leaves F. Each way lowers 2 m + f. After at most 3 n iterations, therefore, all inputs
+ * strictly between their bounds have zero gradient. The point is then the minimum of a face of the
+ * feasible box, so that its objective depends only on which inputs are at which bound. An input at
+ * a bound is released only at such a point. Iterations of zero length only make F smaller, and the
+ * next one of positive length strictly lowers the objective. The objective of successive faces thus
+ * falls strictly, no face occurs twice, and the number of faces is finite. Releases together never
+ * raise the objective, and their number in a round is limited.
  *
  * Many inputs. This applies from PZS_DUAL_INPUTS inputs on, if no input depends linearly on the
  * others. All inputs are then exchanged once, so that the tableau is the negative inverse of H,
@@ -642,8 +644,9 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 
 /*
  * Whether the gradient of every free input (whose voltage may change) is within its rounding-error
- * bound, and, in the dual active-set method, the voltage of every other input is at its bound.
- * next_voltage holds the gradients of the free inputs.
+ * bound, and, in the dual active-set method, the voltage of every other input is at its bound. The
+ * array next_voltage must hold the gradients of the free inputs (m2/V) and 0 for the others, as
+ * pzs_boxls_gradient leaves it; it receives voltages only later.
  */
 static bool is_stationary(const pzs_optimiser *optimiser)
 {
@@ -698,9 +701,10 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
 }
 
 /*
- * Set the gradient to the one that the tableau (pivoted Hessian) predicts after a full step along
- * the search direction: 0 for an input whose voltage is free, for the others the entry of the array
- * `move` [inputs], which holds the predicted gradient (m2/V).
+ * Set the gradient [inputs] to its prediction for the end of a full step along the search direction
+ * (m2/V). It is 0 for an input whose voltage is free, because the step ends at the minimum over the
+ * free voltages. For the other inputs predict_step has computed it by the tableau (pivoted Hessian)
+ * and stored it in the array `move`.
  */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
@@ -854,8 +858,9 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     pzs_boxls_true_gradient(optimiser);
     /*
      * The work limit may stop the iterations of the dual active-set method before their optimum.
-     * The objective may then be larger than at the beginning, so the voltages are moved back on the
-     * straight line to those at the start.
+     * The objective may then be larger than at the start of the round. Therefore the voltages are
+     * moved to the minimum of the objective on the straight line from those at the start of the
+     * round to the present ones.
      */
     if (!complete && pzs_boxls_shorten(optimiser))
         pzs_boxls_true_gradient(optimiser);

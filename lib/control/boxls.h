@@ -31,9 +31,9 @@
 void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * Compute half the gradient of the objective, the difference of its parts model_gradient and
- * target_gradient (pzs_optimiser). Its entries for the inputs whose voltages are free are also
- * written to next_voltage.
+ * Compute half the gradient of the objective, model_gradient minus target_gradient (pzs_optimiser).
+ * The array next_voltage receives a copy with 0 for the inputs whose voltages are kept: the product
+ * of the tableau with this vector is the search direction (pzs_boxls_find_direction).
  */
 void pzs_boxls_gradient(pzs_optimiser *optimiser);
 
@@ -101,10 +101,11 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
                              const pzs_real *gradient);
 
 /*
- * Return whether the rounding error of the Hessian times (voltages - base voltages, around which
- * the gradient is computed) may raise the objective by more than the machine epsilon times
- * target_energy, the scale of the objective. The gradient should then be computed from new base
- * voltages.
+ * Return whether the base voltages, around which the gradient is computed, should be replaced by
+ * the present voltages. The gradient contains the product of the Hessian with (voltages - base
+ * voltages), whose rounding error grows with this difference. New base voltages are needed if an
+ * error of this size in the gradient may raise the objective by more than the machine epsilon times
+ * target_energy, the scale of the objective.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

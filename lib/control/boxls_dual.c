@@ -32,11 +32,12 @@
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
  * Factor in a test for rounding errors of the dual active-set method. A voltage may seem to be
- * outside its bounds by a distance d (V) although it is a combination of active voltages. This
- * counts as a rounding error if PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change. Here
- * pivot_rounding (V2/m2) is the estimated rounding error of the pivots, which are changes of
- * voltages per change of multiplier. multiplier_change (m2/V) is the size of the changes of
- * multipliers in the round.
+ * outside its bounds by a distance d (V) although it is a linear combination of active voltages.
+ * This counts as a rounding error if PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change. The
+ * right-hand side estimates the rounding error of a voltage (V). In it, multiplier_change (m2/V) is
+ * the size of all changes of multipliers in the round. A change of a multiplier moves a voltage by
+ * the change times a pivot (V2/m2), and pivot_rounding (V2/m2) is the estimated rounding error of a
+ * pivot.
  */
 #define PIVOT_TO_VALUE 16
 /*
@@ -46,9 +47,9 @@
 #define SHORT_ROW 16u
 
 /*
- * The dual active-set method chooses its active set anew if at least one in this number of inputs
- * is wrong: free with its voltage outside its bounds, or active (kept at a bound) with a multiplier
- * of the wrong sign.
+ * The dual active-set method replaces its active set by an estimate if at least one in this number
+ * of inputs is wrong: free with its voltage outside its bounds, or active (kept at a bound) with a
+ * multiplier of the wrong sign.
  */
 #define WRONG_PART 3u
 /*
@@ -57,15 +58,16 @@
  */
 #define SWEEPS 6u
 /*
- * Before the dual active-set method chooses anew which inputs are at a bound, it makes up to
- * (number of inputs) / TRIAL_PART iterations, which often suffice if few inputs end at their
- * bounds.
+ * Before the dual active-set method replaces its active set (inputs at a bound) by an estimate, it
+ * makes up to (number of inputs) / TRIAL_PART ordinary iterations, which often suffice if few
+ * inputs end at their bounds.
  */
 #define TRIAL_PART 4u
 /*
- * The dual active-set method chooses its active set anew without trial iterations if at most one in
- * this number of inputs is right. An input is right if it is free with its voltage inside its
- * bounds, or active (kept at a bound) with a multiplier of the right sign.
+ * Before the dual active-set method replaces its active set by an estimate, it usually tries
+ * ordinary iterations (TRIAL_PART). It leaves these out if at most one in this number of inputs is
+ * right. An input is right if it is free with its voltage inside its bounds, or active (kept at a
+ * bound) with a multiplier of the right sign.
  */
 #define FEW_RIGHT 5u
 
@@ -469,14 +471,14 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Find the active input (voltage at a bound) whose multiplier becomes zero first, so that it must
- * become free. In the present iteration a free input becomes active, and its multiplier changes by
- * sense * part with growing `part`. The multipliers of the active inputs change in proportion.
- *   sense in      sign of the change of the multiplier of the input that becomes active: 1 or -1
- *   part  in/out  in: largest size of this change; out: size at which the multiplier that was found
- *                 becomes zero (m2/V)
- * Returns the index of the row of the found input in the Cholesky factor of the inverse Hessian, or
- * the number of active inputs if no multiplier becomes zero.
+ * Find the active input (voltage at a bound) whose multiplier becomes zero first in the present
+ * iteration, so that it must become free. In the iteration the multiplier of one free input changes
+ * until its voltage reaches a bound. The multipliers of the active inputs change in proportion.
+ *   sense in      sign of the change of the multiplier of the free input: 1 or -1
+ *   part  in/out  in: size of this change in the whole iteration (m2/V); out: its size when the
+ *                 multiplier of the found input becomes zero, unchanged if none is found
+ * Returns the place of the found input in optimiser->order, the list of the active inputs, or
+ * active_count, the length of the list, if no multiplier becomes zero.
  */
 static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
 {
@@ -612,9 +614,10 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 }
 
 /*
- * Choose anew which inputs are active (voltages at a bound), if the work limit allows it. The
- * function estimates the optimal voltages; active become the inputs whose estimated voltage is at a
- * bound beyond which the objective would fall.
+ * Replace the active set (inputs whose voltages are kept at a bound) by an estimate, if the work
+ * limit of the optimiser allows this. The function estimates the optimal voltages. An input becomes
+ * active if its estimated voltage is at a bound and the objective would fall beyond this bound; all
+ * others become free.
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {

@@ -48,13 +48,16 @@ bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
 
 /*
  * Predict the full step to the minimum of the objective over the free voltages, with the voltages
- * of the active inputs at their bounds. The function uses arrays of the optimiser:
- *   direction    in/out  in: product of the tableau (pivoted Hessian) with the gradient of the
- *                        free inputs; out: step of the free inputs (V), multipliers of the
- *                        active inputs (m2/V)
- *   next_voltage out     voltages after the step (V)
- *   scratch      out     voltages after the step minus those in the array `base` (V)
- *   rounding     in      multipliers of the wrong sign up to this size do not count (m2/V)
+ * of the active inputs at their bounds.
+ *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
+ * The function uses three arrays [inputs] of the optimiser:
+ *   direction    in   product of the tableau, the negative inverse of the Hessian, with the vector
+ *                     that holds the gradient for the free inputs and 0 for the others (V)
+ *                out  for a free input the step of its voltage (V), for an active input the
+ *                     multiplier of its bound (m2/V)
+ *   next_voltage out  voltages after the step (V)
+ *   scratch      out  voltages after the step minus the base voltages, around which the gradient is
+ *                     computed (V)
  * Returns the number of inputs that would be outside their bounds or have a multiplier of the wrong
  * sign.
  */

@@ -64,10 +64,10 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 /*
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them to its
  * pivoted Hessian (tableau). The tableau is then read and written less often while it is computed.
- * The exchanges use memory of the dual active-set method, which is not in use meanwhile. The memory
- * of its Cholesky factor `factor` holds the rank-one updates of the exchanges in the first third,
- * and two copies of the updates in groups of columns behind them. The memory of its arrays `side`
- * and `order` holds the inputs, signs and pivots of the exchanges.
+ * The exchanges are stored in arrays of the dual active-set method, which is not in use meanwhile.
+ * The array `factor` holds their rank-one updates, and behind them two copies of the updates, which
+ * apply_wide makes; each of the three takes a third of the array. The arrays `side` and `order`
+ * hold the input, sign, scale and pivot of each exchange.
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
@@ -126,17 +126,18 @@ static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t fir
 
 /*
  * Compute row k of the tableau, the pivoted Hessian of the optimiser, including the pivot exchanges
- * that are collected but not yet applied to the matrix. Let r be row k before an exchange of input
- * k, p = r_k the pivot, and u = r / sqrt |p|. The exchange changes the tableau T as follows, for i
- * and j other than k:
+ * that are collected but not yet applied to the matrix. An exchange of input c changes the tableau
+ * T as follows. Let r be row c before the exchange, p = r_c the pivot, and u = r / sqrt |p|; i and
+ * j are other inputs than c.
  *   T_ij  becomes  T_ij - sign(p) u_i u_j,
- *   T_ik  becomes  r_i / |p|,
- *   T_kk  becomes  -1 / p.
- * The second line has the form of the first one with T_ik = 0 and u_k = -sign(p) / sqrt |p|. Both
- * are therefore applied as one rank-one update, after row and column k have been set to zero. If
- * input k itself has a collected exchange, its row follows from u alone, and only later exchanges
- * are applied to it. Updates collected before that exchange do not change row k, because their
- * entry k was set to zero.
+ *   T_ic  becomes  r_i / |p|,
+ *   T_cc  becomes  -1 / p.
+ * The second line is the first one for j = c, with T_ic = 0 and u_c = -sign(p) / sqrt |p|. So row
+ * and column c are set to zero, and then both lines are one rank-one update of the matrix. If no
+ * collected exchange is one of input k, row k is read from the matrix, and all collected exchanges
+ * are applied to it. Otherwise the last exchange of input k gives its row as a multiple of its
+ * vector u, and only later exchanges are applied. Earlier ones do not change this row: entry k of
+ * their vectors was set to zero.
  */
 static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
@@ -189,10 +190,11 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 }
 
 /*
- * In some rows of the tableau (the optimiser's pivoted Hessian), set the rows and columns of
- * exchanged inputs to zero. The rank-one updates of the collected exchanges, which are applied
- * next, give these entries their new values. The rows are i to i + most - 1, or fewer at the end of
- * the matrix. Columns to the right of column i + most - 1 are not set.
+ * Prepare some rows of the tableau (the optimiser's pivoted Hessian) for the rank-one updates of
+ * the collected pivot exchanges: rows i to i + most - 1, or fewer at the end of the matrix. Entries
+ * in the row or column of an exchanged input become zero, because the updates give them their new
+ * values. In a row of any other input, columns from i + most on are not set, because the caller
+ * does not update them.
  */
 static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
@@ -291,11 +293,13 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
- * On a host with the vector unit AVX2, apply all collected rank-one updates to the optimiser's
- * pivoted Hessian (tableau). This function is for tableaus with many inputs that are being
- * computed. It changes the lower triangle with the diagonal. It uses two copies of the updates in
- * groups of columns, in memory of the dual active-set method behind the updates. Returns whether
- * the updates were applied; false on other processors, and if the updates are stored elsewhere.
+ * On a host with the vector unit AVX2, apply all collected rank-one updates to the lower triangle
+ * and the diagonal of the optimiser's pivoted Hessian (tableau), while a tableau with many inputs
+ * is computed. pzs_wide_update_rows needs the update vectors in another order, by groups of
+ * WIDE_BLOCK entries: once as they are and once multiplied by their signs. Both copies are written
+ * behind the vectors, which collect_many has placed in memory of the dual active-set method.
+ * Returns false, and changes nothing, on other processors and if the vectors are not in this
+ * memory.
  */
 static bool apply_wide(pzs_optimiser *optimiser)
 {

@@ -65,8 +65,11 @@ void pzs_tableau_apply(pzs_optimiser *optimiser);
 void pzs_tableau_complete(pzs_optimiser *optimiser);
 
 /*
- * Begin to recompute the tableau (the optimiser's pivoted Hessian) from the Hessian: all inputs
- * become active, and those that were free wait until pzs_tableau_rebuild exchanges them again.
+ * Begin to recompute the tableau (the optimiser's pivoted Hessian): copy the Hessian into it. This
+ * is the tableau without any pivot exchange, in which the voltages of all inputs are kept. The
+ * inputs whose voltages were free, or all inputs if the optimiser used the dual active-set method,
+ * are marked. pzs_tableau_rebuild makes a pivot exchange for each of them, which makes its voltage
+ * free again.
  */
 void pzs_tableau_reset(pzs_optimiser *optimiser);
 
@@ -88,8 +91,10 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 /*
  * Return the trace of the inverse of the Hessian, restricted to the inputs whose voltages are free
  * (V2/m2). With this trace the optimiser bounds by how much a small gradient can raise the
- * objective. An input depends linearly on the free inputs if its pivot is below a smallest accepted
- * pivot. Each such input at a bound adds 1 / (smallest accepted pivot) to the trace.
+ * objective. An input whose voltage is kept, and whose pivot is
+ * smaller than the smallest accepted one because it depends linearly on the free inputs, cannot be
+ * made free. It counts as a free input with the smallest accepted pivot, and adds the reciprocal of
+ * this pivot to the trace.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

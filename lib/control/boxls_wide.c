@@ -2,9 +2,10 @@
 /*
  * The voltage optimiser (boxls.c) and its tableau (boxls_tableau.c), compiled a second time for
  * hosts with the vector unit AVX2 (option PZS_WIDE): the compiler turns their loops over the inputs
- * into loops over vectors, without branches. No instruction rounds a product and a sum only once,
- * so that the voltages have the bits of the first compilation. pzs_boxls_optimise calls the
- * function compiled here if the processor has AVX2.
+ * into loops over vectors, without branches. It uses no fused multiply-add instructions, which
+ * round differently from a multiplication and an addition, so that the voltages have the bits of
+ * the first compilation. pzs_boxls_optimise calls the function compiled here if the processor has
+ * AVX2.
  */
 #include "pzs_control.h"
 

@@ -100,17 +100,19 @@ struct pzs_absolute_row_calls {
     /*
      * Choose for each input in a limited sum of absolute values of voltages the sign that its
      * voltage keeps in the next iterations, and adapt the bounds and the matrix of the optimiser to
-     * a changed choice. The present voltages always have the chosen signs.
-     *   may_cross in  whether a voltage at 0 V may get the other sign where this lowers the
+     * a changed choice. The present voltages always have the chosen signs, and a voltage at 0 V may
+     * have either.
+     *   may_cross in  whether to reverse the sign chosen for a voltage at 0 V where this lowers the
      *                 objective
      * Returns whether a sign has changed.
      */
     bool (*choose_signs)(pzs_control *control, bool may_cross);
     /*
      * Return the largest violation of the optimality (KKT) conditions (m2/V) by a voltage at 0 V
-     * that is part of a limited sum of absolute values. Such a voltage violates the conditions if
-     * the objective falls when the voltage gets the other sign. For each violation a bound of this
-     * fall is added to the duality gap, solver->gap (m2).
+     * that is part of a limited sum of absolute values. Each such voltage may move from 0 V to one
+     * side only, that of the sign chosen for it. It violates the conditions if the objective falls
+     * when it moves to the other side. For each violation a bound of this fall is added to the
+     * duality gap, solver->gap (m2).
      *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);

@@ -31,10 +31,11 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return whether the work limit of the optimiser allows `cost` more multiply-adds and after them
- * the end of the present round (sequence of iterations). The round ends with a gradient computed
- * from the Hessian. If the gradient at its start was only predicted, work for a second gradient is
- * reserved: it is needed if the round must be undone, at the voltages before the round.
+ * Return whether the work limit of the optimiser allows `cost` more multiply-adds now. Work is kept
+ * in reserve for the end of the present round (sequence of iterations): one product of the Hessian
+ * with a vector, for the gradient there. A second product is kept in reserve if the gradient at the
+ * start of the round was only predicted: should the round be undone, this gradient must be computed
+ * as well.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

@@ -87,16 +87,16 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * First shift that is added to the diagonal of a Hessian that is singular or nearly so. It is
- * stated as a ratio of diagonal entries: the smallest one after the shift, divided by the largest
- * one. A Hessian whose pivots all exceed this fraction of its largest diagonal entry is not
- * shifted.
+ * Size of the first shift of a Hessian that is singular or nearly so. A shift is a number added to
+ * all diagonal entries. It is chosen so that (regularisation weight + shift) / (largest diagonal
+ * entry of the Hessian) is the value of this constant. A Hessian whose pivots all exceed this
+ * fraction of its largest diagonal entry is not shifted.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
- * Upper limit of the shift that the optimiser adds to the diagonal of a singular Hessian, and
- * raises after iterations that failed. The shift is stated as a ratio of diagonal entries: the
- * smallest one after the shift, divided by the largest one.
+ * Size of the largest shift of a Hessian that is singular or nearly so. A shift is a number added
+ * to all diagonal entries, which the optimiser raises after iterations that failed. It is stated as
+ * (regularisation weight + shift) / (largest diagonal entry of the Hessian).
  */
 #define MOST_CURVATURE PZS_BY_BITS(PZS_R(3e-1), PZS_R(1e-5))
 /*
@@ -145,9 +145,10 @@ static uint64_t end_work(const rows_run *run)
 }
 
 /*
- * Return the number of multiply-adds that the work limit of the optimiser leaves for iterations in
- * the present round. The work at the end of the round is already subtracted: the correction of the
- * voltages for rounding errors and the gradient from the Hessian (end_work).
+ * Return the number of multiply-adds that the work limit of the optimiser still allows for
+ * iterations. The work that follows the iterations is already subtracted: they end with a
+ * correction of the voltages for rounding errors and with a gradient computed from the Hessian
+ * (end_work).
  */
 static uint64_t remaining_work(const rows_run *run)
 {
@@ -193,11 +194,12 @@ static void set_scales(const rows_run *run)
 }
 
 /*
- * Begin to compute the tableau anew, from the Hessian and the coefficients of the limited sums of
- * voltages. Let dq be the changes of all voltages and limited sums that a change dm of their
- * multipliers causes: dq = -T dm with the complete tableau T. T results from one pivot exchange
- * (elimination step) for each input, and this function sets the matrix before the first exchange.
- * Afterwards no voltage and no sum is kept at a bound.
+ * Begin to compute the optimiser's tableau anew: set its start matrix and mark all voltages and
+ * limited sums as active. The start matrix has the Hessian in the upper left part, with the shift
+ * of its diagonal, the negative scaled coefficients of the limited sums below and to the right of
+ * it, and zeros elsewhere. A pivot exchange (elimination step) for each input, which
+ * complete_tableau makes, then gives the tableau T: if the multipliers change by dm, voltages and
+ * limited sums change by -T dm.
  */
 static void reset_tableau(const rows_run *run)
 {
@@ -425,8 +427,8 @@ pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 
 /*
  * Return the largest violation of the optimality (KKT) conditions (m2/V), and store the duality gap
- * in solver->gap. Where sums of absolute values are limited, voltages at 0 V that would lower the
- * objective with the other sign count, too.
+ * in solver->gap. Where sums of absolute values are limited, each voltage keeps a chosen sign;
+ * voltages at 0 V whose other sign would lower the objective count, too.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  */
 static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
@@ -471,11 +473,12 @@ static pzs_real largest_of(const pzs_real *vector, uint32_t count)
 
 /*
  * Predict the step to the minimum of the objective over the free voltages and limited sums of
- * voltages, with the active ones at their bounds. The results are in arrays of run->tableau:
- * next_voltage receives the voltages and sums after the step, `direction` the multipliers of the
- * active ones. The function solves for the changes of the multipliers, not for the multipliers, so
- * that rounding errors of the tableau decay with repeated steps. It needs the gradient in
- * run->optimiser->scratch, which measure_violation sets.
+ * voltages, while the active ones are kept at their bounds. The results are in arrays of
+ * run->tableau: next_voltage receives the voltages and sums after the step, `direction` the
+ * multipliers of the active ones. The function starts from the present voltages and multipliers and
+ * solves for their changes. Rounding errors of the tableau then affect only the changes, and decay
+ * with repeated steps. On entry run->optimiser->scratch [inputs] must hold the gradient minus the
+ * contributions of the active limits of sums (measure_violation); it is overwritten.
  */
 static void predict_step(const rows_run *run)
 {
@@ -528,9 +531,10 @@ static bool project_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Correct the voltages, one limit row (limit of a sum of voltages) after the other, until no sum is
- * outside its narrowed limits. These corrections are of the size of rounding errors, so that a row
- * at its narrowed limit stays inside its true limit.
+ * Correct the voltages for one limit row (limit of a sum of voltages) after the other, until no sum
+ * is outside its narrowed limits. These are its limits, moved inwards by a margin for rounding
+ * errors. A correction may push another sum beyond its narrowed limits, but only by as much as
+ * rounding errors, so that this sum stays inside its true limits.
  */
 static void project_rows(const rows_run *run)
 {
@@ -707,7 +711,7 @@ static bool is_acceptable(const rows_run *run)
 /*
  * Choose the signs that the voltages keep during the next iterations, where sums of absolute values
  * of voltages are limited.
- *   may_cross in  whether a voltage at 0 V may get the other sign
+ *   may_cross in  whether the sign chosen for a voltage at 0 V may be reversed
  * Returns whether a sign has changed.
  */
 static bool choose_signs(const rows_run *run, bool may_cross)
@@ -731,10 +735,10 @@ static void run_round(const rows_run *run)
     optimiser->iterations++;
     predict_step(run);
     /*
-     * tableau->work_limit is the limit for the iterations of the dual active-set method.
-     * remaining_work has already subtracted the work at the end of the round. The method reserves
-     * work for that end once more: two products of a matrix and a vector. They are added here, so
-     * that the reserve does not shorten the iterations.
+     * The work limit of the dual active-set method is the work done so far plus the remaining work,
+     * in which the work at the end of the round is already subtracted. The method reserves two
+     * products of the matrix with a vector for the end of its round. They are not needed here and
+     * are added, so that this reserve does not shorten the iterations.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = pzs_iterate_dual(tableau, optimiser->rounding_bound / 2);
@@ -764,11 +768,12 @@ static pzs_real change_by_rounding(const rows_run *run)
 
 /*
  * After a round (sequence of iterations), undo it if it raised the objective by more than rounding
- * errors explain. If the round made no progress, store its duality gap. A round in which a voltage
- * at 0 V got the other sign made progress only if it lowered the objective by more than rounding
- * errors explain. Without this rule the optimiser could reverse the same signs for ever: because
- * the limits are narrowed by margins, the optimum moves a little with each choice of signs.
- *   has_crossed in  whether a voltage at 0 V got the other sign
+ * errors explain. If the round made no progress, store its duality gap. A round before which the
+ * sign chosen for a voltage at 0 V was reversed made progress only if it lowered the objective by
+ * more than rounding errors explain. Without this rule the optimiser could reverse the same signs
+ * for ever: because the limits are narrowed by margins, the optimum moves a little with each choice
+ * of signs.
+ *   has_crossed in  whether a sign chosen for a voltage at 0 V was reversed before the round
  */
 static void judge_round(const rows_run *run, bool has_crossed)
 {

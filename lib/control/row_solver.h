@@ -18,10 +18,10 @@ typedef struct rows_run {
     const pzs_problem *problem;
     const pzs_limit_rows *rows;
     pzs_row_solver *solver;
-    pzs_optimiser *tableau;   /* optimiser with a quantity for each input and each limited sum of
-                                 voltages. It holds their tableau, active set, bounds and
-                                 multipliers. The tableau T gives the changes -T dm of the
-                                 quantities when their multipliers change by dm */
+    pzs_optimiser *tableau; /* active-set optimiser of the quantities: the voltages, followed by the
+                               limited sums of voltages. It holds their tableau, active set, bounds
+                               and multipliers. The tableau T is a matrix: if the multipliers change
+                               by a vector dm, the quantities change by -T dm */
     pzs_optimiser *optimiser; /* voltages, bounds and gradients of the optimiser for the inputs
                                  alone, without the limited sums of voltages */
     uint32_t inputs, count;   /* inputs: number of inputs; count: number of inputs plus number of
