@@ -91,10 +91,9 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 /*
  * Return the trace of the inverse of the Hessian, restricted to the inputs whose voltages are free
  * (V2/m2). With this trace the optimiser bounds by how much a small gradient can raise the
- * objective. An input whose voltage is kept, and whose pivot is
- * smaller than the smallest accepted one because it depends linearly on the free inputs, cannot be
- * made free. It counts as a free input with the smallest accepted pivot, and adds the reciprocal of
- * this pivot to the trace.
+ * objective. An input whose voltage is kept, and whose pivot is smaller than the smallest accepted
+ * one because it depends linearly on the free inputs, cannot be made free. It counts as a free
+ * input with the smallest accepted pivot, and adds the reciprocal of this pivot to the trace.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

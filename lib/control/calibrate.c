@@ -10,19 +10,21 @@
  * What is left of the readings of a record after the rotations is its residual, scaled so that its
  * variance is that of the noise; the mean of its squares is thus the variance of the noise.
  *
- * Forgetting is directional, so that a direction without new voltages loses nothing. The rows are
- * rotated so that the first one is r = v'I/sqrt(v'Iv), all that T knows of the direction v, and
- * this row is multiplied by sqrt(1 - f). The information matrix becomes
+ * Forgetting is directional, so that a direction without new voltages loses nothing. Before a
+ * record with the voltages v is added, the rows of [T Z] are rotated until only the first row of T
+ * has a product with v that is not zero. This row is then r = v'I/sqrt(v'Iv), and it is multiplied
+ * by sqrt(1 - f). The information matrix becomes
  *
  *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/M, |v|^4/(v'Iv))
  *
- * where M, settings.memory, is the number of records after which older ones are forgotten. Both
- * bounds of the covariance of B, which is the variance of the noise times the inverse of J, follow
- * from the bound of f. Because |v|^4 <= (v'Iv)(v' I^-1 v), the determinant satisfies det J / det I
- * = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1: it never decreases. No eigenvalue of J exceeds
- * the larger one of the largest eigenvalue of I and V^2 M, with the largest norm V of the voltages
- * of a record. So no eigenvalue falls below det I/(V^2 M)^(inputs - 1), and small voltages, such as
- * those of a controller whose target stands still, never replace the knowledge from large ones.
+ * where M, settings.memory, is the number of records after which older ones are forgotten. The
+ * covariance of B is the variance of the noise times the inverse of J. It is bounded from below and
+ * from above, because the eigenvalues of J are. Let V be the largest norm of the voltages of a
+ * record. From above: no eigenvalue of J exceeds the larger one of the largest eigenvalue of I and
+ * V^2 M. From below: |v|^4 <= (v'Iv)(v' I^-1 v), so that the determinant satisfies det J / det I =
+ * (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1 and never decreases. So no eigenvalue falls below
+ * det I/(V^2 M)^(inputs - 1), and small voltages, such as those of a controller whose target stands
+ * still, never replace the knowledge from large ones.
  */
 #include <string.h>
 #include "pzs_calibrate.h"
@@ -385,10 +387,12 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 }
 
 /*
- * Rotate the rows of the triangular factor R of a calibration, where R'R is the sum of v v' over
- * the recorded voltages v. The rotations turn the vector R v, for the voltages v of a new record,
- * into a multiple of the first unit vector. The first row then contains all information about the
- * direction v. Afterwards every other row has one nonzero entry to the left of the diagonal.
+ * Prepare a calibration to forget a part of its information about the direction of the voltages v
+ * of a new record. The information is the matrix R'R, the sum of v v' over the recorded voltages,
+ * with the triangular factor R. Its rows are rotated, which does not change R'R, until R v has one
+ * nonzero entry, the first. Only the first row of R then contributes to v'R'R v, so that the caller
+ * can forget by scaling this row. Every other row has one nonzero entry to the left of the diagonal
+ * afterwards.
  *   direction [inputs] in/out  in: R v (V2); out: overwritten
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)

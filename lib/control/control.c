@@ -316,12 +316,14 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 /*
  * Change the objective of a tick so that the tick also damps vibration. The gradient at the base
  * voltages (around which gradients are computed) is multiplied by state.share, a factor from 0 to
- * 1. Then the damping gradient is subtracted, along which the voltages take energy out of the
- * vibration.
+ * 1, so that the tick goes only this part of the way to the static optimum. Then the damping
+ * gradient is subtracted, along which the voltages take energy out of the vibration.
  *   damping [inputs] in  damping gradient (m2/V)
  *   missed           in  weighted squared norm of the target error (m2)
- * Returns `missed` plus the square of the smallest target error whose gradient is as large as the
- * damping gradient (m2). Rounding-error bounds of the whole gradient are computed from this sum.
+ * Returns the sum of `missed` and a squared norm for the damping gradient (m2), from which the
+ * rounding-error bound of the whole gradient is computed. This norm is the largest entry of the
+ * damping gradient divided by largest_column, the largest gradient of an input that a target error
+ * of norm 1 m can cause.
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)

@@ -158,10 +158,11 @@ static pzs_real largest_part(const pzs_governor_state *state)
 /*
  * Move the governor's slowed-down voltages (`reference`) towards the optimal voltages by one tick.
  * Then compute the voltages (V) whose shape is to be subtracted from the target:
- *   (optimal voltages - reference) - (change of `reference` in this tick) / pzs_governor.share
- * The division makes the tick add the whole change to its voltages, although it goes only the part
- * `share` of the way to the optimum. Returns whether `reference` was not yet equal to the optimal
- * voltages at the beginning of the tick.
+ *   (optimal voltages - reference) - r / pzs_governor.share
+ * with the change r of `reference` in this tick. A tick changes its voltages by only the part
+ * `share` of what the target demands. The second term therefore demands r / share, of which the
+ * tick makes r. Returns whether `reference` was not yet equal to the optimal voltages at the
+ * beginning of the tick.
  */
 static bool move_reference(pzs_governor_state *state)
 {

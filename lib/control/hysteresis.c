@@ -9,9 +9,10 @@
  *
  * where m is a piecewise linear function of four slopes, P_i is the position of play i (an element
  * with backlash), a_i is the weight of the play (one value above and one below the middle), and x_j
- * is a creep term of first order. Play i follows s with the slack r_i. It is computed in series:
- * play i follows play i - 1 with the slack r_i - r_(i-1), and play 0 follows s. Both forms are
- * equal, and in series all positions can result from some voltages. Slopes are positive and weights
+ * is a creep term of first order. Play i follows s with the slack r_i: it moves only as far as is
+ * needed for |P_i - s| <= r_i. The plays are computed in series, to the same positions: play i
+ * follows play i - 1 with the slack r_i - r_(i-1), and play 0 follows s. In series even damaged
+ * positions become positions that some sequence of voltages causes. Slopes are positive and weights
  * are not negative, so u always rises with v: voltage limits and step limits of a tick are mapped
  * to limits of the effect, and the inverse is unique.
  *
@@ -411,11 +412,12 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * Search for the voltage with a wanted effect (voltage that would move the structure as far without
- * hysteresis), from the present voltage of an electrode upwards or downwards, along its piecewise
- * linear characteristic (effect as a function of the voltage). All positions are multiplied by
- * `sign`, the direction of the search, so that the search always runs towards larger numbers. A
- * play is an element with backlash.
+ * Search for the voltage at which an electrode has a wanted effect. (The effect of a voltage is the
+ * voltage that would move the structure as far without hysteresis.) The search starts at the
+ * present voltage and runs upwards or downwards along the characteristic, the effect as a piecewise
+ * linear function of the voltage. Positions are relative to the middle of the voltage range and,
+ * except in `play`, multiplied by the direction `sign` of the search. The search thus always runs
+ * towards larger numbers. A play is an element with backlash.
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
@@ -425,28 +427,31 @@ typedef struct effect_walk {
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     /*
-     * [plays] position of each play (element with backlash) when the search for the voltage with a
-     * wanted effect begins (V), relative to the middle of the voltage range. It is positive above
-     * the middle, whether the search runs towards higher or lower voltages
+     * [plays] position of each play (element with backlash) at the present voltage, where the
+     * search for the voltage with a wanted effect starts (V). It is relative to the middle of the
+     * voltage range, and positive above the middle for either direction of the search
      */
     const pzs_real *play;
-    const pzs_real *ahead;  /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage that would move the structure as far without hysteresis) for
-                               positions of the play in the half of the voltage range at which a
-                               search ends (dimensionless). That is the upper half in a search
-                               towards higher voltages, otherwise the lower half */
-    const pzs_real *behind; /* [plays] weight of each play (element with backlash) in the effect
-                               (voltage that would move the structure as far without hysteresis) for
-                               positions of the play in the half of the voltage range at which a
-                               search begins (dimensionless). That is the lower half in a search
-                               towards higher voltages, otherwise the upper half */
+    /*
+     * [plays] weight of each play (element with backlash) in the effect (voltage that would move
+     * the structure as far without hysteresis), while the play is in one half of the voltage range
+     * (dimensionless): in the upper half if `sign` is 1, in the lower half if it is -1. A search
+     * for a voltage enters this half last
+     */
+    const pzs_real *ahead;
+    /*
+     * [plays] weight of each play (element with backlash) in the effect (voltage that would move
+     * the structure as far without hysteresis), while the play is in the other half of the voltage
+     * range (dimensionless): in the lower half if `sign` is 1, in the upper half if it is -1
+     */
+    const pzs_real *behind;
     pzs_real sign; /* direction of the search for a voltage along the characteristic of an electrode
                       (effect as a function of the voltage): 1 towards higher voltages, -1 towards
                       lower ones */
-    pzs_real knot; /* distance of the outer changes of slope from the middle of the voltage range
-                      (V), a quarter of the range: the slope of the piecewise linear part of the
-                      effect (voltage that would move the structure as far without hysteresis)
-                      changes there and in the middle */
+    pzs_real knot; /* a quarter of the voltage range (V). The slope of the piecewise linear part of
+                      the effect (voltage that would move the structure as far without hysteresis)
+                      changes at three voltages: in the middle of the range, and a quarter of the
+                      range above and below */
     pzs_real place; /* voltage that the search along the characteristic of an electrode (effect as a
                        function of the voltage) has reached, relative to the middle of the voltage
                        range (V) */
@@ -495,9 +500,11 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
 }
 
 /*
- * Return the voltage at which the next play (element with backlash) has used up its slack and
- * begins to move, in a search for the voltage with a wanted effect. The result is relative to the
- * middle of the voltage range (V).
+ * Return the next voltage at which a play (element with backlash) begins to move, in the search for
+ * the voltage of an electrode with a wanted effect (voltage that would move the structure as far
+ * without hysteresis). The plays begin to move in the order of their slack, each as soon as the
+ * voltage has used up its slack. The result is relative to the middle of the voltage range, in the
+ * direction of the search (V); it is infinite if all plays move already.
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -527,10 +534,10 @@ static pzs_real next_knot(const effect_walk *walk)
 }
 
 /*
- * Let the next play (element with backlash) move with the voltage in the search for a voltage with
- * a wanted effect, and add its weight to the slope of the effect (voltage that would move the
- * structure as far without hysteresis). The weight differs below and above the middle of the
- * voltage range.
+ * Note that the search for a voltage with a wanted effect (voltage that would move the structure as
+ * far without hysteresis) has used up the slack of one more play (element with backlash), the next
+ * in the order of slack. From here on the play moves with the voltage, so that its weight is added
+ * to the slope of the effect. The weight differs below and above the middle of the voltage range.
  */
 static void move_play(effect_walk *walk)
 {
@@ -764,10 +771,10 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 #define ROUNDING 256
 
 /*
- * Give the controller effects in place of voltages. The effect of a voltage is the voltage that
- * would move the structure as far without hysteresis and creep (V). Where the effects differ from
- * those of the controller's last prediction by rounding only, as after a tick whose voltages were
- * applied unchanged, the prediction stays valid.
+ * Replace the controller's voltages of the last tick, from which it starts, by their effects. The
+ * effect of a voltage is the voltage that would move the structure as far without hysteresis and
+ * creep (V). Where the effects differ from those of the controller's last prediction by rounding
+ * only, as after a tick whose voltages were applied unchanged, the prediction stays valid.
  */
 static void take_effects(const pzs_compensator *compensator, pzs_control *control)
 {

@@ -25,8 +25,10 @@
 
 /*
  * Factor of `envelope` in the threshold of the divergence monitor, envelope * MARGIN + noise *
- * NOISE_MARGIN + load: a tick is implausible if the measured shape deviates from the predicted one
- * by more. The envelope is the deviation that changes of the target explain.
+ * NOISE_MARGIN + load (m, RMS over the outputs). A tick is implausible if the measured shape
+ * deviates from the predicted one by more. The envelope is the deviation that changes of the target
+ * explain, `noise` the expected noise of the measured shape, and `load` the change of the shape by
+ * the largest expected sudden load.
  */
 #define MARGIN 4
 /*
@@ -149,9 +151,10 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
 
 /*
  * Compare the measured, predicted and target shapes of this tick with those of the last one, and
- * store those of this tick. info.predicted is the shape that the voltages of this tick will make.
- * The disturbance is the measured shape minus the shape that was predicted one tick earlier. The
- * array monitor->move therefore holds the change of the predicted shape in the tick before.
+ * store those of this tick. A measured shape is the response to the voltages of one tick earlier,
+ * and the disturbance is this shape minus info.predicted of one tick earlier. The measured change
+ * of the shape is therefore the change of the disturbance plus the change of info.predicted in the
+ * last tick, which the array monitor->move has stored.
  */
 static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {

@@ -14,8 +14,9 @@ typedef struct output_gate {
     pzs_real *const *held;    /* [3][inputs] three copies of the voltage at which pzs_hold keeps an
                                  input (V); NaN: it keeps none */
     pzs_real *last[3];        /* [inputs] three copies of the voltages of the last tick (V) */
-    volatile pzs_real *frame; /* [inputs] array to fill with the voltages of this tick, which the
-                                 program does not read yet (V) */
+    volatile pzs_real *frame; /* [inputs] array to fill with the checked voltages of this tick (V).
+                                 Until the tick ends, the program reads the voltages of the last
+                                 tick from another array */
 } output_gate;
 
 /* Return the checksum of the voltage limits and step limits in the tables of the controller. */

@@ -77,11 +77,13 @@
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
- * Limit of the trace of the resolution matrix, the effective number of independent combinations of
- * readings. If the trace t is below this limit, LEAST_SHARE and LEAST_MOVING_SHARE are multiplied
- * by (2 + MANY_READINGS / t) / 3. These thresholds must be higher with few readings and many
- * electrodes, because some electrode then explains a large part of any change of the readings by
- * chance.
+ * Effective number of readings from which on the thresholds LEAST_SHARE and LEAST_MOVING_SHARE hold
+ * as they are. They are the part of the change of the readings that a fault of one electrode must
+ * explain to make the electrode suspected. With few readings and many electrodes the thresholds
+ * must be higher, because some electrode then explains a large part of any change by chance. If the
+ * effective number t of readings is smaller, they are therefore multiplied by (2 + MANY_READINGS /
+ * t) / 3. This t is the trace of the resolution matrix of the least-squares estimate. Its diagonal
+ * entry j is the part of a voltage error of electrode j that the estimate finds at this electrode.
  */
 #define MANY_READINGS PZS_R(24)
 /*
@@ -115,7 +117,9 @@
 #define PASSED PZS_R(0.35)
 /*
  * Smallest gain (response to a test pulse, divided by the modelled response) of the reference
- * electrode, a healthy one with which a suspected electrode is compared.
+ * electrode, a healthy one with which a suspected electrode is compared. A pulse with a smaller
+ * gain of the reference electrode proves nothing. The next pulses are higher, or those of another
+ * reference electrode.
  */
 #define LEAST_REFERENCE PZS_R(0.5)
 /*
@@ -492,9 +496,10 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 }
 
 /*
- * Return the height of the test pulse of input j (V), negative near the upper voltage limit. The
- * height of a raised pulse (state->is_grown) is limited by half the voltage range and by the step
- * limit.
+ * Return the height of the test pulse of input j (V), negative if the voltage `start` is nearer to
+ * the upper voltage limit than to the lower one. It is the height in the tables, or a larger one
+ * (GROWTH) while state->is_grown: where hysteresis may make the response too small. The larger
+ * height is limited by half the voltage range and by the step limit.
  */
 static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs_real start)
 {
@@ -566,8 +571,8 @@ static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
 }
 
 /*
- * Let the controller choose the voltages of the suspected electrode and of the healthy one that was
- * tested with it again.
+ * End the test voltages of the suspected electrode and of the healthy one that is tested at the
+ * same time: the controller chooses both voltages again.
  */
 static void release_electrodes(pzs_pulse_detector_state *state)
 {
@@ -682,18 +687,18 @@ static void resolve_moves(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums of products over the electrodes whose voltages are not fixed. They serve to estimate the
- * part of all voltage changes that seems to be missing because the gain of the structure differs
- * from the model. The voltage error of an electrode is the voltage that the readings show minus the
- * given one.
+ * Sums over the electrodes whose voltages are not fixed, for a least-squares estimate. The voltage
+ * error of an electrode is the voltage that the readings show minus the given one. A structure
+ * whose gain differs from the model makes the voltage errors of all electrodes proportional to
+ * their voltage changes. The factor of proportion is estimated as both / moves.
  */
 typedef struct loss_sums {
     pzs_real losses; /* sum of the squared voltage errors of the electrodes (V2) */
     pzs_real moves;  /* sum over the electrodes of the voltage change times its estimate from the
                         readings (V2) */
-    pzs_real both;   /* sum over the electrodes of (voltage error) * (change of the given voltage)
-                        (V2), which tells the part of the changes that all electrodes seem to lack
-                        in common */
+    pzs_real both;   /* sum over the electrodes of voltage error times change of the given voltage
+                        (V2); the voltage error is the voltage that the readings show, minus the given
+                        one */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -722,14 +727,15 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 
 /*
  * Result of a least-squares fit of the readings on two assumptions. Only one electrode is faulty,
- * and the gain of the structure differs from the model, so that the same part of every voltage
- * change seems to be missing.
+ * and the gain of the structure differs from the model, so that the voltage errors of all
+ * electrodes have a part proportional to their voltage changes. A voltage error is the voltage that
+ * the readings show minus the given one.
  */
 typedef struct own_loss {
-    pzs_real common; /* part of every voltage change that seems to be missing at all electrodes
-                        alike (dimensionless), because the gain of the structure differs from the
-                        model; at most COMMON_LOSS in size; negative if the changes seem larger than
-                        they are */
+    pzs_real common; /* voltage error of each electrode that the gain of the structure explains,
+                        divided by the voltage change of the electrode; the same number for all
+                        electrodes (dimensionless). It is negative if the structure responds less
+                        than the model, and at most COMMON_LOSS in size */
     pzs_real lost;   /* voltage error of the electrode (V): the voltage that the readings show minus
                         the given one, without the error that all electrodes have in common because
                         the gain of the structure differs from the model */
@@ -755,7 +761,8 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
  * change is that from the base readings, the mean readings of an earlier interval in which the
  * target stood still. The result is 0 if the voltage that electrode j seems to lack does not fit a
  * dead, stuck or reversed electrode.
- *   sums in  sums of products over all electrodes whose voltages are not fixed (V2)
+ *   sums in  products of voltage errors and voltage changes, summed over all electrodes whose
+ *            voltages are not fixed (V2)
  *   rest in  part of the change that the voltage errors of all electrodes together leave
  *            unexplained: its sum of squares, divided by the weight of the regularisation (V2)
  */
@@ -1122,7 +1129,8 @@ static uint32_t judge(pzs_pulse_detector *detector)
 
 /*
  * After a window in which readings were averaged, count down the time for which electrodes that
- * have passed a test are not suspected, and observe electrodes again that the program has released.
+ * have passed a test are not suspected. Also observe again each faulty electrode whose voltage is
+ * no longer kept constant, because the program has called pzs_release for it.
  */
 static void update_states(pzs_pulse_detector_state *state)
 {
@@ -1161,8 +1169,8 @@ static void resume_proof(pzs_pulse_detector_state *state)
 
 /*
  * Evaluate the mean readings of a window (time over which they are averaged), and choose an
- * electrode to be tested.
- * After a window that only lets vibration decay before test pulses, the pulses begin.
+ * electrode to be tested. After a window that only lets vibration decay before test pulses, the
+ * pulses begin.
  */
 static void end_window(pzs_pulse_detector_state *state)
 {

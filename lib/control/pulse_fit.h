@@ -10,9 +10,11 @@
 #include "pzs_loop.h"
 
 /*
- * Smallest independent part of the modelled response to the reference electrode, a healthy one: the
- * part that is no multiple of the modelled response to the suspected electrode, as a fraction of
- * the sum of squares.
+ * Threshold above which the suspected electrode and the reference electrode, a healthy one, can be
+ * tested together (dimensionless). The modelled response to the reference electrode is split into a
+ * multiple of that to the suspected electrode and an orthogonal rest. The sum of squares of the
+ * rest, divided by that of the whole response, must exceed the threshold; otherwise the test pulse
+ * measures nothing (is_measured is false).
  */
 #define PZS_PULSE_DEPENDENT PZS_R(0.05)
 
@@ -42,10 +44,11 @@ typedef struct pulse_response {
      */
     pzs_real gain[2];
     /*
-     * two dimensionless factors, found by least squares: they multiply the modelled responses to
-     * the electrode suspected of a fault [0] and to the healthy one [1], so that the sum fits the
-     * jump of the readings between the first and the second half of the test pulse, as far as the
-     * voltages do not explain the jump
+     * size of a jump of the readings in the middle of the test pulse, for example by a load: as a
+     * multiple of the modelled response to the electrode suspected of a fault [0], and of that to
+     * the healthy one [1] (dimensionless). A large jump makes the gains unreliable. The multiples
+     * are found by a least-squares fit, after the jumps that the voltages explain have been
+     * subtracted
      */
     pzs_real jumped[2];
     /*

@@ -65,8 +65,8 @@ void pzs_control_set_constants(pzs_control *control)
 
 /*
  * Set the present voltage limits and step limits of the controller, which are in RAM, to those of
- * its constant tables (pzs_problem); for an
- * input that pzs_hold keeps at a voltage, both voltage limits become this voltage.
+ * its constant tables (pzs_problem); for an input that pzs_hold keeps at a voltage, both voltage
+ * limits become this voltage.
  */
 void pzs_control_restore_limits(pzs_control *control)
 {
@@ -182,12 +182,13 @@ static void reset_tableaux(pzs_control *control)
 }
 
 /*
- * Compare row k of the optimiser's Hessian with the tables, where k is the next row in each tick,
- * and repair the row if it was damaged. Then set padding (entries beyond the number of inputs) of
- * matrix rows and vectors to zero: in every `inputs`-th row of the workspace from row k on, or,
- * after a repair, in all rows. After a repair, or after the last row of the Hessian, compute the
- * numbers anew that follow from the whole Hessian or its free set: number of active inputs, largest
- * column, and bound of the trace of the inverse.
+ * Make one step of the check for damaged memory. The step checks row k of the optimiser's Hessian,
+ * the row after that of the last tick: it compares the row with the tables and repairs it if it was
+ * damaged. The controller stores its matrix rows and vectors one after the other; the step then
+ * sets the padding (entries beyond the number of inputs) of the rows k, k + inputs, k + 2 inputs
+ * and so on to zero, or of all rows after a repair. After a repair, and after the last row of the
+ * Hessian, some numbers are computed anew: number of active inputs, largest column, and bound of
+ * the trace of the inverse.
  */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {

@@ -118,21 +118,23 @@ typedef struct selftest_axis {
     bool is_row;
     uint32_t lines, entries;
     /*
-     * strides in the array state.response of measured responses (number of reals): measured_line
-     * from a column (amplifier) or row (sensor) to the next one, measured_entry from an entry of a
-     * column or row to the next one
+     * where the measured responses are in the array state.response, as numbers of reals:
+     * measured_line from the start of one line (column of an amplifier, or row of a sensor) to that
+     * of the next, measured_entry from one entry of a line to the next
      */
     size_t measured_line, measured_entry;
     /*
-     * strides in the array state.direct of modelled responses (number of reals): model_line from a
-     * column (amplifier) or row (sensor) to the next one, model_entry from an entry of a column or
-     * row to the next one
+     * where the modelled responses are in the array state.direct, as numbers of reals: model_line
+     * from the start of one line (column of an amplifier, or row of a sensor) to that of the next,
+     * model_entry from one entry of a line to the next
      */
     size_t model_line, model_entry;
     /*
-     * results of the self-test (healthy or kind of fault). If `is_row` is false, `line` [inputs] is
-     * for the amplifiers (columns) and `entry` [sensors] for the sensors. Otherwise `line`
-     * [sensors] is for the sensors (rows) and `entry` [inputs] for the amplifiers
+     * findings of the self-test (healthy or kind of fault): `line` one for each line of the matrix
+     * of responses, `entry` one for each entry of a line. Where the lines are the columns of the
+     * amplifiers, their entries belong to sensors: `line` [inputs] is about amplifiers, `entry`
+     * [sensors] about sensors. Where the lines are the rows of the sensors (is_row), it is the
+     * reverse
      */
     pzs_wiring *line, *entry;
     bool has_gains; /* whether, before measured and modelled responses are compared, each modelled
@@ -261,10 +263,11 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Raise the entries of state.null [sensors] to at least the squared response that the noise of each
- * sensor causes in the self-test. The entries are squared responses of the sensors to noise and
- * vibration. The noise used is the measured one, but at least LEAST_NOISE times the largest
- * plausible noise, because readings without any noise still have rounding errors.
+ * Raise the entries of state.null [sensors] where they are too small. An entry is the squared
+ * response of a sensor to noise and vibration that the self-test has measured while no amplifier
+ * moved. It becomes at least the squared response that the noise of the sensor causes on average,
+ * and at least that of LEAST_NOISE times the largest plausible noise. The last condition is needed
+ * because readings without any noise still have rounding errors.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -370,10 +373,10 @@ static void begin_evaluation(pzs_selftest *selftest)
 
 /*
  * Whether the self-test may report that an amplifier (or sensor) whose measured response differs
- * from the model is faulty. No other fault may be reported of it already. The sums leave out
- * responses that belong to faulty sensors (or amplifiers). In addition either the modelled response
- * must be large enough to be compared, or the measured response must be large compared with noise
- * and vibration.
+ * from the model is faulty. No fault of it may have been reported yet. In addition, one of its
+ * responses must be large beside noise and vibration: the modelled one or the measured one.
+ *   sums in  comparison of its measured and modelled responses, without those that belong to faulty
+ *            sensors (or amplifiers)
  */
 static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *sums)
 {
@@ -554,9 +557,10 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
 }
 
 /*
- * Compare the modelled response of the amplifier (or sensor) `subject` with that of another one.
- * The self-test could not notice exchanged cables of both if the responses are too similar. Of all
- * such others the index of the most similar one is stored.
+ * Compare the modelled response of the amplifier (or sensor) `subject` with that of another
+ * amplifier (or sensor), a different one in each step. If both are too similar, the self-test could
+ * not notice exchanged cables of the two. The index of the most similar one of this kind is stored
+ * as `similar` in the finding about `subject`.
  */
 static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                          uint32_t step)
@@ -576,14 +580,16 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 }
 
 /*
- * Return how much the measured responses of two amplifiers (or two sensors) differ from modelled
- * responses (dimensionless). The modelled responses are their own, or each is that of the other
- * one, as if their cables were exchanged. The responses of two sensors are compared as one long
- * vector if the modelled ones are multiplied by the measured gains of the amplifiers. Two sensors
- * may see nearly the same shape; an exchange of their cables then shows only in the sizes of their
- * responses.
- *   one, other in  comparisons of the measured response of the first and of the second amplifier
- *                  (or sensor) with a modelled response
+ * Return how much the measured responses of two amplifiers (or two sensors) differ from two
+ * modelled responses (dimensionless): the sum of the squared sines of two angles, each between a
+ * measured and a modelled response as vectors. Two sensors may see nearly the same shape, so that
+ * an exchange of their cables shows only in the sizes of their responses. Where the modelled
+ * responses contain the measured gains of the amplifiers (axis->has_gains), the responses of both
+ * sensors are therefore joined to one long vector. The result is then the squared sine of one
+ * angle, that between the measured and the modelled long vector.
+ *   one   in  comparison of the measured response of the first amplifier (or sensor) with a
+ *             modelled response: its own or, to find exchanged cables, that of the second
+ *   other in  the same for the second, with its own modelled response or that of the first
  */
 static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *one,
                            const pzs_selftest_sums *other)
@@ -710,10 +716,11 @@ static uint32_t count_lines(const pzs_selftest *selftest)
 }
 
 /*
- * Return the plan of a stage that finds the modelled response nearest to a measured one. The stage
- * examines the amplifier (or sensor) whose response differs most from the model. It compares the
- * measured response of this one with the modelled responses of all amplifiers (or sensors). The
- * plan is empty if no amplifier and no sensor differs.
+ * Return the plan (list of comparisons) of a stage of the self-test's evaluation that finds the
+ * modelled response nearest to a measured one. The stage examines the amplifier (or sensor) whose
+ * response differs most from the model. It compares its measured response with the modelled
+ * responses of all amplifiers (or sensors). The plan is empty if no amplifier and no sensor
+ * differs.
  */
 static stage_plan plan_of_worst(const pzs_selftest *selftest)
 {
@@ -727,12 +734,14 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
 }
 
 /*
- * Return the plan of a stage that finds out whether the cable of amplifier (or sensor) `core->pair`
- * is exchanged with another cable. Nothing is compared if a fault of this one is known. Two stages
- * compare it with all amplifiers (or sensors). The stage STAGE_PAIR_EXCHANGED examines the nearest
- * other one, by two comparisons (compare_partner). If there are fewer sensors than amplifiers,
- * sensors are examined first, otherwise amplifiers: a fault of one among few changes the responses
- * of the others more.
+ * Return the plan (list of comparisons) of the present stage of the self-test's evaluation, one of
+ * three stages that find out whether two cables are exchanged. They examine the amplifier or sensor
+ * number `core->pair`. The plan is empty if a fault of it is known, or if no other healthy one can
+ * be its partner in an exchange. STAGE_PAIR_SIMILAR and STAGE_PAIR_NEAREST compare it with all
+ * amplifiers (or sensors). STAGE_PAIR_EXCHANGED makes two comparisons for its possible partner, the
+ * one whose modelled response is nearest to its measured response (compare_partner). If there are
+ * fewer sensors than amplifiers, sensors are examined first, otherwise amplifiers: a fault of one
+ * among few changes the responses of the others more.
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {

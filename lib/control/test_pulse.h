@@ -33,8 +33,9 @@ static inline pzs_real test_pulse_at(pzs_real place)
 }
 
 /*
- * Return the even weight of a reading at the time `place` from -1 (start of a test pulse) to 1
- * (end). The sum of the readings times the even weights measures the response to the pulse.
+ * Return the weight of a reading at the time `place` from -1 (start of a test pulse) to 1 (end) in
+ * the sum that measures the response to the pulse. The weight is an even function of the time,
+ * symmetric about the middle of the pulse.
  */
 static inline pzs_real test_pulse_even(pzs_real place)
 {
@@ -43,9 +44,10 @@ static inline pzs_real test_pulse_even(pzs_real place)
 }
 
 /*
- * Return the odd weight of a reading at the time `place` from -1 (start of a test pulse) to 1
- * (end). It is proportional to the derivative of the even weight, with which the response to the
- * pulse is measured, and serves to measure the amplitude of a vibration.
+ * Return the weight of a reading at the time `place` from -1 (start of a test pulse) to 1 (end) in
+ * a sum that measures the amplitude of a vibration. The weight is an odd function of the time,
+ * antisymmetric about the middle of the pulse, and proportional to the derivative of
+ * test_pulse_even.
  */
 static inline pzs_real test_pulse_odd(pzs_real place)
 {
@@ -76,10 +78,11 @@ static inline pzs_real test_pulse_mean(pzs_real place)
 }
 
 /*
- * Normalised sum over the ticks of a test pulse (dimensionless): its voltage times the even weight
- * of the tick, divided by the number of ticks and by the height of the pulse. For many ticks it is
- * half the integral over s from -1 to 1 of b^4 (the pulse) times b^3 (1 - 9 s^2) (the weight), with
- * the time s in the pulse and b = 1 - s^2.
+ * Response of the self-test to the voltage of a test pulse itself, divided by the number of ticks
+ * and by the height of the pulse, for many ticks (dimensionless). The response is the sum over the
+ * ticks of the voltage times the weight test_pulse_even. The number is half the integral over s
+ * from -1 to 1 of b^4 (the pulse) times b^3 (1 - 9 s^2) (the weight), with the time s in the pulse
+ * and b = 1 - s^2.
  */
 #define TEST_PULSE_RESPONSE PZS_R(0.149767)
 

@@ -365,11 +365,11 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 }
 
 /*
- * Whether the readings contain motion that neither the predicted readings nor the vibration modes
- * include. The motion is along free functions: shapes, such as rigid motions, that may be added to
- * the target at no cost. Three conditions must hold: the target has free functions, every target
- * node is measured, and some vibration modes are observed. Then only the part of the innovations
- * (readings minus predicted readings) that the modes explain is reported in info.innovation.
+ * Whether free motions are left out of info.innovation. Free motions are shapes, such as rigid
+ * motions, that may be added to the target at no cost. Neither the predicted readings nor the
+ * vibration modes include them. The result is true if the target has free motions, every target
+ * node is measured, and some vibration modes are observed. Then info.innovation reports only the
+ * part of the innovations (readings minus predicted readings) that the vibration modes explain.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {
