@@ -696,9 +696,11 @@ typedef struct loss_sums {
     pzs_real losses; /* sum of the squared voltage errors of the electrodes (V2) */
     pzs_real moves;  /* sum over the electrodes of the voltage change times its estimate from the
                         readings (V2) */
-    pzs_real both;   /* sum over the electrodes of voltage error times change of the given voltage
-                        (V2); the voltage error is the voltage that the readings show, minus the given
-                        one */
+    /*
+     * sum over the electrodes of (voltage error) * (change of the given voltage) (V2); the voltage
+     * error is the voltage that the readings show minus the given one
+     */
+    pzs_real both;
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)

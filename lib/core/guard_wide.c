@@ -35,9 +35,11 @@ static inline polynomial load(const uint8_t *data)
 }
 
 /*
- * Multiply a polynomial by a power of x, modulo the polynomial of the CRC-32. The product stands
- * for the same data, moved by as many bits as the exponent of the power.
- *   factor in  remainders of the powers of x for the lower and the upper half of the data
+ * Return data that may stand in place of the data `value`, but a fixed number of bits n later in
+ * the array: the CRC-32 of the array is the same. They are the polynomial `value` times x^n, modulo
+ * the polynomial of the CRC-32.
+ *   factor in  two remainders modulo the polynomial of the CRC-32, which determine n: of the powers
+ *              of x by which the lower and the upper 64 bits of `value` are multiplied
  */
 PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 {
@@ -48,15 +50,13 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
     /*
-     * factor for the function `move`, for a step of CRC_BLOCK bytes. The product of factor and
-     * CRC_REST bytes of data may replace these bytes if it is added CRC_BLOCK bytes later in the
-     * array: the CRC-32 of the array is the same. The factor holds two remainders of powers of x
+     * factor with which the function `move` moves CRC_REST bytes of data to a place CRC_BLOCK bytes
+     * later in the array
      */
     const polynomial over_block = {0x154442bd4, 0x1c6e41596};
     /*
-     * factor for the function `move`, for a step of CRC_REST bytes. The product of factor and
-     * CRC_REST bytes of data may replace these bytes if it is added CRC_REST bytes later in the
-     * array: the CRC-32 of the array is the same. The factor holds two remainders of powers of x
+     * factor with which the function `move` moves CRC_REST bytes of data to a place CRC_REST bytes
+     * later in the array
      */
     const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};
     const polynomial start = {(long long)crc, 0};

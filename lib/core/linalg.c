@@ -245,16 +245,20 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Innermost loop of the factorisation A = L D L^T: eliminate STRIP neighbouring columns (a strip)
- * of a panel of T matrix rows, left of the diagonal tile of the panel. With W = L D, each entry is
- * W_ij = A_ij - sum over k < j of W_ik L_jk. T is PZS_TILE.
- *   strip [STRIP][T] in/out  in: columns of A; out: columns of W; the columns of W before the strip
- *                            precede them in memory
- *   lower [STRIP][T] in      entries L_jk of the columns k of the strip, column by column, from the
- *                            row j of the first column of the strip on; the entries of the columns
- *                            k before the strip precede them in memory
- *   count            in      number of columns before the strip that are subtracted
- * The terms with k inside the strip use columns of the strip that have just been finished.
+ * Innermost loop of the factorisation A = L D L^T, with W = L D: compute STRIP neighbouring columns
+ * of W (a strip) in a panel, T = PZS_TILE rows of the matrix:
+ *   W_ij = A_ij - sum over k < j of W_ik L_jk
+ * for the rows i of the panel and the columns j of the strip. The strip lies left of the diagonal
+ * tile of the panel. A panel is stored column by column, with T entries in each column. Both
+ * pointers lead into such storage, so that the entries of earlier columns k lie directly before the
+ * given ones.
+ *   strip [STRIP][T] in/out  in: columns j of A in the panel of the rows i; out: columns j of W;
+ *                            before them: columns k of W
+ *   lower [STRIP][T] in      entries L_jk of the columns k of the strip, in the panel that contains
+ *                            the rows j, from the first of these rows on; before them: L_jk of
+ *                            earlier columns k
+ *   count            in      number of columns k before the strip for which terms are subtracted
+ * The terms with k inside the strip use columns of W that have just been computed.
  */
 static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, uint32_t count)
 {
@@ -341,9 +345,9 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
 }
 
 /*
- * Eliminate STRIP columns, beginning with column `at`, of the panels `panel` to `past` - 1
- * (PZS_TILE matrix rows each), whose diagonal tiles lie further right. With wide vectors, panels
- * are eliminated in pairs.
+ * Eliminate a strip, the STRIP columns from column `at` on, in the panels `panel` to `past` - 1
+ * (PZS_TILE matrix rows each). The strip lies left of the diagonal tiles of all these panels. With
+ * wide vectors, panels are eliminated in pairs.
  */
 static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t panel, uint32_t past)
 {
@@ -370,11 +374,11 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 }
 
 /*
- * Return the index of the first column that is still to be eliminated before a panel (PZS_TILE
- * matrix rows) can be finished. Panels are taken in groups of GROUP, and a step eliminates columns
- * from all panels of the group that are not finished. For the first panel of a group all stored
- * columns to the left of the group are still to be eliminated. For any other panel only the columns
- * of the panel before it are.
+ * Return the index of the first column that the factorisation has to eliminate before it can factor
+ * the diagonal tile of a panel (PZS_TILE matrix rows). Panels are taken in groups of GROUP. Before
+ * the first panel of a group, all stored columns left of this panel are eliminated, in all panels
+ * of the group. Before any other panel `panel`, only the columns from the diagonal tile of panel
+ * `panel` - 1 are left to be eliminated.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -388,11 +392,10 @@ static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uin
 }
 
 /*
- * Step of the factorisation of a matrix in panels of PZS_TILE rows. Panels are taken in groups of
- * GROUP: panel `panel` and the next ones of its group, up to panel `past` - 1, are updated
- * together. The function eliminates the columns left of `panel` from these panels, apart from
- * columns that were eliminated when an earlier panel of the group was finished. The loop over
- * strips of columns is the outer one, so that a strip stays in the cache while all panels use it.
+ * Step of the factorisation of a matrix before the diagonal tile of panel `panel` (PZS_TILE rows)
+ * is factored: eliminate the columns that are left of this tile and not yet eliminated
+ * (first_of_columns), in the panels `panel` to `past` - 1, the rest of a group of panels. The outer
+ * loop runs over strips of columns, so that a strip stays in the cache while all panels use it.
  */
 static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -474,8 +477,9 @@ static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *
 
 /*
  * Second half of the forward substitution L x = b for the rows of one panel (PZS_TILE rows of the
- * factor L): solve with the triangle of the diagonal tile. It is separate from the first half,
- * which thus uses whole vector registers.
+ * factor L): solve with the triangle of the diagonal tile. The two halves are separate functions.
+ * The first one treats all rows of the panel alike, so that the compiler can use whole vector
+ * registers; the triangle would prevent this.
  *   vector [rows of the matrix] in/out  known entries of x, then entries of b
  */
 static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)

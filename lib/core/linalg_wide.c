@@ -29,9 +29,9 @@ static inline const pzs_real *before(const pzs_real *at, uint32_t count)
 }
 
 /*
- * Step of the factorisation A = L D L^T with W = L D: subtract, from a strip of PZS_TILE columns in
- * one panel (PZS_TILE rows), the products with all columns of W before the strip except the last
- * `rest` of these columns.
+ * Step of the factorisation A = L D L^T with W = L D: subtract the sum over k of W_ik L_jk from
+ * each entry i, j of a strip, PZS_TILE neighbouring columns j in one panel (PZS_TILE rows i). Here
+ * k runs over the columns before the strip, without the last `rest` of them.
  */
 AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_real *lower)
 {
@@ -52,9 +52,9 @@ AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_
 }
 
 /*
- * Step of the factorisation A = L D L^T with W = L D: subtract, from a strip of PZS_TILE columns in
- * two panels (PZS_TILE rows each), the products with the last `count` columns of W before the
- * strip.
+ * Step of the factorisation A = L D L^T with W = L D: subtract the sum over k of W_ik L_jk from
+ * each entry i, j of a strip, PZS_TILE neighbouring columns j in two panels (PZS_TILE rows i each).
+ * Here k runs over the last `count` columns before the strip.
  */
 AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const pzs_real *lower)
 {
@@ -89,8 +89,9 @@ AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const p
 }
 
 /*
- * Step of the factorisation L D L^T of a matrix: subtract, from each column of a strip of PZS_TILE
- * columns, the products with the columns of the strip that come before it.
+ * Step of the factorisation A = L D L^T with W = L D: subtract the sum over k of W_ik L_jk from
+ * each entry i, j of a strip, PZS_TILE neighbouring columns j in one panel (PZS_TILE rows i). Here
+ * k runs over the columns of the strip itself that come before column j.
  */
 AVX2 static void subtract_own(const wide_strip *strip, const pzs_real *lower)
 {

@@ -18,8 +18,9 @@
 typedef struct wide_strip {
     pzs_real *entry; /* [PZS_TILE][PZS_TILE] columns of the matrix A = L D L^T, which become columns
                         of W = L D */
-    uint32_t count; /* number of columns of W before the strip (PZS_TILE neighbouring columns) whose
-                       products are subtracted from it; W = L D, where A = L D L^T is factored */
+    uint32_t count;  /* number of columns k of W before the strip (PZS_TILE neighbouring columns j)
+                        for which W_ik L_jk is subtracted from entry i, j of the strip; W = L D,
+                        where A = L D L^T is factored */
 } wide_strip;
 
 #if PZS_WIDE
@@ -31,13 +32,13 @@ typedef struct wide_strip {
 bool pzs_linalg_has_wide(void);
 
 /*
- * Step of the factorisation A = L D L^T with W = L D: eliminate a strip of PZS_TILE columns in two
- * panels (PZS_TILE rows each). It computes W_ij = A_ij - sum over k < j of W_ik L_jk for the rows i
- * of the panels and the columns j of the strip.
+ * Step of the factorisation A = L D L^T with W = L D: compute W_ij = A_ij - sum over k < j of W_ik
+ * L_jk. Here j are the PZS_TILE columns of a strip, and i the rows of two panels (PZS_TILE rows
+ * each). Panels are stored column by column, with PZS_TILE entries in each column.
  *   strip [2]                  in/out  the strip in both panels
- *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the diagonal tile of the rows j, column by
- *                                      column; those of the columns k before it precede them in
- *                                      memory
+ *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the columns k of the strip, in the panel
+ *                                      whose rows are the rows j; the entries L_jk of earlier
+ *                                      columns k must lie directly before them in memory
  */
 void pzs_linalg_wide(const wide_strip strip[2], const pzs_real *lower);
 

@@ -117,10 +117,10 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 #else
 
 /*
- * Index of a matrix column in the product with COUNT tiles of PZS_TILE columns. Vector register k
- * holds the sums of IN_LANE neighbouring columns; LANE_AT is the index of the first of these. The
- * last tile ends with the last column, so it may overlap the tile before it; both then compute the
- * same sums.
+ * Index of the first of the IN_LANE neighbouring matrix columns whose sums are in vector register
+ * k, when the sums of COUNT tiles (PZS_TILE columns each) are computed together. The last tile
+ * begins with column `last` and ends with the last column, so that it may overlap the tile before
+ * it; both then compute the same sums.
  */
 #define LANE_AT(k, COUNT)                                                                          \
     ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)

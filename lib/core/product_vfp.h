@@ -125,9 +125,9 @@ static void multiply_group(pzs_real *product, const pzs_real *from, const pzs_re
 }
 
 /*
- * Compute product [rows] = from + table [rows][cols] times vector [cols], one group of columns
- * after the other. `from` is one number, which must be 0, for all rows (step = 0) or has [rows]
- * entries (step = 1).
+ * Compute product [rows] = table [rows][cols] times vector [cols], one group of columns after the
+ * other.
+ *   from [rows] in  numbers to be added, if step = 1; not read if step = 0
  */
 static void multiply(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,
                      const pzs_real *vector, size_t rows, size_t cols)

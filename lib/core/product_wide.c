@@ -14,9 +14,9 @@
 #define ROWS 8u /* number of matrix rows that one loop of a matrix product reads together */
 
 /*
- * Number of matrix columns from which on few rows of a table are read at a time, each to its end.
- * Tables with fewer columns are read in groups of SPREAD columns, each group from the first row to
- * the last.
+ * Number of columns from which on a table is read as it lies in memory: ROWS rows at a time, from
+ * the first column to the last. A table with fewer columns is read in groups of SPREAD columns,
+ * whose sums stay in registers: each group from the first row to the last.
  */
 #define MOST_SWEPT 64u
 
@@ -162,11 +162,11 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
 }
 
 /*
- * Define a function that subtracts from a group of columns of a matrix, COUNT vector registers wide
- * in each row, the products of the entries of `count` vectors (pzs_wide_subtract_products).
- *   column in  first entries of the vectors, `stride` reals apart
- *   row    in  entries of the vectors that belong to the columns, `stride` reals apart
- *   cols   in  number of columns of the group
+ * Define a function for pzs_wide_subtract_products. From each entry i, j of `cols` neighbouring
+ * columns j of a matrix it subtracts the sum over q of sign_q * v_q[i] * v_q[j], with `count`
+ * vectors v_q. In each row the columns fill COUNT vector registers, the last one at least in part.
+ *   column in  v_q[0], the first entries of the vectors, `stride` reals apart
+ *   row    in  v_q[j] for the first of the columns, `stride` reals apart
  */
 #define SUBTRACT_VECTORS(COUNT)                                                                    \
     AVX2 static void subtract_vectors_##COUNT(                                                     \
@@ -411,8 +411,8 @@ static void copy_block(pzs_real *to, size_t to_stride, const pzs_real *from, siz
 
 /*
  * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): update a block
- * of at most WIDE_BLOCK rows and columns at the end of the matrix, in a copy with zeros beyond the
- * end.
+ * at the end of the matrix that has fewer rows or columns than WIDE_BLOCK. The block is copied into
+ * an array of WIDE_BLOCK x WIDE_BLOCK entries, otherwise zeros, updated there, and copied back.
  */
 static void update_last_block(pzs_real *block, size_t stride, size_t rows, size_t columns,
                               const pzs_real *column, const pzs_real *row, size_t count)

@@ -10,9 +10,11 @@
 #include "linalg_wide.h"
 
 /*
- * Smallest number of columns of a table, of entries of a vector from which rows are subtracted and
- * of entries of a scalar product for which the functions with AVX2 instructions are faster than the
- * portable functions of product.c.
+ * Sizes from which on the functions with AVX2 instructions are faster than the portable functions
+ * of product.c:
+ *   WIDE_COLUMNS  number of columns of a table whose rows are summed, each times a factor
+ *   WIDE_VECTOR   number of entries of a vector from which rows of a table are subtracted
+ *   WIDE_DOT      number of entries of the two vectors of a scalar product
  */
 #define WIDE_COLUMNS 8u
 #define WIDE_VECTOR 17u
@@ -87,9 +89,9 @@ void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i
                           const pzs_real *column, const pzs_real *row, size_t count);
 
 /*
- * Subtract from a symmetric matrix [size][size], row by row and as a whole, the products of the
- * entries of `count` vectors: from entry i, j the product of entries i and j of each vector and of
- * its sign, 1 or -1.
+ * Subtract `count` rank-one products from a symmetric matrix [size][size]: from each entry i, j the
+ * sum over k of sign_k * vector_k[i] * vector_k[j], where each sign is 1 or -1. The entries on both
+ * sides of the diagonal are computed.
  *   matrix              in/out  rows of the matrix, `stride` reals apart
  *   vector [count]      in      vectors, `stride` reals apart
  *   sign   [count]      in      their signs, sign_stride reals apart
