@@ -265,11 +265,12 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Place of one degree of freedom of an element in the stiffness matrix. The matrix is stored in
- * envelope form, in panels of PZS_TILE rows, in which successive columns are PZS_TILE reals apart.
- * The matrix entry in the row of degree of freedom a and in the column of degree of freedom b
- * therefore has the index (base of a) + (step of b). The unsigned `base` may wrap round where
- * column 0 is outside the panel; the sum is correct.
+ * Place of one degree of freedom of an element in the stiffness matrix. The stored entry in the row
+ * of degree of freedom a and the column of degree of freedom b has the index (base of a) + (step of
+ * b). This is so because the matrix is stored in panels of PZS_TILE rows, in which successive
+ * columns are PZS_TILE reals apart. `step` is PZS_TILE times the column. `base` is the index that
+ * column 0 would have in the row; it may be negative where the panel does not store column 0. As an
+ * unsigned number it then wraps round, but the sum is correct.
  */
 typedef struct add_place {
     uint16_t dof;

@@ -10,11 +10,15 @@
 #include <string.h>
 
 /*
- * Pointers to the base vectors at a corner of a shell element, from which strains are measured:
- * along the surface coordinates theta1 and theta2, mean of the two faces and difference divided by
- * the thickness; director beta; and the degree of freedom q. The number q is the excess of u3 at
- * the middle surface over the faces, divided by the thickness. For the undeformed state the
- * pointers lead into pzs_element_type, with beta = e3 (the normal) and q = 0.
+ * Base vectors at a corner of a shell element, from which strains are measured.
+ *   mean [2][3]  base vectors along the surface coordinates theta1 and theta2, mean of both faces
+ *                (dimensionless)
+ *   diff [2][3]  base vectors of the outer face minus those of the inner face, divided by the
+ *                thickness (1/m)
+ *   beta [3]     director: position of the outer minus that of the inner face, divided by the
+ *                thickness (dimensionless); in the undeformed state the normal
+ *   q            displacement of the middle surface along the normal, minus the mean of both faces,
+ *                divided by the thickness (dimensionless); in the undeformed state 0
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -103,12 +107,13 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Compute the change of the strains [10] at a corner of an element, to first order, when the
  * derivatives of the displacement along the surface change by `change`. The strains are 11, 22, 33
- * and 12, each as mean and difference of the two faces, 13 and 23. On each face the strain e_aa =
- * g.lambda + lambda.lambda/2 in direction a, with the base vector g and the derivative lambda of
- * the displacement, changes by (g + lambda).d lambda. Written in means and differences of the two
- * faces, this change has no terms that cancel each other. The part of an in-plane strain that is
- * quadratic in the height enters mean and difference with the factors
- * pzs_element_type.height_squared.
+ * and 12, each as mean and difference of the two faces, 13 and 23. On one face, the strain in
+ * direction a is g.l + l.l/2, with the base vector g and the derivative l of the displacement in
+ * this direction. It changes by b.dl, with the deformed base vector b = g + l. The function
+ * computes mean and difference of b.dl from the means and differences of b and dl. To subtract the
+ * results of the two faces would cost digits, because they are nearly equal. The product of the
+ * differences of b and dl, quadratic in the height, is added to the mean with the factor
+ * height_squared[0] of the element type, and to the difference with height_squared[1].
  */
 static void corner_strains(const shape *base, const shell_corner *change,
                            const pzs_element_type *type, pzs_real strain[10])

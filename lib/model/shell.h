@@ -72,11 +72,10 @@ typedef struct shell_corner {
 
 #if PZS_NONLINEAR
 /*
- * Number of stress resultants of an element at a displacement. The element takes 22 strains of its
- * four strain modes 00, 01, 10 and 11 into account (ten, five, five and two), and each resultant is
- * conjugate to one of them. The resultants of the mode that varies as xi1^r1 xi2^r2 over the
- * element are multiplied by area/3^(r1+r2) (N m). The strains are exact to second order in the
- * displacement, so their second variation is constant.
+ * Number of stress resultants of an element: one for each strain that the element takes into
+ * account, ten in strain mode 00, five in 01, five in 10 and two in 11. Strain mode r1 r2 varies
+ * over the element as xi1^r1 xi2^r2, with the element coordinates xi1 and xi2. A resultant is the
+ * stress that is conjugate to the strain, times area/3^(r1+r2) (N m).
  */
 enum { SHELL_RESULTANTS = 22 };
 
@@ -141,9 +140,9 @@ void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Compute the stresses at the four corners of an element from the stress resultants of its strain
  * modes (constant, linear and bilinear over the element), with the corrections for warp and skew.
- *   resultant [22]    in   stress resultants times the area (N m): for each strain mode those
- *                          of the strains that the mode contains, ten, five, five and two
- *                          (kept_strain)
+ *   resultant [22]    in   stress resultants times the area (N m), mode after mode: ten of the
+ *                          constant mode 00, five of mode 01, five of mode 10 and two of mode 11,
+ *                          in the order of kept_strain
  *   stress    [4][10] out  stresses at each corner times a quarter of the area (N m), one for
  *                          each of the ten strains, in the order of pzs_element_type.d
  */

@@ -28,10 +28,10 @@ static inline bool shell_is_skewed(const pzs_element_type *type)
 
 /*
  * Correct the strains of an element's four strain modes (constant, linear and bilinear over the
- * element), in which warp is included, for the skew of the element (its deviation from a
- * parallelogram).
+ * element) for the skew of the element, its deviation from a parallelogram.
  *   skew   [3]     in      pzs_element_type.skew
- *   strain [4][10] in/out  ten strains of each mode; those that the element does not take into
+ *   strain [4][10] in/out  ten strains of each mode, already corrected for the warp of the element
+ *                          (pzs_element_type.warp); those that the element does not take into
  *                          account in a mode (kept_strain) are neither read nor written
  */
 void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real strain[4][10]);

@@ -236,13 +236,15 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 }
 
 /*
- * Return the depth (m) to which a point of a facet may lie in the contact body if the nodes of the
- * facet lie outside. This depth is an error of the mesh: a flat facet whose corners touch a body of
- * radius R enters the body. Its depth is the sum over the corners of shape function * distance^2 /
- * (2 R), which is length^2 / (8 R) in the middle of a side. Twice this depth is allowed, because a
- * distance function of a body may return more than the distance. The result is at most R/5, which
- * exceeds the depth R (1 - sqrt(3/4)) of a facet with diagonals of length R. If the diagonals are
- * longer and no corner is in contact, the result is 0: a body may not pass between the nodes.
+ * Return the depth (m) to which a point of a facet may lie in the contact body although the nodes
+ * of the facet lie outside. Such a depth is an error of the mesh: a flat facet whose corners touch
+ * a body of radius R enters the body. At a point it enters by about the sum over the corners of N *
+ * d^2 / (2 R), with the distance d from the point to the corner, and the shape function N of the
+ * corner at the point. In the middle of a side of length l this is l^2 / (8 R). Twice this depth is
+ * allowed, because the distance function of a body may return more than the distance. Two limits
+ * hold. The result is at most R/5, which is enough for diagonals up to the length R: a facet with
+ * such diagonals enters the body by R (1 - sqrt(3/4)). If a diagonal is longer and no corner is in
+ * contact, the result is 0: a body may not pass between the nodes.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
                             const pzs_real position[3], const body_point *at)

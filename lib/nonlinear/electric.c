@@ -104,11 +104,11 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /*
-     * The tangent matrix is that at fixed voltages. An open electrode keeps its charge instead,
-     * which stiffens the structure. With open electrodes the number of negative pivots is that of
-     * the tangent matrix minus that of the matrix of charges per volt. This follows from the
-     * inertia of a block matrix, which is the sum of the inertias of a block and of its Schur
-     * complement.
+     * info.negative_pivots is to count the negative eigenvalues of the tangent matrix with open
+     * electrodes, which keep their charges. So far it counts those of the tangent matrix at fixed
+     * voltages. Those of the matrix of charges per volt, which has just been factored, are
+     * subtracted. The result is exact: the inertia (numbers of positive and negative eigenvalues)
+     * of a block matrix is the sum of the inertias of a block and of its Schur complement.
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
                                         ? inertia.negative

@@ -448,9 +448,10 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * Rounding bound of the equilibrium: a force imbalance counts as a rounding error if the norm of
- * its entries, each multiplied by the scale factor of its matrix row, is below this factor times
- * the norm of the displacement.
+ * Rounding bound of the equilibrium. A force imbalance counts as a rounding error if its norm is at
+ * most this factor times the norm of the displacement (m). In the norm of the imbalance, each entry
+ * is multiplied by the scale factor of its row of the stiffness matrix, about 1 / (root of its
+ * diagonal entry). Both norms are compared as numbers in SI units, although their units differ.
  */
 #define IMBALANCE_ROUNDING (256 * PZS_EPSILON)
 
@@ -488,9 +489,10 @@ static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
 }
 
 /*
- * Whether Newton's method may continue in this load step. Close to convergence it may take twice as
- * many linear solves. The iteration counts as divergent after four successive increments of about
- * the size of the load step.
+ * Whether Newton's method may continue in this load step. It may make STEP_SOLVES linear solves, or
+ * twice that number while the last increment is below a hundredth of the displacement of the load
+ * step. The iteration counts as divergent, and ends, after four successive increments of about the
+ * size of this displacement.
  */
 static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
 {
@@ -520,13 +522,17 @@ static void set_input_values(pzs_solver *solver, const pzs_real *value, pzs_real
  *
  * The first settings.ramp_solves linear solves raise the input values in equal parts. Without this
  * the first displacement could lie far beyond the validity of linear kinematics, which would cost
- * more solves later. The iteration has converged when the last increment and the predicted next one
- * are below the tolerance, relative to the displacement of the load step, and the force imbalance
- * is not larger than the applied force or is a rounding error. Where a load step moves less than a
- * thousandth of the whole displacement (a tenth in float, because of rounding), the increments are
- * compared with that part of the whole displacement. Returns whether the iteration has converged.
- * state.pending_error holds the status of an option of the solver (such as a contact) that has not
- * converged.
+ * more solves later.
+ *
+ * The iteration has converged when two conditions hold. The last increment and the predicted next
+ * one are below the tolerance, relative to the displacement of the load step. The force imbalance
+ * is not larger than the applied force, or is a rounding error. A load step may move so little that
+ * rounding errors of the whole displacement exceed the tolerance. Therefore the increments are
+ * compared with sqrt(s^2 + (c w)^2), where s is the norm of the displacement of the load step, w
+ * that of the whole displacement, and c is 1/1000 (1/10 in float).
+ *
+ * Returns whether the iteration has converged. state.pending_error holds the status of an option of
+ * the solver (such as a contact) that has not converged.
  */
 static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {

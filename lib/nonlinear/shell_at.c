@@ -3,15 +3,15 @@
  * Tangent stiffness of the four-node shell element at a deformed shape (shell.h), in closed form.
  *
  * Strain mode ab of an element, with ab = 00, 01, 10 or 11, varies over the element as xi1^a xi2^b
- * with the element coordinates xi1 and xi2. Apart from the sign (1 or -1) that this product has at
- * each node, all modes depend on the displacements of the nodes in the same way. One array A of
- * nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every mode m:
- * its strain matrix L_m is A, with the columns of each node multiplied by the sign of m there. With
- * the stiffness D_m of the modes, the products D_m A are combined, with the signs of both nodes,
- * into the stresses of each node p,
- *   Y_p = sum over m of sign_m(p) sign_m D_m A,
- * and the rows of node p in the tangent stiffness are
- *   K_p = A_p^T Y_p + geometric part,  p = 0 to 3.
+ * with the element coordinates xi1 and xi2. Let s_m(p) be the value (1 or -1) of mode m at node p.
+ * Apart from this sign, all modes depend on the displacements of the nodes in the same way. One
+ * array A of nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every
+ * mode: with the columns A_r of node r, the strains of mode m per unit of each degree of freedom of
+ * node r are s_m(r) A_r. Let D_m be the stiffness of mode m. The stresses at node p, per unit of
+ * each degree of freedom of node r, are
+ *   Y_pr = sum over m of s_m(p) s_m(r) D_m A_r,
+ * and the block of the tangent stiffness with the rows of node p and the columns of node r is
+ *   K_pr = A_p^T Y_pr + geometric part,  p, r = 0 to 3.
  * The columns are the six degrees of freedom of each of the four nodes (mean, difference over the
  * thickness), followed by the seventh degree of freedom of the four nodes (q, excess of the middle
  * surface over the faces), which contributes to five of the ten strains only.
@@ -45,14 +45,15 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Rows of one strain mode (constant, linear or bilinear over the element) in the array of stress
- * rows. A stress row holds one stress per unit of each nodal degree of freedom.
- *   count   number of rows of the mode
- *   with_q  number of rows to which the seventh degree of freedom q of a node contributes
+ * Strains that the element takes into account in one strain mode (constant, linear or bilinear over
+ * the element), in the order in which this file uses them. The array stress_row_of has one row for
+ * the stress of each, per unit of each nodal degree of freedom.
+ *   count   number of strains of the mode
+ *   with_q  number of these strains that depend on the seventh degree of freedom q of a node
  *           (displacement of the middle surface minus the mean of both faces)
- *   start   index of the first row
- *   strain  strain to which the stress of each row belongs
- *   kept    row of this strain in the packed stiffness of the mode (pzs_element_type.d)
+ *   start   index in stress_row_of of the row for the first strain; the others follow
+ *   strain  for each strain its index in the array of nodal strains (A33M to A12D)
+ *   kept    for each strain its place in the packed stiffness of the mode (pzs_element_type.d)
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS], kept[ROWS];
@@ -69,13 +70,13 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Two rows of the array of stresses, from two strain modes of an element (constant, linear or
- * bilinear over the element). Each row holds a stress per unit of each nodal degree of freedom.
- * Both rows contribute to the same stress at a node p. In the columns of node q it is first + s_p
- * s_q second, where s_p and s_q are the values (1 or -1) of strain mode `mode` at these nodes.
- * modes_to_nodes replaces the row `first` by this sum for nodes with s_p = -1, and the row `second`
- * by that for nodes with s_p = 1. The last four of the 14 pairs (PAIRS - PAIRS_WITH_Q) are zero in
- * the columns of the seventh degree of freedom of a node.
+ * Two rows of the array stress_row_of that modes_to_nodes combines. Each row holds a stress per
+ * unit of each nodal degree of freedom, from one strain mode of an element (constant, linear or
+ * bilinear over the element). Their modes differ by the factor `mode`, a linear strain mode. Let
+ * s_p be the value (1 or -1) of this mode at node p. In the columns of node r, the stress at node p
+ * contains first + s_p s_r second. The row `second` is replaced by this sum for s_p = 1, and the
+ * row `first` by this sum for s_p = -1. The last four of the 14 pairs (PAIRS - PAIRS_WITH_Q) are
+ * zero in the columns of the seventh degree of freedom of a node.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -88,10 +89,11 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: index of the row that holds strain k's stress at node p, in the array of
- * stresses per unit of each nodal degree of freedom. This holds after modes_to_nodes, which turns
- * the stresses of the strain modes into stresses at the nodes. k counts the strains in the order
- * from A33M to A12D.
+ * stress_row[p][k]: index of the row of stress_row_of [22][COLUMNS] that holds the stress at node p
+ * which belongs to strain k, per unit of each nodal degree of freedom. This holds after
+ * modes_to_nodes has turned the stresses of the strain modes into stresses at the nodes. The order
+ * of the strains k is: 33 mean, 33 difference, 13, 23, then 11, 22 and 12, each mean and difference
+ * of the two faces.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -110,11 +112,14 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute the derivative of a strain by the displacement of one node of an element. The strain is
- * the scalar product of a vector (`own` at the corner of the node, `other` at the neighbouring
- * corner in the direction `direction`) and the derivative of the displacement along the surface at
- * this corner. The matrices s and t of the element type give that derivative from the nodal
- * displacements.
+ * Compute the derivative of a sum over the corners of an element by the displacement of one node.
+ * The term of a corner is b . w, with a given vector b at the corner and the derivative w of the
+ * displacement there along the surface, in the direction `direction`. The displacement of the node
+ * enters w at two corners: at its own corner with the matrix s of the element type, and at the
+ * neighbouring corner in this direction with the matrix t.
+ *   own   [3] in   vector b at the corner of the node
+ *   other [3] in   vector b at the neighbouring corner
+ *   row   [3] out  derivative of the sum
  */
 static void transpose_derivative(const pzs_element_type *type, int node, int direction,
                                  const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
@@ -218,12 +223,14 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 }
 
 /*
- * Correct strain 12 of one node (mean of both faces of the shell) in the array of nodal strains,
- * which are strains per unit of each nodal degree of freedom. The correction is for the warp of the
- * element, its distance from a plane: other strains of the node are added, with the factors of
- * pzs_element_type.warp. A factor for a strain in a linear strain mode is multiplied by the value
- * (1 or -1) of this mode at the node. The element uses strain 12 only in the strain mode that is
- * constant over the element, to which the correction belongs.
+ * Correct the mean strain 12 of one node (mean of both faces of the shell) for the warp of the
+ * element, its distance from a plane. The strain is a row of the array of nodal strains, which are
+ * strains per unit of each nodal degree of freedom. Five other strains of the node, each times a
+ * factor, are added to it: 13, 23, and the differences of 12, 11 and 22. A factor is a sum of up to
+ * two entries of pzs_element_type.warp: that for the strain in the constant mode 00, and that for
+ * the strain in a linear mode. The latter is multiplied by the value (1 or -1) of this mode at the
+ * node, because nodal strains do not contain this sign. The element uses strain 12 only in mode 00,
+ * to which the correction belongs.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -276,14 +283,13 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Compute a weighted sum of rows in four columns, those of the seventh degree of freedom q of the
- * four nodes: the sum over i of factor[i * stride] times row[i]. The rows are strains or stresses
- * per unit of each nodal degree of freedom. q is the displacement of the middle surface minus the
- * mean of both faces.
+ * Compute a weighted sum of rows: the sum over i of factor[i * stride] times row[i]. Only four
+ * columns are computed, those of the seventh degree of freedom q of the four nodes (displacement of
+ * the middle surface minus the mean of both faces), and only rows that q contributes to are added.
  *   to    [4] out  result
- *   row       in   rows, in the order of the strains from A33M to A12D
- *   count     in   number of rows that q contributes to: the first ones; for WITH_Q the first
- *                  four and that of A12M
+ *   row       in   rows of strains or stresses per unit of each nodal degree of freedom
+ *   count     in   number of rows that q contributes to. These are the first rows; if the number is
+ *                  WITH_Q (5), they are the first four and row A12M, the mean strain 12
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -364,11 +370,12 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 }
 
 /*
- * Write one column of the array stress_row_of [22][COLUMNS]: the stress resultants that a unit
- * displacement of one degree of freedom of `node` causes. They are conjugate to the strain modes of
- * the element (constant, linear or bilinear over the element). Each resultant is multiplied by the
- * value (1 or -1) of its mode at the node, because modes_to_nodes multiplies it by this value
- * again.
+ * Write one column of the array stress_row_of [22][COLUMNS], from which modes_to_nodes computes the
+ * stresses at the nodes: the stress resultants that a unit displacement of one degree of freedom of
+ * `node` causes. They are conjugate to the strain modes of the element (constant, linear or
+ * bilinear over the element). The given resultants contain the sign (1 or -1) of their mode at the
+ * node. In the array they must be without it, because modes_to_nodes multiplies them by this sign.
+ * A multiplication by the sign here removes it.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
@@ -415,9 +422,11 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 /*
  * Turn the stresses of the four strain modes of an element (constant, linear and bilinear over the
  * element) in place into the stresses at its four nodes. All are per unit of each of the 28 nodal
- * degrees of freedom. A stress at a node is a sum of rows of up to four strain modes, each with the
- * sign of the mode. The 14 pairs of rows in row_pairs are replaced by their sum and difference, one
- * after the other.
+ * degrees of freedom. Let s_m(p) be the value (1 or -1) of mode m at node p. In the columns of node
+ * r, a stress at node p is the sum over the modes m of s_m(p) s_m(r) times the row of mode m.
+ * Instead of one sum for each p, 14 pairs of rows (row_pairs) are replaced by their sum and
+ * difference, one pair after the other. Each sum or difference serves all nodes p with the same
+ * sign.
  *   stress_row_of [22][28] in/out  in: rows of the four modes, one mode after the other
  *                                  (rows_of_mode); out: rows of the nodes, listed in stress_row
  */
@@ -452,10 +461,11 @@ typedef struct block {
 } block;
 
 /*
- * Three numbers for one in-plane stress at a corner of an element. A displacement derivative has a
- * mean over the two faces of the shell and a difference between them. The numbers are conjugate to
- * the products of two derivatives: mean times mean, mean times difference, and difference times
- * difference.
+ * Factors with which one in-plane stress at a corner of an element enters the geometric stiffness.
+ * The strain to which the stress belongs contains a product of two displacement derivatives. Each
+ * derivative has a mean over the two faces of the shell, and a difference between them, divided by
+ * the thickness. `mean` is the factor of mean times mean (N m), `cross` that of mean times
+ * difference (N m2), and `diff` that of difference times difference (N m3).
  */
 typedef struct conjugate {
     pzs_real mean, cross, diff;
@@ -491,11 +501,12 @@ static void add_product(block *restrict pair, const pzs_real *restrict left_map,
 }
 
 /*
- * Add the geometric stiffness of the in-plane stresses at one corner of an element: the sum over
- * the directions a and b of stress ab times the product of the displacement derivatives in the
- * directions a and b.
+ * Add the geometric stiffness of the in-plane stresses at one corner of an element. It is the
+ * second derivative of the sum over the directions a and b of stress_ab * (w_a . w_b) / 2, where
+ * w_a is the derivative of the displacement in direction a. At the corner, w_a depends on the
+ * displacements of the corner and of its neighbour in direction a.
  *   stress [10]  in      stresses at the corner, in the strain order of pzs_element_type.d
- *   pair   [10]  in/out  geometric stiffness of each pair of nodes, in the order of pair_of
+ *   pair   [10]  in/out  geometric stiffness between two nodes, for each pair (pair_of)
  */
 static void add_in_plane(const pzs_element_type *type, int corner, const pzs_real stress[10],
                          block pair[10])
@@ -586,12 +597,14 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], unsign
 }
 
 /*
- * Write the first six rows of one node into the packed tangent stiffness of an element. write_q
- * writes the seventh row, that of the displacement q of the middle surface relative to both faces.
+ * Write the first six rows of one node into the packed tangent stiffness of an element: products of
+ * strains and stresses, plus the geometric stiffness. The seventh row, that of the displacement q
+ * of the middle surface relative to both faces, is not written.
  *   nodal  [ROWS][COLUMNS] in  strains per unit of each nodal degree of freedom
- *   stress [ROWS + 1]      in  pointers to the stresses at the node that belong to these strains,
- *                              each per unit of each nodal degree of freedom [COLUMNS]; then NULL
- *   pair   [10]            in  geometric stiffness of each pair of nodes, in the order of pair_of
+ *   stress [ROWS + 1]      in  for each of these strains the address of its stress at the node, per
+ *                              unit of each nodal degree of freedom [COLUMNS]; then NULL
+ *   pair   [10]            in  geometric stiffness between the nodes p and r, for p >= r with the
+ *                              index p (p + 1) / 2 + r
  */
 static void write_node(unsigned dof_per_node, int node, pzs_real nodal[ROWS][COLUMNS],
                        const pzs_real *const *stress, const block pair[10], pzs_real *stiffness)
