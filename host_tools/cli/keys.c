@@ -142,8 +142,9 @@ static const field *section_of(int k)
 }
 
 /*
- * Whether section number k in the list of all sections occurs earlier in this list, which contains
- * the sections of scene files with a structure and of those with a measured influence matrix.
+ * Return whether section number k of the list of all sections occurs earlier in the list. Scene
+ * files have two forms: with a structure, or with a measured influence matrix. The list has the
+ * sections of both forms, so that those which belong to both occur twice but are printed once.
  */
 static bool is_repeated(int k)
 {

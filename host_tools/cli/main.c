@@ -417,9 +417,10 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Compute the numbers to which the plausibility warnings on the target refer: the size of the
- * target, and properties of the optimal voltages (error, largest voltage, linearly dependent
- * amplifiers). These voltages are inside the first of the voltage limits that the user asks for.
+ * Return the numbers that the plausibility warnings on the target use: the size of the target, and
+ * properties of the optimal voltages (error, largest voltage relative to its limit, linearly
+ * dependent amplifiers). The optimum is that within the first voltage limits which the user gives
+ * by --limit, or within those of the scene.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {

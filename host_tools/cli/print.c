@@ -274,10 +274,11 @@ static void print_sparse(const sparse_facts *facts)
 }
 
 /*
- * Print one row of the table of memory: tables, workspace and stack of a firmware (KB), under the
- * given name. The firmware contains one part of the library: control, linear or nonlinear model
- * (`image`). Returns whether the tables of this firmware hold the influence matrix as sparse rows,
- * with the numbers from which this was decided.
+ * Print one row of the table that lists the memory of a firmware (KB): its tables, workspace and
+ * stack, each in float and in double. Returns whether the tables hold the influence matrix as
+ * sparse rows, with the numbers from which this was decided.
+ *   image in  part of the library in the firmware: control, linear or nonlinear model
+ *   name  in  first entry of the row: name of the firmware
  */
 static sparse_facts print_image(const analysis *analysis, tables_image image, const char *name)
 {

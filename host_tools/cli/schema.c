@@ -127,9 +127,8 @@ static bool is_required(const field *field, const form_case *one)
 }
 
 /*
- * Write to the JSON schema which words are permitted as value of a key. `item` belongs to a
- * permitted combination of keys (form_case), which may require certain words: "a=w/v" means that
- * key a must have the value w or v. The function lists these words.
+ * Write to the JSON schema the list `enum` of the words that a key may have as its value.
+ *   item in  entry of a list of permitted keys, such as "a=w/v": key a must have the value w or v
  */
 static void write_item_words(json *json, const case_item *item)
 {
@@ -226,8 +225,9 @@ static void write_required(json *json, const form *form, const form_case *one)
 }
 
 /*
- * Write the schema of a group of keys in one of its permitted combinations.
- *   one in  the combination; NULL: any keys
+ * Write the JSON schema of a YAML mapping: its permitted keys, and those of them that are required.
+ *   one in  the combination of keys that is described, where a mapping has several permitted
+ *       combinations, such as one for each value of the key `type`; NULL: all keys are permitted
  */
 static void write_object(json *json, const form *form, const form_case *one)
 {

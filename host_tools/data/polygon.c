@@ -139,9 +139,8 @@ static double area_below(const side *one, const side *other, double base)
     if (gap[0] * gap[1] >= 0)
         return (to - from) * lower;
     /*
-     * Below two sides that cross each other, the common area is bounded above by two line segments:
-     * from the lower of both left ends to the crossing, and from the crossing to the lower of both
-     * right ends.
+     * The two sides cross. The area below both of them is bounded above by two line segments: from
+     * the lower left end to the crossing, and from the crossing to the lower right end.
      */
     const double part = gap[0] / (gap[0] - gap[1]), middle = left[0] + part * (right[0] - left[0]);
     return (to - from) *

@@ -10,9 +10,10 @@
 #include "../../lib/model/compact.h"
 
 /*
- * Choose the origin from which the node positions in the tables of a device count, along one axis
- * in space. Where the mesh lies far from the origin of the scene, the result is a round number near
- * the mesh, by which the positions can be shortened without rounding errors; otherwise it is 0.
+ * Choose a coordinate along one axis in space that is subtracted from the node positions in the
+ * tables of a device. The smaller numbers need fewer digits. Where the mesh lies far from the
+ * origin of the scene, the result is a round number near the mesh, so that the subtraction has no
+ * rounding errors. Otherwise it is 0.
  */
 static double find_origin(const mesh *mesh, int axis)
 {

@@ -21,10 +21,10 @@ typedef struct corner_pair {
 } corner_pair;
 
 /*
- * Compute the corner tables (displacements of the corners to strains) of local kinematics:
- * displacement components in local axes that turn with the surface (the triad) are interpolated,
- * and their derivatives use the Lame parameter, the curvature and the geodesic curvature at the
- * corner.
+ * Compute the corner tables, which map the displacements of the corners to strains, without the
+ * element option `cartesian`. The displacement components in local axes that turn with the surface
+ * (triad) are interpolated. Their derivatives use the Lame parameter, the curvature and the
+ * geodesic curvature at the corner.
  */
 static void local_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                          double g_mean[3], double g_diff[3])
@@ -58,12 +58,12 @@ static pzs_node node_of(const surface_point *point)
 }
 
 /*
- * Compute the corner tables (displacements of the corners to strains) with the element option
- * `cartesian`: a strain is the difference of the displacement vectors of two neighbouring corners,
- * divided by their distance or by the length of the element. The vectors are in the triad (local
- * axes) of the corner at which the strain is computed. The library function that firmware calls for
- * compact element types, without stored corner tables, does the work: so both have the same
- * numbers.
+ * Compute the corner tables, which map the displacements of the corners to strains, with the
+ * element option `cartesian`. A strain is the difference of the displacement vectors of two
+ * neighbouring corners, divided by the length of their side: the given length of the element in
+ * this direction, or, if it is 0, the straight distance of the corners. The vectors are in the
+ * triad (local axes) of the corner at which the strain is computed. A firmware without stored
+ * corner tables calls the same library function, so that its numbers are equal.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])

@@ -64,8 +64,10 @@ static int find_type(const type_list *list, const pzs_element_type *type,
 }
 
 /*
- * Copy the stiffness matrices of an element in its four strain modes (laminate_modes), without rows
- * and columns that are 0: a mode has only 10, 5, 5 or 2 of the ten strains (kept_strain).
+ * Copy the stiffness matrices of an element for its four strain modes, without rows and columns
+ * that are 0. In mode 0 all ten strains are constant over the element. In modes 1 and 2 five
+ * strains are linear, and in mode 3 two are bilinear in the position; the other strains are 0
+ * there.
  *   full [4][55] in   lower triangles for all ten strains, packed by rows
  *   kept [88]    out  lower triangles for the strains of each mode, 55 + 15 + 15 + 3 entries
  */

@@ -22,7 +22,8 @@ typedef struct type_list {
  *   type in/out    corner tables (displacements of the corners to strains), thickness and skew must
  *       be filled; a new type also gets its stiffness and its warping correction
  *   place in       plies and geometry of the element
- *   warp_share in  argument `share` of warp_fill: factor of the warping correction (dimensionless)
+ *   warp_share in  factor (dimensionless) of the warping correction, a term of the membrane shear
+ *       strain of curved elements (warp_fill); 0: no correction
  */
 int type_list_add(type_list *list, pzs_element_type *type, const laminate_place *place,
                   double warp_share, char *error);

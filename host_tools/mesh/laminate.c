@@ -257,11 +257,13 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
                                        0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
 
 /*
- * Compute the factors (order 11 22 33 23 13 12) by which strains at height z are divided because
- * lines of curvature are longer or shorter there than in the reference surface. Returns the area at
- * height z over that of the reference surface. All values are 1 if the scene's element option
- * `metric` is off. For an element that does not lie along lines of curvature the factors are 1,
- * because natural_stiffness and natural_stress take the metric into account.
+ * Compute the factors (order 11 22 33 23 13 12) by which the strains of an element at height z are
+ * divided. They are the squares and products of the length ratios of lines of curvature: length at
+ * height z over length in the reference surface. The factors are 1 if the element option `metric`
+ * is off. They are also 1 for an element that does not lie along lines of curvature, because the
+ * functions natural_stiffness and natural_stress transform its stiffness and stress to height z.
+ * Returns the area of the element at height z over its area in the reference surface, 1 if `metric`
+ * is off.
  */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
                         double share[6])
@@ -297,7 +299,8 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
 /*
  * Compute the stiffness of a ply at height z for strains along the directions of the element, which
  * need not be perpendicular (Voigt order 11 22 33 23 13 12). For an element along lines of
- * curvature it equals the stiffness of the ply; the caller then applies the factors of metric_at.
+ * curvature the result is the stiffness in the axes of the shell: lengths at height z then enter by
+ * the factors of metric_at, with which the caller divides the strains.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -456,12 +459,13 @@ typedef struct strain_share {
 } strain_share;
 
 /*
- * Add the part of the in-plane strains that is quadratic in the height to the strains per unit of
- * one in-plane strain of an element.
- *   of_strain [3][3] in  quadratic part of the strains 11, 22 and 12 per unit of each (1/m2)
- *   column           in  0, 1 or 2 for the strains 11, 22 or 12 of the element
- *   excess    [3]    in  difference between the squared height and the straight line that replaces
- *                        it in each of the three strains (m2)
+ * In a curved element, each in-plane strain at height z contains a term m z^2, and the element uses
+ * a straight line in z in place of z^2 (laminate_height.h). Add what this replacement leaves out, m
+ * (z^2 - line), to the strains at height z per unit of one in-plane strain of the element.
+ *   of_strain [3][3] in  coefficients m of the strains 11, 22 and 12 (rows) per unit of the
+ *       element's strains 11, 22 and 12 (columns; 1/m2)
+ *   column           in  0, 1 or 2: unit strain 11, 22 or 12 of the element
+ *   excess    [3]    in  z^2 - line for the strains 11, 22 and 12 (m2)
  */
 static void add_quadratic(const double of_strain[HEIGHT_ROWS][HEIGHT_ROWS], int column,
                           const double excess[HEIGHT_ROWS], strain_share *share)
@@ -575,14 +579,15 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
 /*
  * Replace the stiffness of an element by that of plies whose thickness strains may differ, while
  * the normal stress 33 is the same in all plies. A thickness strain that is linear through all
- * plies would falsify the bending of plies with different Poisson's ratios by some per cent. With
- * c_i3 the stiffness that couples strain i with the thickness strain 33, the normal stress is
+ * plies would falsify the bending of plies with different Poisson's ratios by some per cent. The
+ * normal stress is
  *   s = (h e + sum over i of n_i E_i)/f.
  * Here h is the thickness of all plies (`length`), e their mean thickness strain, and E_i the other
- * strains of the element. The integrals of c_i3/c_33 and of 1/c_33 over the thickness are n_i
- * (`narrowing`) and f (`compliance`). The new stiffness is that at s = 0 (`plane`) plus n_i n_j/f,
- * with h in place of n_i for the mean thickness strain. The entries of the difference of the
- * thickness strain between both faces do not change.
+ * strains of the element. With c_i3 the stiffness that couples strain i with the thickness strain
+ * 33, n_i is the integral of c_i3/c_33 over the thickness (`narrowing`), and f that of 1/c_33
+ * (`compliance`). The new stiffness has the entries p_ij + n_i n_j/f, where p is the stiffness of
+ * plies with s = 0 (`plane`). For the mean thickness strain, n_i is h and p_ij is 0. Entries of one
+ * more strain do not change: the difference of the thickness strain between both faces.
  */
 static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 {
@@ -689,8 +694,9 @@ static bool is_temperature(const laminate_field *field)
 }
 
 /*
- * Return the prescribed stress of a ply per unit of an electric field, across the ply or along the
- * surface, as an array of six numbers in the axes of the shell.
+ * Return the stress of a ply at zero strains per unit of an electric field, in the axes of the
+ * shell (six numbers). The electric field is a voltage across the ply (Pa/V), or a field along the
+ * surface (C/m2).
  */
 static const double *electric_stress_of(const laminate_ply *ply, const laminate_field *field)
 {
@@ -698,8 +704,9 @@ static const double *electric_stress_of(const laminate_ply *ply, const laminate_
 }
 
 /*
- * Return the prescribed stress of a ply per unit of a field (voltage, electric field along the
- * surface or temperature), as an array of six numbers in the axes of the shell.
+ * Return the stress of a ply at zero strains per unit of a load, in the axes of the shell (six
+ * numbers). The load is a voltage across the ply (Pa/V), an electric field along the surface (C/m2)
+ * or a temperature (Pa/K).
  */
 static const double *field_stress_of(const laminate_ply *ply, const laminate_field *field)
 {
@@ -818,10 +825,11 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 
 /*
  * Compute the flexibility that is added to the transverse shears 13 and 23 in a strain mode
- * (constant, linear or bilinear over the element). It is rho L^2/12 times the bending flexibility.
- * L is the length of the element along direction 1 (for 13) or 2 (for 23); rho is the element
- * option of this name, times laminate_place.bubble_share. In the two linear strain modes the result
- * of the function bubble_share is a further factor.
+ * (constant, linear or bilinear over the element). It is rho p L^2/12 times the bending
+ * flexibility. Here rho is the element option of this name, and p is a factor that is smaller than
+ * 1 on thin elements of irregular meshes (laminate_place.bubble_share). L is the length of the
+ * element along direction 1 (for 13) or 2 (for 23). In the two linear strain modes the flexibility
+ * is also multiplied by the result of the function bubble_share.
  *   inverse [10][10] in   compliance matrix of the element (m/N), from plane_compliance
  *   mode             in   0: constant, 1: linear in xi2, 2: linear in xi1, 3: bilinear
  *   flexibility  [2] out  added flexibility of the transverse shears 13 and 23 (m/N)
@@ -840,10 +848,12 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * List the strains for which soften_shear inverts the stiffness matrix of a strain mode (constant,
- * linear or bilinear over the element). They are the transverse shear strains of the mode, and all
- * other strains of the mode if a stiffness entry couples one of them with a transverse shear.
- *   index [10] out  indices of these strains among the ten strains of an element
+ * List the strains whose stiffness block must be inverted to add flexibility to the transverse
+ * shears of a strain mode (constant, linear or bilinear over the element). They are the transverse
+ * shear strains of the mode. If a stiffness entry couples a transverse shear with another strain,
+ * they are all strains of the mode.
+ *   modal [10][10] in   stiffness matrix of the strain mode
+ *   index [10]     out  indices of these strains among the ten strains of an element
  * Returns their number.
  */
 static int shear_block(double modal[N][N], int mode, int index[N])
@@ -930,9 +940,10 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 /* ---- prescribed fields -------------------------------------------------- */
 
 /*
- * Compute the stiffness for strains that are constant over the element (N/m). For the transverse
- * shears, two element options of the scene change it: `shear` takes the stiffness that follows from
- * equilibrium, and `rho` adds flexibility on coarse meshes. Returns 0, or -1 if no ply is present.
+ * Compute the stiffness for strains that are constant over the element (N/m). Two element options
+ * of the scene change its transverse shear part. With `shear` it follows from the equilibrium of
+ * the stresses in the plies. With `rho` a flexibility is added: rho L^2/12 times the bending
+ * flexibility, with the length L of the element. Returns 0, or -1 if no ply is present.
  */
 static int constant_stiffness(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double stiffness[N][N])
@@ -951,15 +962,17 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
  */
 typedef struct free_field {
     double resultants[N],
-        strain[N]; /* resultants: stress resultants under the field while all strains are zero, per
-                      area (N/m). strain: minus the strains of the free element under the field; 0
-                      where the field causes no transverse shear stress. Both have the order 11, 22,
-                      33, 12 (each mean and difference of both faces), 13, 23 */
+        strain[N]; /* resultants: stress resultants of the element under a voltage or temperature
+                      while all strains are zero (N/m). strain: minus the strains of an unloaded
+                      element under the same voltage or temperature; 0 if it causes no transverse
+                      shear stress. Order of both: mean of both faces and difference between them
+                      for the strains 11, 22, 33 and 12, then 13 and 23 */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
-    double constant[N][N]; /* stiffness for strains that are constant over the element (N/m). Its
-                              transverse shear stiffness is the one that the element uses, after the
-                              element options `shear` and `rho` */
+    double constant[N][N]; /* stiffness of the element for strains that are constant over it (N/m).
+                              Its transverse shear stiffness includes the effect of the element
+                              options `shear` (stiffness from equilibrium) and `rho` (flexibility
+                              added on coarse meshes) */
 } free_field;
 
 /*
@@ -978,11 +991,11 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
 }
 
 /*
- * Correct the stress resultants that a voltage or temperature prescribes where it causes transverse
- * shear. Element options may make the element softer in shear than the laminate, but must not
- * change the free deformation. The strains of a free laminate are therefore computed with its
- * uniform shear stiffness; the corrected resultants cause the same free strains with the stiffness
- * that the element uses.
+ * Correct stress resultants of an element at zero strains under a voltage or temperature that
+ * causes transverse shear. Element options may make the element softer in shear than the laminate,
+ * but the deformation of an unloaded element must not change. Its strains are therefore computed
+ * with the uniform shear stiffness of the laminate. The corrected resultants cause the same strains
+ * with the shear stiffness that the element uses.
  */
 static void keep_free_strains(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, free_field *field)
@@ -1005,11 +1018,12 @@ static void keep_free_strains(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Compute the prescribed stress of a ply: its stress under a unit field while its strains are zero.
- * With the element option lin33 the ply may thicken freely, so that its thickness strain is not
- * zero: its normal stress 33 is 0 then, and the other stresses change with c_i3/c_33 of its
- * stiffness.
- *   prescribed [6] in   stress while all strains are zero, Voigt order 11 22 33 23 13 12
+ * Compute the stress of a ply under a unit voltage, electric field along the surface or
+ * temperature, while the other strains of the element are zero. Without the element option lin33
+ * the thickness strain 33 is zero too. With lin33 the ply thickens freely, so that its normal
+ * stress 33 becomes 0. Each stress i then changes by -(c_i3/c_33) times the stress 33 at zero
+ * strains, where c is the stiffness of the ply.
+ *   prescribed [6] in   stress at zero strains, Voigt order 11 22 33 23 13 12
  *   stress     [6] out  stress of the ply, same order
  */
 static void ply_stress(const laminate_ply *ply, const scene_element *element,
@@ -1021,8 +1035,10 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the value of a field at the middle of a ply: 1 for the unit voltage or unit temperature of
- * a ply, otherwise the temperature of all plies (K) or the electric field along the surface (V/m).
+ * Return the value of a field at the middle height of a ply. For a temperature of all plies it is
+ * the temperature (K), interpolated linearly between the two faces of the laminate. For an electric
+ * field along the surface it is the mean of the field at the two faces of the ply (V/m). A voltage
+ * across one ply or a temperature of one ply has the value 1 (V or K).
  */
 static double field_mean(const laminate *laminate, const laminate_field *field,
                          const laminate_ply *ply)
@@ -1054,11 +1070,12 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the stress resultants per area of an element whose strains are zero under a field
- * (voltage or temperature). With the element option lin33 every ply thickens freely, and only the
- * mean thickness strain of all plies together is held at zero: its resultants are added to those of
- * the plies' in-plane stresses. Where the field causes a transverse shear stress, the strains of
- * the free element are computed too.
+ * Compute the stress resultants (N/m) of an element under a voltage or temperature while its
+ * strains are zero. With the element option lin33 every ply thickens freely, but the thickness
+ * strain averaged over all plies is zero. The resultants then have two parts: the integrals of the
+ * in-plane stresses of the freely thickening plies, and the reaction that keeps the averaged
+ * thickness strain at zero. Where the voltage or temperature causes a transverse shear stress, the
+ * strains of an unloaded element are computed too.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,
@@ -1103,12 +1120,13 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return a correction of an electrode's charge per area (C/m2 for a voltage of 1 V or a temperature
- * of 1 K). The element options `shear` and `rho` make an element softer in transverse shear than
- * its material. The strains that the voltage on the electrode causes in a free element are kept by
- * keep_free_strains; the charge needs this correction to stay that of the free material too. It is
- * e1^T (D - D') e2: e1 and e2 are the free strains under the fields `first` and `second`, D is the
- * stiffness for shear strains that are uniform through the thickness, and D' that of the element.
+ * Return a correction of an electrode's charge per area (C/m2) under a voltage of 1 V or a
+ * temperature of 1 K. The element options `shear` and `rho` make an element softer in transverse
+ * shear than its material. Prescribed resultants are adapted to this softer element, so that an
+ * unloaded element deforms as its material does (keep_free_strains). With the correction its charge
+ * is that of the material, too. The correction is e1^T (D - D') e2. Here e1 and e2 are the strains
+ * that `first` and `second` cause in an unloaded element. D is the stiffness for shear strains that
+ * are uniform through the thickness, and D' the stiffness of the softer element.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -1144,13 +1162,15 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * The result is the integral of field_density over the ply, times the values of both fields, and
- * for uniform fields the correction shear_charge. With the element option lin33 every ply thickens
- * freely, and two terms are added. The first is the integral over the ply of c_33 t_1 t_2, with
- * c_33 the normal stiffness of the ply, and t_1 and t_2 its free thickness strains under the two
- * fields. The second is -C_33 T_1 T_2, with C_33 the normal stiffness of all plies together, and
- * T_1 and T_2 the means of their free thickness strains. Both stem from the elastic energy that
- * plies store because each one thickens differently from the mean.
+ * The result (C/V or C/K) is the area of the element times up to four terms. The first is the
+ * integral over the ply of the product of both fields with the charge per unit of them
+ * (field_density). For uniform fields, a correction is added for element options that change the
+ * transverse shear stiffness (shear_charge).
+ * With the element option lin33 every ply thickens freely. Two terms of elastic energy are added,
+ * because each ply thickens differently from the mean of all plies. One is the integral over the
+ * ply of c_33 t_1 t_2, with the normal stiffness c_33 of the ply and its free thickness strains t_1
+ * and t_2 under the two fields. The other is -C_33 T_1 T_2, with the normal stiffness C_33 of all
+ * plies together and the means T_1 and T_2 of their free thickness strains.
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,
@@ -1180,9 +1200,9 @@ double laminate_capacitance(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * The charge of an electrode is minus the second derivative of the electric enthalpy of all plies:
- * with respect to the voltage of the electrode, and to the field (voltage or temperature) that
- * causes the charge.
+ * The charge of an electrode per unit of a voltage or temperature is minus a mixed second
+ * derivative of the electric enthalpy of all plies: once by the voltage of the electrode, and once
+ * by the voltage or temperature that causes the charge.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)

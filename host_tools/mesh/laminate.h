@@ -23,11 +23,10 @@ typedef struct laminate_ply {
                   */
     double c[6][6]; /* stiffness of a ply in the axes of the shell, Voigt order 11 22 33 23 13 12
                        (Pa) */
-    double stress_per_voltage[6]; /* prescribed stress of a ply per volt across it (Pa/V), Voigt
-                                     order 11 22 33 23 13 12 */
-    double stress_per_kelvin[6];  /* prescribed stress of a ply per kelvin (Pa/K), Voigt order 11 22
-                                     33 23 13 12: that of a ply whose thermal expansion is prevented
-                                   */
+    double stress_per_voltage[6]; /* stress of a ply at zero strains per volt across it (Pa/V),
+                                     Voigt order 11 22 33 23 13 12 */
+    double stress_per_kelvin[6];  /* stress of a ply at zero strains per kelvin (Pa/K), Voigt order
+                                     11 22 33 23 13 12 */
     double capacitance; /* charge of the upper electrode per volt and area while the strains are
                            zero (F/m2) */
     double pyroelectric_charge;  /* charge of the upper electrode per kelvin and area while the
@@ -37,9 +36,9 @@ typedef struct laminate_ply {
                                     of interdigitated electrodes on its faces */
     bool is_field_along_surface; /* whether the field of a voltage is along the surface
                                     (interdigitated electrodes) rather than along the normal */
-    double stress_along[2][6];   /* prescribed stress of a ply per electric field along axis 1 and
-                                    along axis 2 of the shell (C/m2), Voigt order 11 22 33 23
-                                  13 12 */
+    double stress_along[2][6];   /* stress of a ply at zero strains per electric field along axis 1
+                                    and along axis 2 of the shell (C/m2), Voigt order 11 22 33 23 13
+                                    12 */
     double permittivity_along[2][2]; /* permittivity tensor of a ply for electric fields along the
                                         axes 1 and 2 of the shell, at constant strain (F/m) */
     double pyroelectric_along[2];    /* electric displacement of a ply along the axes 1 and 2 of the
@@ -181,14 +180,14 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
 
 /*
- * Return minus the second derivative of the electric enthalpy of an element with respect to the
- * sizes of two fields, at constant strains. It is a capacitance for two electric fields, and a
- * charge per kelvin for an electric field and a temperature.
+ * Return minus the mixed second derivative of the electric enthalpy of an element with respect to
+ * two loads, at constant strains. For two electric fields the result is a capacitance (C/V). For an
+ * electric field and a temperature it is a charge per kelvin (C/K).
  *   first      in  electric field in a ply
  *   second     in  electric field in the same or another ply, or a temperature
- *   is_uniform in  true: both fields are constant over the element and act on its constant
- *       strains; false: both vary over the element with a mean of 0, and have no effect on its
- *       constant strains, so that the correction of the transverse shear stiffness is left out
+ *   is_uniform in  true: both loads are constant over the element. false: both vary over the
+ *       element and have the mean 0. They then have no effect on strains that are constant over the
+ *       element, and the result has no correction for the transverse shear stiffness
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

@@ -37,10 +37,12 @@ void height_fit_lines(const height_ply *ply, int plies, laminate_heights *height
 }
 
 /*
- * Compute the quadratic part m of the strains of a curved element from strain e and change of the
- * strain with the height k in the middle of all plies: m = with_slope k - with_mean e. As symmetric
- * 2 x 2 matrices, m = (c' k + k c)/2 - c' e c, where c is the change of the base vectors and c' its
- * transpose. This holds for a surface whose directors stay normal to it.
+ * In a curved shell with straight directors, an in-plane strain at height z above the middle of all
+ * plies is e + z k + z^2 m. Compute the two matrices by which m follows from e and k: m =
+ * with_slope k - with_mean e, each a vector of the strains 11, 22 and 12. Written with symmetric 2
+ * x 2 matrices this is m = (c' k + k c)/2 - c' e c. The matrix c is the change of the base vectors
+ * with the height (1/m), and c' its transpose. The relation holds for a surface whose directors
+ * stay normal to it.
  */
 static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double with_mean[3][3])
 {
@@ -59,12 +61,14 @@ static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double 
 }
 
 /*
- * Express the quadratic part m of the strains by two numbers that the element has for each strain:
- * the mean of its values at both faces, and the difference between them. Both contain m themselves:
- * the mean is e + a m, and the difference is thickness k + b m, so that
- *   (1 + with_slope b/thickness - with_mean a) m = with_slope difference/thickness - with_mean
- * mean. The matrix on the left is near unity unless the shell is as thick as its radius of
- * curvature.
+ * In a curved shell an in-plane strain at height z is e + z k + z^2 m, and m = with_slope k -
+ * with_mean e, each a vector of the strains 11, 22 and 12. Express m by the two numbers that an
+ * element has for each strain: the mean of both faces, and the difference between them. The element
+ * replaces z^2 by a straight line a + b z/thickness, so that its mean is e + a m, and its
+ * difference is thickness k + b m. This gives
+ *   (1 + with_slope b/thickness - with_mean a) m
+ *     = with_slope difference/thickness - with_mean mean.
+ * The matrix on the left is near unity unless the shell is as thick as its radius of curvature.
  */
 static void solve_quadratic(laminate_heights *heights, double with_slope[3][3],
                             double with_mean[3][3])

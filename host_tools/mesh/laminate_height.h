@@ -17,21 +17,27 @@
 enum { HEIGHT_ROWS = 3 }; /* number of in-plane strains: 11, 22 and 12 */
 
 /*
- * Strains of an element over the height. In a curved element that is not deformed much, the part of
- * the strains that is quadratic in the height follows from two numbers for each strain, the mean of
- * its values at both faces and the difference between them: m = of_mean mean + of_difference
- * difference, in the order 11, 22, 12.
+ * How the in-plane strains of a curved element depend on the height z above the middle of all
+ * plies: each is e + z k + z^2 m. The coefficient m follows from two numbers that the element has
+ * for each strain: m = of_mean * mean + of_difference * difference. Here `mean` and `difference`
+ * are vectors of the strains 11, 22 and 12: their mean over both faces, and the difference between
+ * the faces. This holds while the directors stay nearly normal to the surface.
  */
 typedef struct laminate_heights {
-    double middle;                            /* height of the middle of all plies above the
-                                                 reference surface (m) */
-    double thickness;                         /* thickness of all plies (m) */
-    double line[2][HEIGHT_ROWS];              /* factors a and b of the straight line that replaces
-                                                 z^2 in each strain (m2) */
-    double of_mean[HEIGHT_ROWS][HEIGHT_ROWS]; /* quadratic part per mean strain (1/m2); 0 where the
-                                                 element is flat or lacks the option */
-    double of_difference[HEIGHT_ROWS][HEIGHT_ROWS]; /* quadratic part per difference of the strain
-                                                       between the faces (1/m2) */
+    double middle;               /* height of the middle of all plies above the
+                                    reference surface (m) */
+    double thickness;            /* thickness of all plies (m) */
+    double line[2][HEIGHT_ROWS]; /* coefficients a and b (m2) of the straight line a + b z/thickness
+                                    by which the element replaces z^2 in the strains 11, 22 and 12,
+                                    because it has only two numbers for each strain */
+    double of_mean[HEIGHT_ROWS][HEIGHT_ROWS]; /* coefficients m of z^2 in the strains 11, 22, 12
+                                                 (rows) per mean strain of both faces (columns;
+                                                 1/m2). They are 0 if the element is flat, or unless
+                                                 both element options `quadratic` and `metric` are
+                                                 on */
+    double of_difference[HEIGHT_ROWS][HEIGHT_ROWS]; /* coefficients m of z^2 in the strains 11, 22,
+                                                       12 (rows) per difference of the strain
+                                                       between both faces (columns; 1/m2) */
 } laminate_heights;
 
 /* A ply: its heights and its stiffness against the in-plane strains. */
@@ -42,22 +48,29 @@ typedef struct height_ply {
 } height_ply;
 
 /*
- * Compute the straight lines that replace the squared height. The members `middle` and `thickness`
- * must be set. Without plies the lines stay as they are.
+ * Compute the straight line a + b z/thickness that replaces z^2 in each of the strains 11, 22 and
+ * 12 (member `line`). An element has only a mean and a difference of both faces for each strain, so
+ * that it cannot represent z^2. The members `middle` and `thickness` must be set. Without plies
+ * `line` does not change.
  */
 void height_fit_lines(const height_ply *ply, int plies, laminate_heights *heights);
 
 /*
- * Compute the quadratic part of the strains of a curved element; the straight lines must be set.
+ * Compute the coefficients of z^2 in the in-plane strains of a curved element (members of_mean and
+ * of_difference). The straight lines that replace z^2 (member `line`, height_fit_lines) must be
+ * set.
  *   change [2][2] in  change of the base vectors with the height (1/m), in terms of the base
- *                     vectors in the middle of all plies: base vector a changes by the sum over c
- *                     of change[c][a] times base vector c
+ *       vectors in the middle of all plies: base vector a changes by the sum over c of change[c][a]
+ *       times base vector c
  */
 void height_quadratic_part(double change[2][2], laminate_heights *heights);
 
 /*
- * Return the difference between the square of a height z above the middle of all plies and the
- * straight line that replaces it in strain 11, 22 or 12 (row 0, 1 or 2; m2).
+ * Return z^2 less the straight line a + b z/thickness by which an element replaces z^2 in one of
+ * its in-plane strains (m2). An element has only two numbers for each strain and cannot represent
+ * z^2.
+ *   z   in  height above the middle of all plies (m)
+ *   row in  0, 1 or 2: strain 11, 22 or 12
  */
 double laminate_height_excess(const laminate_heights *heights, double z, int row);
 

@@ -456,10 +456,10 @@ static int build_all_types(mesh *mesh, char *error)
 /* ---- supports of skewed corners --------------------------------------- */
 
 /*
- * Refuse a support of an edge on which the surface coordinate theta1 varies, if it constrains only
- * one of the displacements along and across this edge, and the next edge does not meet it at a
- * right angle. The triad (local axes) of the node at such a corner is aligned with the next edge,
- * so that the support would act in wrong directions there.
+ * Refuse a support along an edge of constant theta2 if a corner of this edge is not a right angle
+ * and the support acts along or across the edge. At such a corner the triad (local axes) of the
+ * node is aligned with the other edge, so that the support would act in wrong directions there. A
+ * support that holds both displacements or neither is accepted.
  */
 static int check_corners(const scene *scene, char *error)
 {

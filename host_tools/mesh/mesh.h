@@ -43,7 +43,7 @@ typedef struct mesh_mass {
     int element;      /* element to which the mass belongs */
     double weight[4]; /* weights of the element's corners in the displacement of the mass; their sum
                          is 1 */
-    double mass;      /* (units of the scene file) */
+    double mass;      /* mass (mass unit of the scene file) */
     double inertia;   /* moment of inertia about the centre of the mass (units of the scene file) */
     scene_face face;  /* face of the shell with which the mass moves */
 } mesh_mass;
@@ -63,9 +63,10 @@ typedef struct mesh {
                          of lengths */
     const quad_mesh *quads; /* mesh of quadrilaterals in any arrangement from which this mesh was
                                built; NULL for a mesh along lines of curvature */
-    bool accept_irregular;  /* elements that are too thin for an irregular mesh (factor
-                               quad_rule.lock above QUAD_LOCK) have too stiff a bending: true: they
-                               are accepted and counted in quad_report; false: they are an error */
+    bool accept_irregular; /* whether elements are accepted that are too thin for the irregular mesh
+                              around them, so that their bending is too stiff (quad_rule.lock above
+                              QUAD_LOCK). true: they are counted in quad_report; false: they are an
+                              error */
     quad_report quad_report;
     laminate laminate;
     int lines[2]; /* number of node lines along the surface coordinates theta1 and theta2; along a
@@ -120,11 +121,10 @@ int mesh_build(mesh *mesh, const scene *scene, char *error);
 
 /*
  * Build the mesh of a scene from a mesh of quadrilaterals in any arrangement, in place of the
- * scene's surface and mesh lines. Scene and quads must exist as long as the mesh. Elements whose
- * factor quad_rule.lock is above QUAD_LOCK have too stiff a bending, because they are too thin for
- * the irregular mesh around them.
- *   accept_irregular in  true: such elements are accepted and counted in the report quad_report;
- *       false: they are an error
+ * scene's surface and mesh lines. Scene and quads must exist as long as the mesh.
+ *   accept_irregular in  whether elements are accepted that are too thin for the irregular mesh
+ *       around them, so that their bending is too stiff (quad_rule.lock above QUAD_LOCK). true:
+ *       they are counted in the report quad_report; false: they are an error
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
@@ -147,8 +147,8 @@ void mesh_begin(mesh *mesh, const scene *scene);
 int mesh_turn_axes(mesh *mesh, char *error);
 
 /*
- * Return whether a support constrains the two tangential axes e1 and e2 of a node differently, so
- * that it depends on their directions.
+ * Return whether the effect of a support depends on the directions of the tangential axes e1 and e2
+ * of its nodes: whether it constrains one of the displacements along them and not the other.
  */
 bool mesh_depends_on_axes(const scene_support *support);
 

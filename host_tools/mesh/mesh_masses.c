@@ -5,7 +5,8 @@
 #include "mesh.h"
 #include "mesh_spot.h"
 
-/* The masses of a mesh while they are listed, and work arrays of the size of the nodes. */
+/* A mesh to which the masses of the scene are being added, the item of the scene's list `masses`
+ * that is read now, and work arrays. */
 typedef struct mass_list {
     mesh *mesh;
     const scene_mass *item;
@@ -36,7 +37,8 @@ static int element_of(const mass_list *list, const mesh_spot *spot)
     return element;
 }
 
-/* Append masses at a mesh point to the list, `size` times those of the item. */
+/* Append to the mesh a concentrated mass at a mesh point: its mass and its moment of inertia are
+ * `size` times the values of the present item of the scene's list `masses`. */
 static void append(const mass_list *list, const mesh_spot *spot, double size)
 {
     mesh *mesh = list->mesh;

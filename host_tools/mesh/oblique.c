@@ -68,19 +68,20 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Make the direction of a support at a node orthogonal to the axes along which other supports hold
- * the node. The part of its prescribed displacement that the other supports prescribe already,
- * along these axes, is subtracted.
- *   rest  in/out  in: direction of the support, with its prescribed displacement. out: the
- *       orthogonal unit vector; `value` is the prescribed displacement along it, times the
- *       returned sine
- * Returns the sine of the angle between the direction and the space of the held axes.
+ * Remove from a support at a node what other supports of this node hold already. The components of
+ * its direction along their axes are subtracted, and from its prescribed displacement the
+ * displacements along these axes times the components.
+ *   rest  in/out  in: direction of the support (unit vector) and its prescribed displacement. out:
+ *       the remaining direction as a unit vector, orthogonal to the axes. `value` is the
+ *       displacement along it times the returned sine
+ * Returns the sine of the angle between the direction and the space of the axes, which is the
+ * length of the remaining vector before it is normalised.
  */
 static double remove_held(const held_axes *held, held_direction *rest)
 {
-    for (int repeat = 0; repeat < 2; repeat++) /* The second iteration of the loop removes the
-                                                  components along the axes in `held` that remain as
-                                                  rounding errors of the first iteration. */
+    for (int repeat = 0; repeat < 2; repeat++) /* The projection is repeated once: rounding errors
+                                                  of the first one leave small components along the
+                                                  axes that other supports hold. */
         for (int k = 0; k < held->count; k++) {
             const double along = vector_dot(rest->vector, held->axis[k]);
             rest->value -= along * held->value[k];
@@ -278,11 +279,11 @@ static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 }
 
 /*
- * Mark the dof of a node that supports hold or whose displacements they prescribe. If no
- * displacement other than 0 is prescribed, and the held directions are axes of the triad (local
- * axes) of the node or span the space, the dof stay along the triad. Otherwise the mean
- * displacements (of both faces) get rotated axes, which are stored in the mesh: first the held
- * directions, then the others.
+ * Mark the dof of a node that supports hold or whose displacements they prescribe. The dof stay
+ * along the triad (local axes) of the node if all prescribed displacements are 0, and the held
+ * directions are axes of the triad or span the space. Otherwise new axes are stored in the mesh for
+ * the mean displacements (of both faces) of the node: first the held directions, then directions
+ * orthogonal to them.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
  *       prescribed
  */

@@ -22,9 +22,9 @@ typedef struct shapes {
     double mean[4]; /* mean, over the element, of the bilinear shape function of each corner */
     double gradient[4][2]; /* gradient of each shape function at the centre of the element, along
                               the axes 1 and 2 of the shell (1/m) */
-    double twist[4];   /* each shape function is a function with uniform gradient plus a rest whose
-                          gradient at the centre of the element is 0: coefficient of xi1 xi2 in this
-                          rest (dimensionless) */
+    double twist[4]; /* coefficient of xi1 xi2 in the shape function of each corner (dimensionless),
+                        after the function is split into a part of uniform gradient and a remainder
+                        with gradient 0 at the centre of the element */
     double dual[2][2]; /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
 } shapes;
 
@@ -94,12 +94,14 @@ static void coefficients(const shapes *shapes, int node, double coefficient[FIEL
 }
 
 /*
- * Return the contribution to the capacitance between two potentials of a ply (C/V) that comes from
- * the electric fields with mean 0. Each field is split into its mean over the element and this
- * rest. The rests cause no strains that are constant over the element.
+ * Return the contribution of non-uniform electric fields to the capacitance between two potentials
+ * of a ply (C/V). The field of a potential is split into its mean over the element and a remainder
+ * with mean 0. The remainder causes no strains that are constant over the element, so that it adds
+ * a term of its own.
  *   first, second    in  indices of the potentials: 2 corner + face (0: inner, 1: outer)
- *   uncoupled [5][5] in  capacitances of unit rests, for the five fields of the ply: voltage
- *       across it, and fields along the axes 1 and 2 at the inner and at the outer face
+ *   uncoupled [5][5] in  capacitance matrix of the ply for fields that vary over the element and
+ *       have the mean 0. Its rows and columns are five fields: voltage across the ply, and fields
+ *       along the axes 1 and 2 at the inner and at the outer face
  */
 static double varying_part(const laminate_place *place, const shapes *shapes, int first, int second,
                            double uncoupled[FIELDS][FIELDS])

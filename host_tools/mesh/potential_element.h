@@ -35,9 +35,11 @@ void potential_element_capacitance(const laminate *laminate, const scene_element
                                    double capacitance[POTENTIAL_NODES][POTENTIAL_NODES]);
 
 /*
- * Compute the charges that a uniform field draws at the eight electric potentials of a ply in an
- * element (four corners on two faces) while the strains are zero. The field is a temperature, or
- * the voltage of an electrode on another ply (charge [8] out, C).
+ * Compute the charges at the eight electric potentials of a ply in an element (four corners on two
+ * faces) while the strains and the potentials are zero.
+ *   uniform     in   cause of the charges, constant over the element: a temperature, or the voltage
+ *       of an electrode on another ply
+ *   charge  [8] out  charges (C)
  */
 void potential_element_charges(const laminate *laminate, const scene_element *element,
                                const laminate_place *place, int ply, const laminate_field *uniform,

@@ -28,9 +28,9 @@
 int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);
 
 /*
- * Thinness and irregularity of an element in a mesh of quadrilaterals of any arrangement. The other
- * members are factors that follow from both: bubble_share and asymptotic change the equations of
- * the element, lock decides whether the mesh is refused.
+ * Thinness and irregularity of an element in a mesh of quadrilaterals, and three numbers that
+ * follow from both. bubble_share reduces the shear flexibility of the element, and asymptotic
+ * corrects its shear strain 12. A mesh with an element whose lock is too large is refused.
  */
 typedef struct quad_rule {
     double thinness;     /* thinness of the element (dimensionless): largest of its curvatures times
@@ -39,11 +39,12 @@ typedef struct quad_rule {
                             numbers: the sum of the absolute values of quad_geometry.skew (0 on a
                             parallelogram), and the largest irregularity of its four nodes
                             (quad_irregularity) */
-    double bubble_share; /* factor, 0 to 1, of the flexibility that the element option `rho` adds to
-                            the transverse shears: 1 on regular meshes, smaller on thin elements of
-                            an irregular mesh */
-    double lock; /* measure of how much too stiff the bending of the element is: [thinness c/70]^2,
-                    where c rises linearly from 0 at the irregularity 0.2 to 1 at 0.3. A mesh with
+    double bubble_share; /* factor, 0 to 1, of a flexibility that the element option `rho` adds to
+                            the transverse shears, so that coarse meshes bend easily enough: 1 on
+                            regular meshes, smaller on thin elements of an irregular mesh */
+    double lock; /* estimate of how much too stiff the bending of the element is (dimensionless): (c
+                    thinness/70)^2, with the member `thinness`. The factor c rises linearly from 0
+                    where the member `irregularity` is 0.2 to 1 where it is 0.3 or more. A mesh with
                     an element above QUAD_LOCK is refused unless the scene accepts irregular meshes
                   */
     double asymptotic; /* weight, 0 to 1, of a correction of the mean shear strain 12 of an element
@@ -55,8 +56,9 @@ typedef struct quad_rule {
 #define QUAD_LOCK 1.5
 
 /*
- * Return the thinness and irregularity of an element, and the factors bubble_share, lock and
- * asymptotic that follow from them (quad_rule).
+ * Return the thinness and irregularity of an element, and three numbers that follow from them: a
+ * factor of its shear flexibility (bubble_share), an estimate of its excess bending stiffness
+ * (lock), and the weight of a correction of its shear strain (asymptotic).
  *   thickness    in  thickness of the laminate (m)
  *   irregularity in  largest irregularity of the four nodes (quad_irregularity)
  */

@@ -44,9 +44,10 @@ static int check_pair(const scene *scene, const quad_mesh *quads, const quad_sid
 }
 
 /*
- * Check that the two elements at each common side run along it in opposite directions. Elements of
- * a common side are neighbours in the sorted list of sides (side [count] in, from quad_sides).
- * Returns 0, or -1 with error filled.
+ * Check that the two elements which share a side run along it in opposite directions, and that no
+ * side belongs to three elements. Returns 0, or -1 with error filled.
+ *   side [count] in  sides of all elements, sorted so that those of one common side are adjacent
+ *       (quad_sides)
  */
 static int check_sorted(const scene *scene, const quad_mesh *quads, const quad_side *side,
                         size_t count, char *error)
@@ -141,8 +142,9 @@ typedef struct quad_build {
     type_list *list;
     const quad_mesh *quads;
     const surface_point *point;
-    const double *irregularity; /* [nodes] distance of each inner node from the mean of its
-                                   neighbours, relative to their distances (dimensionless) */
+    const double *irregularity; /* [nodes] irregularity of the mesh at each node (dimensionless):
+                                   length of the sum of its edge vectors over the sum of their
+                                   lengths, 0 at nodes on the border */
     uint16_t *element_type;
     quad_report *report;
 } quad_build;

@@ -136,9 +136,10 @@ static double span(const mesh *mesh, const mesh_spot *spot, int other, double ve
 }
 
 /*
- * Add the other end of a spring to its row, and find the direction of the spring at the point where
- * it is attached: the given direction, or else that of the line between both ends (v [3] out).
- * Returns 0, or -1 with error filled if both ends coincide.
+ * Add the second end of a spring, at a node, to the row of factors by which the dof give its
+ * elongation. Find the direction of the spring at its first end: the direction given in the scene,
+ * or else that of the line between both ends (vector [3] out). Returns 0, or -1 with error filled
+ * if both ends coincide.
  */
 static int add_other_end(const spring_builder *builder, const mesh_spot *spot, double vector[3],
                          spring_row *row)
@@ -370,7 +371,8 @@ static void widen_envelope(mesh *mesh)
 }
 
 /*
- * Refuse springs between distant nodes if they make the factor of the stiffness matrix too large.
+ * Refuse springs between distant nodes if the triangular factor of the stiffness matrix would have
+ * too many entries with them. Returns 0, or -1 with error filled.
  */
 static int check_envelope(mesh *mesh, char *error)
 {
@@ -389,7 +391,8 @@ static int check_envelope(mesh *mesh, char *error)
 /* ---- build ------------------------------------------------------------------ */
 
 /*
- * Find the largest diagonal entries of the stiffness matrices of the elements.
+ * Find the largest diagonal entries of the stiffness matrices of the shell elements, for two groups
+ * of dof with different units.
  *   largest [2] out  entry for the mean displacement of both faces of the shell (N/m), and entry
  *       for the difference of their displacements divided by the thickness (N m)
  */

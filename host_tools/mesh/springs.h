@@ -33,17 +33,17 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
 /*
  * List the springs and stacks of a scene, each with its stiffness and with the factors by which the
  * free dof of the mesh give its elongation. The dof must be numbered and the element types built.
- * The entries that the springs add to the stiffness matrix are not yet provided for in
- * mesh.first_column. Returns 0, or -1 with error filled; mesh_springs_free releases the list in
- * either case.
+ * The function does not extend mesh.first_column, the column of the first stored entry in each row
+ * of the stiffness matrix; the caller must do so. Returns 0, or -1 with error filled;
+ * mesh_springs_free releases the list in either case.
  *   springs in/out  in: empty; out: the list
  */
 int springs_list(mesh *mesh, mesh_springs *springs, char *error);
 
 /*
- * Return the index i of an actuator for which mesh_springs.first[i] is the number of its first
- * stack in the list of all springs and stacks. The array has an entry for each item of the scene's
- * list `springs`, then one for each actuator.
+ * Return the index of an actuator in the array mesh_springs.first. This array has one entry for
+ * each item of the scene's list `springs`, then one for each actuator. An entry is the number of
+ * the first spring or stack of its item in the list of all springs and stacks.
  */
 int springs_item(const scene *scene, int actuator);
 

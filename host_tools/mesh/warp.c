@@ -6,9 +6,10 @@
 #include <string.h>
 
 /*
- * Size of the linear system for the eight factors c_k of the warping correction (warp.h). ROWS:
- * number of unknown factors. TILTS: number of equations, one for each of two tilts (about the local
- * axes) of the director (unit normal) at each of four corners.
+ * Size of the linear system for the factors c_k that make the warping correction of an element
+ * independent of its directors (warp.h). ROWS: number of factors. TILTS: number of equations. Each
+ * states that a tilt of the director of one of the four corners about one of two local axes has no
+ * effect on the correction.
  */
 enum { ROWS = 8, TILTS = 8 };
 
@@ -46,9 +47,10 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
- * Compute the vector whose product with the derivative of the director along a direction is the
- * difference of an in-plane strain between the faces: the thickness times the mean base vector, and
- * the share of the part of the strain that is quadratic in the height.
+ * Compute the vector that gives the difference of an in-plane strain between the faces of an
+ * element at a corner: its scalar product with the derivative of the director along a direction.
+ * The vector is the thickness times the mean base vector. A second term (height_squared) accounts
+ * for the part of the strain that is quadratic in the height.
  *   strain in  0 for strain 11, 1 for strain 22, 2 for strain 12
  */
 static void slope_base(const pzs_element_type *type, int corner, int direction, int strain,
@@ -60,11 +62,11 @@ static void slope_base(const pzs_element_type *type, int corner, int direction, 
 }
 
 /*
- * Add the contribution of one corner to one equation of the linear system for the warping
- * correction (warp.h). In this equation the director of one node tilts along its local axis e1 (j =
- * 0) or e2 (j = 1). An amplitude of a strain in a strain mode (constant, or linear in xi1 or xi2)
- * is the mean over the corners of the strain times 1, xi1 or xi2.
- *   row   [8] in/out  amplitudes of the eight strains e_k
+ * One equation of the linear system for the warping correction (warp.h) belongs to a unit tilt of
+ * the director of one node along its local axis e1 (j = 0) or e2 (j = 1). It needs the eight
+ * strains e_k that this tilt causes. A strain e_k is the mean over the four corners of a corner
+ * strain times 1, xi1 or xi2. Add the contribution of one corner to these means.
+ *   row   [8] in/out  the strains e_k
  *   shear     in/out  difference of the shear strain 12 between both faces, mean over the corners
  */
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
@@ -184,10 +186,11 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve the linear system for the warping correction (warp.h) by elimination. If its rank r is
- * below eight, the last 8 - r unknowns are set to 0, and the last 8 - r equations must be satisfied
- * by rounding error alone. A factor that is rounding error becomes 0.
- *   factors [8] out  factors c_k of the strains e_k
+ * Solve a linear system with as many equations as unknowns by elimination. If its rank r is below
+ * eight, the last 8 - r unknowns in the order of the pivots are set to 0, and the last 8 - r
+ * equations must be satisfied up to rounding errors. An unknown that is as small as a rounding
+ * error is set to 0.
+ *   factors [8] out  unknowns: factors c_k of the warping correction (warp.h)
  * Returns 0, or -1 if an equation is not satisfied or a number is not finite.
  */
 static int solve(tilt_system *equations, double factors[ROWS])

@@ -52,9 +52,10 @@ typedef struct plant {
                                 factors, temperature change (K) */
     double rows[PLANT_ROWS]; /* displacements of the target nodes, then those at the sensors (length
                                 unit of the scene) */
-    double deviation[PLANT_ROWS]; /* part of each displacement in `rows` that is vibration: the
-                                     displacement less its value in static equilibrium (length unit
-                                     of the scene) */
+    double deviation[PLANT_ROWS]; /* part of each displacement of the target nodes and at the
+                                     sensors (member `rows`) that is vibration: the displacement
+                                     less its value in static equilibrium (length unit of the scene)
+                                   */
     double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* sensor readings without noise of the last
                                                           PLANT_DELAY + 1 ticks, as a ring buffer:
                                                           the controller receives readings that are
