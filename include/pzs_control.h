@@ -250,9 +250,9 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error);
  * pzs_hold fixes the voltage of one input (V), clamped to the limits of the tables: for example 0 V
  * for a dead electrode, or the last voltage for a stuck one. pzs_release lets the controller choose
  * it again. The next call of pzs_tick or pzs_step applies the fixed voltage at once, even beyond
- * the step limit (warning PZS_W_STEP_LIMIT). A problem with limits of sums of voltages is
- * different: the fixed voltage is reached gradually, within all step limits and limits of sums
- * (warning PZS_W_LIMIT_ROWS). Meanwhile all other voltages move towards the safe voltages of
+ * the step limit (warning PZS_W_STEP_LIMIT). Where sums of voltages are
+ * limited, the fixed voltage is reached gradually instead, within all step limits and limits of
+ * sums (warning PZS_W_LIMIT_ROWS). Meanwhile all other voltages move towards the safe voltages of
  * pzs_limit_rows; then the controller chooses them again. Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
  * PZS_E_NONFINITE.
  */

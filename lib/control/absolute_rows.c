@@ -8,10 +8,10 @@
  * While no voltage changes its sign, such a limit is a limit of a weighted sum of voltages, whose
  * coefficients are the weights with the signs of the voltages. Therefore this file chooses a sign
  * for each input and bounds each voltage at 0 V as well; row_solver.c optimises the voltages with
- * these signs. At the optimum some voltages are at 0 V. A voltage at 0 V whose change of sign
- * lowers the objective gets the other sign, and row_solver.c optimises again. The voltages always
- * obey the bounds of the next optimisation, so that the objective never rises. It falls each time,
- * so that no choice of signs occurs twice and their number is finite.
+ * these signs. At the optimum some voltages are at 0 V. Where a reversal of the sign chosen for
+ * such a voltage lowers the objective, the sign is reversed, and row_solver.c optimises again. The
+ * voltages always obey the bounds of the next optimisation, so that the objective never rises. It
+ * falls each time, so that no choice of signs occurs twice and their number is finite.
  *
  * The tableau of row_solver.c has a row for each input and a row for each limited sum. When signs
  * change, only the rows of the sums of absolute values must be computed again. Such a row is the
@@ -60,12 +60,12 @@ static void add_forces(const rows_run *run, pzs_real *force)
 
 /*
  * Return by how much input i, whose voltage is 0 V in a sum of absolute values, violates the
- * optimality (KKT) conditions because its voltage could get the other sign (m2/V). The result is
- * positive if the change of sign lowers the objective. Let s = 1 or -1 be the present sign, g the
- * gradient without the limits of sums of absolute values, and f the slope that these limits add on
- * each side of 0 V. A step from 0 V in the direction s changes the objective at the rate s g + f,
- * which is s times the reduced gradient. A step in the direction -s changes it at the rate -s g +
- * f; the function returns the negative of this rate.
+ * optimality (KKT) conditions because the sign chosen for its voltage could be reversed (m2/V). The
+ * result is positive if the reversal lowers the objective. Let s = 1 or -1 be the chosen sign, g
+ * the gradient without the limits of sums of absolute values, and f the slope that these limits add
+ * on each side of 0 V. A step from 0 V in the direction s changes the objective at the rate s g +
+ * f, which is s times the reduced gradient. A step in the direction -s changes it at the rate -s g
+ * + f; the function returns the negative of this rate.
  *   reduced in  gradient of the input minus the contributions of all active limits of sums (m2/V)
  *   force   in  slope f (m2/V), which add_forces computes
  */

@@ -59,7 +59,7 @@
 #define SWEEPS 6u
 /*
  * Before the dual active-set method replaces its active set (inputs at a bound) by an estimate, it
- * makes up to (number of inputs) / TRIAL_PART ordinary iterations, which often suffice if few
+ * makes ordinary iterations: up to (number of inputs) / TRIAL_PART. They often suffice if few
  * inputs end at their bounds.
  */
 #define TRIAL_PART 4u
@@ -338,8 +338,9 @@ uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- iterations of the dual method ----------------------------------- */
 
 /*
- * Whether the work limit of the optimiser allows `cost` more multiply-adds and the end of the
- * present round (sequence of iterations). At the end the gradient may have to be computed twice.
+ * Whether the work limit of the optimiser allows `cost` more multiply-adds now. Work is kept in
+ * reserve for the end of the present round (sequence of iterations): two products of the Hessian
+ * with a vector, because the gradient may have to be computed twice there.
  */
 static bool affords(pzs_optimiser *optimiser, uint64_t cost)
 {
@@ -477,8 +478,8 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
  *   sense in      sign of the change of the multiplier of the free input: 1 or -1
  *   part  in/out  in: size of this change in the whole iteration (m2/V); out: its size when the
  *                 multiplier of the found input becomes zero, unchanged if none is found
- * Returns the place of the found input in optimiser->order, the list of the active inputs, or
- * active_count, the length of the list, if no multiplier becomes zero.
+ * Returns the place of the found input in the list optimiser->order of the active inputs. If no
+ * multiplier becomes zero, returns the length active_count of the list.
  */
 static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
 {

@@ -500,11 +500,11 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
 }
 
 /*
- * Return the next voltage at which a play (element with backlash) begins to move, in the search for
- * the voltage of an electrode with a wanted effect (voltage that would move the structure as far
- * without hysteresis). The plays begin to move in the order of their slack, each as soon as the
- * voltage has used up its slack. The result is relative to the middle of the voltage range, in the
- * direction of the search (V); it is infinite if all plays move already.
+ * Part of the search for the voltage with a wanted effect (voltage that would move the structure as
+ * far without hysteresis): return the next voltage at which a play (element with backlash) begins
+ * to move. The plays begin to move in the order of their slack, each as soon as the voltage has
+ * used up its slack. The result is relative to the middle of the voltage range, in the direction of
+ * the search (V). It is infinite if all plays move already.
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -534,10 +534,10 @@ static pzs_real next_knot(const effect_walk *walk)
 }
 
 /*
- * Note that the search for a voltage with a wanted effect (voltage that would move the structure as
- * far without hysteresis) has used up the slack of one more play (element with backlash), the next
- * in the order of slack. From here on the play moves with the voltage, so that its weight is added
- * to the slope of the effect. The weight differs below and above the middle of the voltage range.
+ * Part of the search for the voltage with a wanted effect (voltage that would move the structure as
+ * far without hysteresis): one more play (element with backlash) has used up its slack, the next in
+ * the order of slack. From here on the play moves with the voltage, so that its weight is added to
+ * the slope of the effect. The weight differs below and above the middle of the voltage range.
  */
 static void move_play(effect_walk *walk)
 {

@@ -98,9 +98,9 @@ struct pzs_limit_row_calls {
  */
 struct pzs_absolute_row_calls {
     /*
-     * Choose for each input in a limited sum of absolute values of voltages the sign that its
-     * voltage keeps in the next iterations, and adapt the bounds and the matrix of the optimiser to
-     * a changed choice. The present voltages always have the chosen signs, and a voltage at 0 V may
+     * For each input in a limited sum of absolute values of voltages, choose the sign that its
+     * voltage keeps in the next iterations. Adapt the bounds and the matrix of the optimiser to a
+     * changed choice. The present voltages always have the chosen signs, and a voltage at 0 V may
      * have either.
      *   may_cross in  whether to reverse the sign chosen for a voltage at 0 V where this lowers the
      *                 objective

@@ -195,9 +195,9 @@ static void set_scales(const rows_run *run)
 
 /*
  * Begin to compute the optimiser's tableau anew: set its start matrix and mark all voltages and
- * limited sums as active. The start matrix has the Hessian in the upper left part, with the shift
- * of its diagonal, the negative scaled coefficients of the limited sums below and to the right of
- * it, and zeros elsewhere. A pivot exchange (elimination step) for each input, which
+ * limited sums as active. The upper left part of the start matrix is the Hessian with the shift of
+ * its diagonal. The parts below and to the right of it are the negative scaled coefficients of the
+ * limited sums. The rest is zero. A pivot exchange (elimination step) for each input, which
  * complete_tableau makes, then gives the tableau T: if the multipliers change by dm, voltages and
  * limited sums change by -T dm.
  */

@@ -366,7 +366,7 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 
 /*
  * Whether free motions are left out of info.innovation. Free motions are shapes, such as rigid
- * motions, that may be added to the target at no cost. Neither the predicted readings nor the
+ * motions, any amount of which may be added to the target. Neither the predicted readings nor the
  * vibration modes include them. The result is true if the target has free motions, every target
  * node is measured, and some vibration modes are observed. Then info.innovation reports only the
  * part of the innovations (readings minus predicted readings) that the vibration modes explain.

@@ -6,15 +6,15 @@
  * with the element coordinates xi1 and xi2. Let s_m(p) be the value (1 or -1) of mode m at node p.
  * Apart from this sign, all modes depend on the displacements of the nodes in the same way. One
  * array A of nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every
- * mode: with the columns A_r of node r, the strains of mode m per unit of each degree of freedom of
- * node r are s_m(r) A_r. Let D_m be the stiffness of mode m. The stresses at node p, per unit of
- * each degree of freedom of node r, are
- *   Y_pr = sum over m of s_m(p) s_m(r) D_m A_r,
- * and the block of the tangent stiffness with the rows of node p and the columns of node r is
+ * mode. Let A_r be its columns for node r, and D_m the stiffness of mode m. The strains of mode m
+ * per unit of each degree of freedom of node r are s_m(r) A_r. The stresses at node p, per unit of
+ * the same degrees of freedom, are
+ *   Y_pr = sum over m of s_m(p) s_m(r) D_m A_r.
+ * The rows of node p and the columns of node r in the tangent stiffness are
  *   K_pr = A_p^T Y_pr + geometric part,  p, r = 0 to 3.
  * The columns are the six degrees of freedom of each of the four nodes (mean, difference over the
- * thickness), followed by the seventh degree of freedom of the four nodes (q, excess of the middle
- * surface over the faces), which contributes to five of the ten strains only.
+ * thickness), followed by the seventh degree of freedom of the four nodes. The seventh, q, is the
+ * excess of the middle surface over the faces; it contributes to five of the ten strains only.
  */
 #include "../model/shell.h"
 #include "../model/shell_corner.h"
@@ -283,9 +283,10 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Compute a weighted sum of rows: the sum over i of factor[i * stride] times row[i]. Only four
- * columns are computed, those of the seventh degree of freedom q of the four nodes (displacement of
- * the middle surface minus the mean of both faces), and only rows that q contributes to are added.
+ * Compute a weighted sum of rows in four columns: the sum over i of factor[i * stride] times
+ * row[i]. The columns are those of the seventh degree of freedom q of the four nodes, the
+ * displacement of the middle surface minus the mean of both faces. Only rows that q contributes to
+ * are added.
  *   to    [4] out  result
  *   row       in   rows of strains or stresses per unit of each nodal degree of freedom
  *   count     in   number of rows that q contributes to. These are the first rows; if the number is
