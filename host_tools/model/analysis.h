@@ -163,9 +163,10 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
                    char *error);
 
 /*
- * Fill analysis->input_value and analysis->charge: for the solver's last equilibrium, or for the
- * linear structure under the given input values. The functions that compute displacements call this
- * function.
+ * Fill analysis->input_value (values of all inputs) and analysis->charge (charges of the
+ * electrodes) for a displacement that was just computed. Under nonlinear kinematics they are those
+ * of the equilibrium solver's last equilibrium, and `value` is not read. Otherwise they are
+ * computed for the linear structure under `value`.
  *   value [inputs] in  input values; entries of open electrodes, whose voltages are computed, are
  *       ignored
  */

@@ -37,17 +37,17 @@ static bool face_is_bare(const bare_faces *bare, int layer, int face)
 /* ---- connected parts -------------------------------------------------- */
 
 /*
- * Sets of connected slots, as trees. A slot is a node on an interface between layers. Only slots
- * that are `used` have a potential. The parents of a slot lead to the root of its set. A set is
- * grounded if one of its layers has a face that is an electrode at 0 V.
+ * Disjoint sets of slots (union-find). A slot is a node on an interface between two layers or on an
+ * outer face of the laminate. Slots on bare faces (without electrodes) of the same layer in the
+ * same element belong to the same set. A set without an electrode at 0 V determines its potentials
+ * only up to a constant.
  */
 typedef struct slot_sets {
-    bool *used, *grounded; /* [slots] A slot is a node on an interface between two layers; connected
-                              slots form a set. used: whether the slot has a potential. grounded: at
-                              the root of a set, whether the set is connected with an electrode at 0
-                              V */
-    size_t *parent; /* [slots] parent of each slot (node on an interface between layers) in the tree
-                       of its set of connected slots; a root is its own parent */
+    bool *used, *grounded; /* [slots] used: whether the node on this interface has an electric
+                              potential. grounded: only valid at the root of a set of connected
+                              nodes: whether a layer of the set has an electrode at 0 V */
+    size_t *parent; /* [slots] parent of each node on an interface between layers, in the tree of
+                       its set of connected nodes; the root of a tree is its own parent */
 } slot_sets;
 
 static size_t root_of(const slot_sets *sets, size_t slot)
@@ -66,8 +66,9 @@ static void join(slot_sets *sets, size_t first, size_t second)
 }
 
 /*
- * Mark the slots (nodes on interfaces between layers) of the bare faces (without electrodes) of one
- * layer in one element as used, and connect them.
+ * Mark the nodes of one element on the bare faces (without electrodes) of one layer as used, and
+ * join all of them to one set of connected nodes. If the other face of the layer has an electrode,
+ * the set is grounded.
  */
 static void join_element(const bare_faces *bare, int layer, int element, slot_sets *sets)
 {

@@ -75,8 +75,10 @@ bool bare_faces_resultants(const bare_faces *bare, int potential, int element,
                            double h0[LAMINATE_STRAINS]);
 
 /*
- * List the numbers of the eight electric potentials of a layer in an element (four corners on two
- * faces), in the order of potential_element.h; -1 where the potential is 0 (number [8] out).
+ * List the eight electric potentials of a layer in an element (four corners on two faces), in the
+ * order of potential_element.h.
+ *   number [8] out  index of each potential among all unknown potentials of bare faces (without
+ *       electrodes), counted from 0; -1 where the potential is 0
  */
 void bare_faces_numbers(const bare_faces *bare, int layer, int element,
                         int number[POTENTIAL_NODES]);

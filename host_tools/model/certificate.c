@@ -27,17 +27,18 @@ static const double decayed = 20;
  * states:
  *   e     deviation of the modal coordinate from equilibrium under the mean output voltages
  *   p     modal velocity divided by the angular frequency
- *   h     [delay + 1] static coordinates under the voltages by which the controller reacts to the
- *         measured shape, for the last delay + 1 measurements, the newest first
+ *   h     [delay + 1] static coordinates under the voltages by which the controller answers the
+ *       measured shape, for the last delay + 1 measurements, the newest first
  *   and where the amplifiers lag, static coordinates under two sets of voltages: their output
- *   voltages at the tick, and their mean output voltages in the interval before the tick
- * The controller subtracts the voltages: those that it commands at tick t have the static
- * coordinate -h of the measurement at tick t - delay.
+ *       voltages at the tick, and their mean output voltages in the interval before the tick
+ * The controller acts against what it measures. A measurement arrives `delay` ticks late, so that
+ * the static coordinate under the voltages commanded at tick t is -h of the measurement at tick t -
+ * delay.
  */
 typedef struct transition {
-    const double *loop; /* [modes][stride] loop matrix. The controller reacts to a measured unit of
-                           mode j by subtracting voltages. Entry (i, j) is the modal coordinate of
-                           mode i in static equilibrium under the subtracted voltages. */
+    const double *loop; /* [modes][stride] loop matrix. If the controller measures mode j with the
+                           coordinate 1, it subtracts certain voltages from those commanded. Entry
+                           (i, j) is the static modal coordinate of mode i under these voltages. */
     size_t stride, modes, order;
     const certificate_conditions *conditions;
     double kept, behind; /* kept: fraction of the difference between command and output voltage of
@@ -53,10 +54,11 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add to a row of the transition matrix `factor` times the coordinate h that the controller
- * measures for vibration mode i at the coming tick. This is a sum of two terms. One is the
- * vibration e of all modes, multiplied by the loop matrix. The other is the true static coordinate
- * under the present voltages minus the one that the model predicts for them.
+ * Add to a row of the transition matrix `factor` times h, the coordinate of vibration mode i that
+ * the controller measures at the coming tick and answers with voltages. It is a sum of two terms.
+ * One is the loop matrix times the deviations e of all modes from equilibrium. The other is the
+ * static coordinate of mode i that the voltages really cause, minus the one that the model
+ * predicts.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {
@@ -73,7 +75,7 @@ static void add_measured(const transition *transition, double *row, size_t i, do
 /*
  * Add to a row of the transition matrix `factor` times the static coordinate of vibration mode i
  * (its modal coordinate in equilibrium) under the voltages that are commanded at the coming tick.
- * It is minus the measured coordinate h of the tick `delay` ticks earlier.
+ * This coordinate is -h, with h the coordinate that the controller measured `delay` ticks before.
  */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {
@@ -98,12 +100,12 @@ static void add_driven(const transition *transition, double *row, size_t i, doub
 }
 
 /*
- * Fill the two rows of vibration mode i in the transition matrix. Its states are e, the deviation
- * of the modal coordinate from static equilibrium, and the modal velocity p, divided by the angular
- * frequency. The amplifiers' mean output voltage differs from one tick interval to the next, which
- * moves the equilibrium at the tick by `change`. This is the motion that the model predicts, times
- * conditions->gain (static response of the structure, divided by that of the model). Until the next
- * tick, the mode vibrates freely, with the 2 x 2 propagator `turn`:
+ * Fill the two rows of vibration mode i in the transition matrix for its states e, the deviation of
+ * the modal coordinate from static equilibrium, and p, the modal velocity divided by the angular
+ * frequency. At the tick the mean output voltages of the amplifiers change, and the equilibrium
+ * moves by `change`. In the model, `change` is the static coordinate after the tick minus that
+ * before; in the structure it is conditions->gain times as large. Until the next tick, the mode
+ * vibrates freely, with the 2 x 2 propagator `turn`:
  *     e' = turn[0] (e - change) + turn[1] p
  *     p' = turn[2] (e - change) + turn[3] p
  */
@@ -124,10 +126,10 @@ static void fill_vibration(const transition *transition, size_t i, const double 
 }
 
 /*
- * Fill the other rows of vibration mode i in the transition matrix. One row computes the newest
- * measured coordinate h. The next `delay` rows copy the older ones, each to the place of the one
- * before it. If the amplifiers lag, two more rows advance the static coordinates under their output
- * voltages and their mean output voltages.
+ * Fill the rows of vibration mode i in the transition matrix for the states that hold former
+ * values. One row computes the newest measured coordinate h. Each of the next `delay` rows takes
+ * over the value of the measurement one tick newer. If the amplifiers lag, two more rows advance
+ * the static coordinates under their output voltages and their mean output voltages.
  */
 static void fill_memory(const transition *transition, size_t i)
 {

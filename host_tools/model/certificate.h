@@ -31,10 +31,11 @@ enum {
 #define CERTIFICATE_TOLERANCE 0.05
 
 /*
- * Time within which the control loop must leave only 5 % of the effect of a suddenly applied load
- * (periods of the first observed vibration mode), where this mode turns by less than
- * CERTIFICATE_ANGLE (rad) in a tick. A control tick with fewer ticks in a period cannot damp the
- * mode in full, and follows loads slowly.
+ * CERTIFICATE_LOAD_STEP: longest permitted time until the control loop has reduced the effect of a
+ * suddenly applied load to 5 % (periods of the first observed vibration mode). It applies if the
+ * phase angle of this mode in a tick (angular frequency times tick interval) is below
+ * CERTIFICATE_ANGLE (rad). At a larger angle, the ticks in a period are too few to damp the mode in
+ * full and to follow loads quickly.
  */
 #define CERTIFICATE_LOAD_STEP 2.0
 #define CERTIFICATE_ANGLE 0.6
@@ -114,14 +115,16 @@ typedef struct certificate_loop {
                      is larger. The reference norm is the root mean square norm of the shapes under
                      half the voltage range of all amplifiers with random signs. */
     double worst_gain, worst_frequency,
-        worst_step; /* static response to voltages and natural frequencies, relative to the
-                       controller's model, of the structure in the worst storm (simulation with fast
-                       target jumps), and its step limit relative to the scene's */
+        worst_step; /* worst_gain, worst_frequency: static response to voltages and natural
+                       frequencies of the structure in the worst storm (simulation with fast target
+                       jumps), both relative to the controller's model. worst_step: step limit of
+                       the voltages in this storm, relative to that of the scene */
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
     double load_step; /* time until 5 % of the effect of a suddenly applied load are left (periods
-                         of the first observed vibration mode), the longest of a few loads; 8 or
-                         more: longer; NAN: no mode is observed, or no load can be compensated */
+                         of the first observed vibration mode), the longest of a few loads.
+                         Simulations end after 8 periods, so that 8 or more means: not reached. NAN:
+                         no mode is observed, or no load can be compensated */
     double angle; /* phase angle of the first observed vibration mode in a tick (rad); 0: no mode
                      is observed */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file

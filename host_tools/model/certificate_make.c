@@ -24,8 +24,9 @@ enum {
                           loop is computed (ticks) */
     RATE_LIMIT = 2000, /* largest number of tick rates for which stability of the control loop is
                           checked */
-    PHASES = 8, /* number of tick intervals for which the stability of the control loop is tested;
-                   they differ by fractions of the period of the first vibration mode */
+    PHASES = 8, /* number of tick intervals for which the stability of the control loop is tested at
+                   one tick rate, if an interval contains several periods of vibration; each is
+                   1/PHASES of the first mode's period longer than the one before */
     STARTS = 4  /* largest number of tick rates, each a quarter of the one before, that are tried to
                    find one at which the control loop is stable */
 };
@@ -239,10 +240,10 @@ static bool fill_gains(gains *gains)
 }
 
 /*
- * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions. The
- * controller reacts to a measured unit of mode j by subtracting voltages. Entry (i, j) is the modal
- * coordinate of mode i in static equilibrium under the subtracted voltages. The caller frees the
- * matrix; it is NULL where it cannot be computed.
+ * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions. If
+ * the controller measures mode j with the coordinate 1, it subtracts certain voltages from those
+ * commanded. Entry (i, j) is the modal coordinate of mode i in static equilibrium under these
+ * voltages. The caller frees the matrix; it is NULL where it cannot be computed.
  */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
                           bool *assumes_measured)
@@ -273,9 +274,9 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 
 /*
  * Control loop whose stability is tested.
- *   matrix    [modes][modes] loop matrix. The controller reacts to a measured unit of mode j by
- *             subtracting voltages. Entry (i, j) is the modal coordinate of mode i in static
- *             equilibrium under the subtracted voltages
+ *   matrix    [modes][modes] loop matrix. If the controller measures mode j with the coordinate 1,
+ *       it subtracts certain voltages from those commanded. Entry (i, j) is the modal coordinate of
+ *       mode i in static equilibrium under these voltages
  *   square    [modes] squared angular frequencies (rad^2/s^2)
  *   damping   [modes] damping ratios
  *   delay     delay of the sensor readings (ticks)

@@ -15,9 +15,9 @@
 typedef struct compact_cost {
     double full; /* time to compute the nodal forces of one element where all tables of its element
                     type are stored (s) */
-    double compact; /* time for the nodal forces of the same element if its type stores only the
-                       tables that a device cannot compute from the nodes. The time includes the
-                       computation of the other tables (s) */
+    double compact; /* time to compute the nodal forces of one element where its element type is
+                       compact (s): only those tables are stored that do not follow from the
+                       positions of the nodes, and the others are computed first */
     double matrix;  /* time for the stiffness matrix of the element from a full element type (s) */
 } compact_cost;
 

@@ -27,9 +27,10 @@ enum { MODE_LIMIT = 200 };
 static const double visible = 1e-3;
 
 /*
- * Gain per tick of the low-pass filter for the residual readings, where the damping stage observes
- * no vibration mode. All sensor readings are then residual. The gain is slow_part x damping ratio x
- * angular frequency x tick interval of the first vibration mode, and at most slow_limit.
+ * Gain per tick of a low-pass filter for the part of the sensor readings that observed vibration
+ * modes do not explain, if the control tick observes no mode: the filter then receives the whole
+ * readings. The gain is slow_part x damping ratio x angular frequency x tick interval of the first
+ * vibration mode, and at most slow_limit.
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -269,10 +270,11 @@ static void fill_noise(const builder *builder, double *noise)
 }
 
 /*
- * Compute the weight of each sensor, the inverse variance of its noise, for the fit of vibration
- * modes to readings. Where every target node is measured, the weights are 1, or the squared target
- * weights if the target has free functions (shapes that may be added at no cost). All weights are
- * scaled so that the weighted readings of a mode have a root mean square of about 1.
+ * Compute the weight of each sensor in the fit of vibration modes to readings. If sensors measure
+ * the shape, it is the inverse variance of the sensor's noise. If every target node is measured, no
+ * noise is known. The weight is then 1, or the squared target weight if the target has free
+ * functions (shapes that may be added at no cost). All weights are scaled so that the weighted
+ * readings of a mode have a root mean square of about 1.
  */
 static void fill_precision(builder *builder)
 {

@@ -131,8 +131,9 @@ typedef struct doubling {
     size_t n;
     double *a, *g, *h; /* [n][n] matrices that each iteration of the structured doubling replaces; h
                           converges to the solution of the vibration observer's Riccati equation */
-    double *w, *work, *aw, *other; /* [n][n] work matrices; w: inverse of (unit matrix + g h), with
-                                      the iterates g and h of the doubling; aw: product of the
+    double *w, *work, *aw, *other; /* [n][n] work matrices of one iteration of the structured
+                                      doubling algorithm. w: inverse of (unit matrix + g h), with
+                                      the present iterates g and h; aw: product of the present
                                       iterate a and w */
     double *memory;
 } doubling;

@@ -12,9 +12,9 @@
  * transition matrix A, scaled readings C per unit of each state, and process noise Q, the
  * covariance P solves the Riccati equation P = A P A' - A P C' (C P C' + 1)^-1 C P A' + Q.
  *
- * All settings are dimensionless. Noise settings are relative to the noise of the sensors. Times
- * and rates are relative to the phase angle of a mode in a tick, its angular frequency times the
- * tick interval.
+ * All settings are dimensionless. Noise settings are divided by the noise of the sensors. Damping,
+ * frequency limits and rates are given in terms of the phase angle of a mode in a tick, which is
+ * its angular frequency times the tick interval (rad).
  */
 #ifndef DAMPER_GAINS_H
 #define DAMPER_GAINS_H
@@ -27,30 +27,32 @@
  * frequency times the tick interval.
  */
 typedef struct damper_settings {
-    double damping; /* damping per radian: in a tick, the voltages move the static equilibrium of a
-                       vibration mode by this number x phase angle of the mode in a tick (rad) x
-                       deviation of the mode from its equilibrium */
+    double damping; /* strength of the damping (dimensionless). In each tick, the voltages move the
+                       static equilibrium of a vibration mode by c times the mode's present
+                       deviation from its equilibrium. The factor c is `damping` times the phase
+                       angle of the mode in a tick (angular frequency times tick interval, rad) */
     double cut; /* phase angle in a tick (angular frequency times tick interval, rad) up to which a
                    vibration mode is damped in full; modes with more than twice this angle are not
                    damped */
-    double observed; /* upper limit of the phase angle in a tick (angular frequency times tick
-                        interval, rad) of the vibration modes that the observer estimates */
-    double follow; /* factor in the fraction of the distance to the statically optimal voltages that
-                      one control tick covers. The fraction is `follow` x angular frequency of the
-                      first vibration mode x tick interval, and at most follow_limit. */
+    double observed;     /* upper limit of the phase angle in a tick (angular frequency times tick
+                            interval, rad) of the vibration modes that the observer estimates */
+    double follow;       /* speed at which the voltages approach the statically optimal voltages
+                            (dimensionless). In one control tick they cover the fraction f of the
+                            distance: f = `follow` times angular frequency of the first vibration
+                            mode times tick interval, and at most follow_limit */
     double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
                             voltages that the voltages cover in one control tick */
     double mix;  /* A vibration mode's deviation from its static equilibrium is computed twice: from
                     its position, with the weight 1 - mix, and from the change of its velocity, with
                     the weight mix (0 to 1). */
-    double kick; /* process noise of the observer for the first vibration mode: root mean square of
-                    the random change per tick of its velocity divided by its angular frequency. The
-                    unit is the standard error of the modal coordinate in a fit to the readings of
-                    one tick. */
-    double drift; /* process noise of the observer for the first vibration mode: root mean square of
-                     the random change per tick of its static coordinate under the loads. The unit
-                     is the standard error of the modal coordinate in a fit to the readings of one
-                     tick. */
+    double kick; /* root mean square of the random change of the first mode's velocity in one tick
+                    that the observer assumes (process noise). The velocity is divided by the
+                    angular frequency. The unit is the standard error of the modal coordinate in a
+                    fit to the readings of one tick */
+    double drift; /* root mean square of the random change of the loads in one tick that the
+                     observer assumes (process noise), in terms of the static displacement of the
+                     first mode under the loads. The unit is the standard error of the modal
+                     coordinate in a fit to the readings of one tick */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus
                      those of the observed vibration modes */
     int later; /* number of ticks by which the readings are assumed to be older than the scene file

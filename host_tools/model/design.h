@@ -76,12 +76,14 @@ typedef struct design {
     const scene *scene; /* the scene from which this numerical model is built, used only by the
                            functions that build the numerical model */
     mesh mesh;
-    pzs_structure structure; /* Inputs in this order: amplifiers, loads, extra inputs, electrodes of
-                                sensors, potentials of bare faces (without electrodes). Outputs:
-                                target nodes, then named outputs. The extra inputs exist under
-                                nonlinear kinematics and have empty columns: one for each follower
-                                load in the order of loads, one for prescribed displacements, one
-                                for the motion of a contact's body. */
+    pzs_structure structure; /* linear structure. Its inputs are, in this order: amplifiers, loads,
+                                extra inputs, electrodes of sensors, potentials of bare faces
+                                (without electrodes). Its outputs are the target nodes, then the
+                                named outputs. Extra inputs exist under nonlinear kinematics, where
+                                the equilibrium solver computes their forces, so that their columns
+                                of linear nodal forces are empty: one for each follower load in the
+                                order of loads, one for prescribed displacements, one for the motion
+                                of a contact's body. */
     pzs_electrodes electrodes; /* electrodes of the amplifiers and of the sensors, and potentials of
                                   bare faces (without electrodes); empty unless the scene has
                                   sensors or bare faces or asks for charges */
@@ -191,8 +193,8 @@ int design_control(design *design, const double *influence, char *error);
 
 /*
  * Compute the voltage limits of every amplifier.
- *   common  in  source of the limits that all amplifiers share; LIMITS_SCENE copies the limits that
- *           design_control computed from the scene file
+ *   common  in  common limits of all amplifiers: those of the scene file (LIMITS_SCENE, as
+ *       design_control has computed them), given limits (LIMITS_GIVEN), or none (LIMITS_NONE)
  *   lower, upper  [amplifiers] out  voltage limits (V)
  * Returns 0, or -1 with error filled where no voltage is allowed for an amplifier.
  */

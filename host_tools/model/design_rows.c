@@ -40,10 +40,10 @@ static double row_sum(const scene_limit_row *row, const double *voltage)
 }
 
 /*
- * Move voltages [amplifiers] by the shortest distance to where a weighted sum of their absolute
- * values is at most `limit` (V). Each absolute value falls by its weight times the number `common`,
- * but not below zero. The number is found iteratively: it is computed for the voltages that stay
- * above 0 V. More voltages may then reach 0 V, so that it is computed again for the others.
+ * Project voltages [amplifiers] on the set where a weighted sum of their absolute values is at most
+ * `limit` (V): each absolute value falls by c times its weight, but not below 0. The number c
+ * (`common`) is found iteratively. It is first computed as if no voltage reached 0, then again
+ * without those that do, until no further voltage reaches 0.
  */
 static void shrink(const scene_limit_row *row, double limit, double *voltage)
 {
@@ -67,9 +67,9 @@ static void shrink(const scene_limit_row *row, double limit, double *voltage)
 }
 
 /*
- * Move voltages [amplifiers] by the shortest distance to where they obey limit row k (limits of a
- * weighted sum of voltages), tightened by the distance of safe_margin. Returns by how much the sum
- * exceeded the tightened limit (V), minus half of this distance, and at least 0.
+ * Project voltages [amplifiers] on the set that satisfies limit row k (limits of a weighted sum of
+ * voltages), with its limits tightened by safe_margin. Returns by how much the sum exceeded a limit
+ * that is tightened by half of safe_margin (V), at least 0.
  */
 static double project(const design *design, int k, double *voltage)
 {
@@ -163,8 +163,9 @@ static void name_clash(const design *design, const bool *is_used, char *text, si
 }
 
 /*
- * Reduce the limit rows (limits of sums of voltages) to a smallest set that no voltages inside the
- * voltage limits can obey: a row is removed if the other rows still contradict each other.
+ * For an error message, reduce a contradictory set of limit rows (limits of sums of voltages) to a
+ * minimal one: no voltages inside the voltage limits satisfy all its rows, but if any one row is
+ * left out, some do.
  *   is_used [rows] in/out  true: the row belongs to the set
  */
 static void reduce_clash(const design *design, const double *lower, const double *upper,

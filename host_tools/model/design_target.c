@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Rows of the target on constrained dof, and the free functions of the target, which may be added
- * to it at no cost (design.h). With W the weights and F the free functions at the target nodes, the
- * projector P = I - F (F'W^2 F)^-1 F'W^2 removes from a vector its weighted least-squares fit by F.
- * The columns of F are orthonormalised in the weighted scalar product, so that F'W^2 F = I.
+ * Target rows (controlled displacements) that no voltage can change, because they depend on
+ * constrained dof alone; their weights are set to 0. Also the free functions of the target, which
+ * may be added to it at no cost (design.h).
+ *
+ * With W the weights and F the free functions at the target nodes, the projector P = I - F (F'W^2
+ * F)^-1 F'W^2 removes from a vector its weighted least-squares fit by F. The columns of F are
+ * orthonormalised in the weighted scalar product, so that F'W^2 F = I.
  */
 #include "design.h"
 #include <float.h>

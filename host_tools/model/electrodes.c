@@ -79,8 +79,8 @@ static void all_across(const design *design, int element, across_list *list)
 }
 
 /*
- * Return the fraction of an element's area in which two electrodes overlap, from 0 to 1. Electrodes
- * of one layer do not overlap.
+ * Return the fraction (0 to 1) of an element's area that is covered by both of two electrodes. It
+ * is 0 for different electrodes on the same layer, because these do not overlap.
  */
 static double common_share(const design *design, int element, const across *one,
                            const across *other)

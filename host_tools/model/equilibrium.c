@@ -23,7 +23,8 @@ typedef struct resultant_builder {
     uint16_t *element, *which;
     double (*value)[LAMINATE_STRAINS];
     size_t entries, room, values, room_values;
-    bool is_full; /* true after an allocation of memory for the prescribed resultants has failed */
+    bool is_full; /* true after memory for the stress resultants that voltages and temperatures
+                     cause at zero strains could not be allocated */
 } resultant_builder;
 
 /*

@@ -28,9 +28,10 @@ typedef struct equilibrium {
     double *full_input; /* [inputs] input values of the scene at full load: load factors and applied
                            voltages (V) */
     void *work, *contact_work, *circuit_work;
-    size_t work_bytes, contact_bytes, circuit_bytes; /* sizes of the workspaces of the equilibrium
-                                                        solver, the contact and the circuit of open
-                                                        electrodes (bytes) */
+    size_t work_bytes, contact_bytes, circuit_bytes; /* sizes of three workspaces (bytes): of the
+                                                        equilibrium solver, of the contact, and of
+                                                        the open electrodes, whose unknown voltages
+                                                        are computed */
 } equilibrium;
 
 /*

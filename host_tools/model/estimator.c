@@ -32,11 +32,12 @@ typedef struct estimation {
     double *eigenvector; /* [sensors][sensors] eigenvectors, as columns, of the covariance of the
                             sensor readings, each reading divided by the noise of its sensor */
     double *target_part, *side, *direction,
-        *rotated; /* work arrays. target_part [disturbances]: response of one combination of
-                     displacements to each disturbance (load or voltage error). side [sensors]:
-                     right-hand side, then solution, of a linear system. direction [targets]:
-                     combination of displacements. rotated [sensors]: coordinates of `side` in the
-                     basis of eigenvectors. */
+        *rotated; /* work arrays. direction [targets]: weights of a sum of target displacements.
+                     target_part [disturbances]: this sum under each disturbance (load or voltage
+                     error). side [sensors]: right-hand side b, then solution x, of (1 + C) x = b,
+                     where C is the covariance of the sensor readings, each divided by the noise of
+                     its sensor. rotated [sensors]: coordinates of `side` in the basis of the
+                     eigenvectors of C. */
 } estimation;
 
 static int allocate(estimation *estimation)

@@ -19,18 +19,20 @@ typedef struct estimator {
     int sensors, disturbances;
     int rank; /* number of combinations of disturbances (loads and voltage errors) that the sensors
                  distinguish from noise */
-    double condition; /* condition number of the matrix of the sensor readings, each divided by its
-                         noise, per standard deviation of each disturbance (load or voltage error).
-                         It is the ratio of the largest to the smallest singular value; only
-                         singular values above 1, which stand out from the noise, count. */
+    double condition; /* condition number of the matrix whose entry (i, j) is the change of sensor
+                         reading i, divided by the noise of this sensor, under one standard
+                         deviation of disturbance j (load or voltage error). It is the ratio of the
+                         largest to the smallest singular value; only singular values above 1, which
+                         stand out from the noise, count. */
     double disturbed; /* expected root mean square of the shape, weighted with the target weights,
                          under the disturbances (loads and voltage errors), before estimation */
     double remaining; /* expected root mean square of the error of the estimated shape, weighted
                          with the target weights */
-    double worst_disturbed; /* worst_disturbed: expected root mean square, under the disturbances
-                               (loads and voltage errors), of the displacements along the shape
-                               `worst`. worst_remaining: expected root mean square of the estimation
-                               error along this shape. */
+    double worst_disturbed; /* Both belong to the shape in which the estimation error is largest
+                               (member `worst`). worst_disturbed: expected root mean square of the
+                               displacements along this shape under the disturbances (loads and
+                               voltage errors). worst_remaining: expected root mean square of the
+                               estimation error along it. */
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */

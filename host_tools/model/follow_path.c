@@ -248,17 +248,19 @@ static double constrained_change(const arc_search *arc_search, double arc)
                         scalar_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
     /*
-     * Scalar product of two vectors: the displacement increment, and its change per unit of the
-     * load factor. Its sign tells which of two possible increments turns less from the present one.
+     * The quadratic equation for the change of the load factor has two solutions. The sign of this
+     * scalar product, of the displacement increment and its change per unit of the load factor,
+     * selects the solution whose increment deviates less in direction from the present one.
      */
     const double along = scalar_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;
 }
 
 /*
- * Add two changes of displacement and voltages to their increment in an arc-length step: those that
- * the residual forces cause, and those that a change of the load factor causes. Returns the squared
- * norm of the sum of these changes.
+ * Complete one iteration of an arc-length step: change the load factor by `change`, and add two
+ * parts to the increment of displacement and voltages: the part that the residual forces cause
+ * (by_residual), and the part that the change of the load factor causes (change times by_load).
+ * Returns the squared norm of what was added.
  */
 static double add_changes(arc_search *arc_search, double change)
 {

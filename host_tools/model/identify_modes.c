@@ -73,13 +73,13 @@ typedef struct fit {
     double *signal; /* [channels][samples] signal of each channel (weighted sum of the readings),
                        without its mean in each interval of constant voltages (unit of the readings)
                      */
-    double *function, *slope; /* work arrays with one row of samples for each function of time; a
-                                 row is as long as the longest interval of constant voltages.
-                                 function: first BASIS rows orthonormal functions that span a
-                                 constant and the decaying cosine and sine of each vibration mode;
-                                 further rows the derivatives of one fitted signal with respect to
-                                 frequencies and damping ratios. slope: derivatives of the cosines
-                                 and sines with respect to the same. */
+    double *function,
+        *slope; /* work arrays with one row of samples for each function of time; a row is as long
+                   as the longest interval of constant voltages. function: first BASIS rows of
+                   orthonormal functions that span a constant and the decaying cosine and sine of
+                   each vibration mode, then the derivatives of one fitted signal with respect to
+                   the frequencies and damping ratios of the modes. slope: derivatives of the
+                   cosines and sines with respect to these frequencies and damping ratios. */
     double *column; /* work vector for one signal in the longest interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the
@@ -370,8 +370,9 @@ static void add_signal(const fit *fit, size_t count, const double *left,
 }
 
 /*
- * Add the energy of each vibration mode in one signal and one interval of constant voltages,
- * computed from the mode's coefficients of cosine and sine.
+ * Add the energy of each vibration mode in one interval of one signal to normal->energy: the sum
+ * over the samples of the square of the mode's decaying vibration, computed from its coefficients
+ * of cosine and sine.
  */
 static void add_energy(const fit *fit, size_t count, const double coefficient[BASIS],
                        normal *normal)
@@ -781,9 +782,11 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
 {
     for (size_t k = 0; k < columns; k++)
         along[k] = 0;
-    for (size_t i = 0; i < outputs; i++) /* the power iteration for the shape of a vibration mode
-                                            starts from the coefficients of the output that the mode
-                                            moves most */
+    /*
+     * Start vector of the power iteration for the shape of a vibration mode: among the rows of
+     * `part` (one for each output), the one with the largest norm.
+     */
+    for (size_t i = 0; i < outputs; i++)
         if (pzs_linalg_inner(part + i * columns, part + i * columns, (uint32_t)columns) >
             pzs_linalg_inner(along, along, (uint32_t)columns))
             memcpy(along, part + i * columns, columns * sizeof *along);

@@ -18,8 +18,9 @@ static const double quarter_turn = 1.5707963267948966; /* phase angle of a quart
                                                           vibration (rad) */
 
 /*
- * Smallest pivot of the scaled normal matrix of the voltage steps (diagonal entries 1) at which the
- * steps move all actuators independently.
+ * Threshold for the pivots of the normal matrix of the voltage steps, scaled to diagonal entries of
+ * 1. If a pivot is not larger, the record has no independent steps of all actuators, and their
+ * responses cannot be told apart.
  */
 static const double independent = 1e-6;
 

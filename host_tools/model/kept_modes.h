@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration modes of one structure that were computed before, kept because the stability tests of a
- * loop ask for the same numbers of modes again and again. The modes of a number are those of a
- * computation of exactly this number, so that results do not depend on what was asked before.
+ * Store of computed vibration modes of one structure. The stability tests of a control loop ask for
+ * the same numbers of modes again and again. A request for n modes is only answered with a stored
+ * computation of exactly n modes, so that results do not depend on earlier requests.
  */
 #ifndef KEPT_MODES_H
 #define KEPT_MODES_H
 
 #include "vibration.h"
 
-enum { KEPT_MODES_LIMIT = 12 }; /* largest number of results that are kept */
+/* Largest number of sets of vibration modes that are kept, each from one computation. */
+enum { KEPT_MODES_LIMIT = 12 };
 
 typedef struct kept_modes {
-    int count; /* number of results that are kept */
+    int count; /* number of sets of vibration modes that are kept, each from one computation */
     vibration result[KEPT_MODES_LIMIT];
 } kept_modes;
 
@@ -25,8 +26,9 @@ typedef struct kept_modes {
 bool kept_modes_copy(const kept_modes *kept, const design *design, int number, vibration *result);
 
 /*
- * Keep a copy of vibration modes, in place of the fewest modes kept where there is no room. Modes
- * that take too much memory are not kept.
+ * Store a copy of computed vibration modes. If there is no room, the stored sets with the fewest
+ * modes are deleted until there is. A set that exceeds the memory of the store by itself is not
+ * stored.
  */
 void kept_modes_add(kept_modes *kept, const design *design, const vibration *result);
 void kept_modes_free(kept_modes *kept);

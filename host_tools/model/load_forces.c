@@ -19,8 +19,9 @@ static bool has_vector(const scene_load *load)
 
 /*
  * Compute the vector of a load at a node, in the local axes of the node: the direction of the load
- * times its value. If the load asks for it, the value is multiplied by the ratio of true to nominal
- * area of the loaded face. A pressure acts along the thickness direction.
+ * times its value. If the scene gives the load per area of the loaded face, the value is multiplied
+ * by the ratio of this area to the area of the reference surface. A pressure acts along the
+ * thickness direction.
  */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
                         double vector[3])
@@ -50,12 +51,12 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Transform a load vector from the local axes of one node to those of another. With the scene's
- * element formulation `improved`, displacement vectors are interpolated in space, so that a load of
- * fixed direction keeps its direction. With the formulation `published`, components along the local
- * axes are interpolated, so that the load keeps its components. A pressure always keeps its
- * components, because it acts along the normal of the surface. If it were interpolated as a vector
- * between two nodes, it would be too small.
+ * Transform a load vector from the local axes of one node to those of another, so that it can be
+ * interpolated between the nodes. With Cartesian kinematics (element option `cartesian`), a load
+ * with a fixed direction in space keeps this direction. Otherwise, and for loads along local axes
+ * such as a pressure, the vector keeps its components. A pressure is normal to the surface at each
+ * node. If its vectors at two nodes were added in space, their sum would be shorter than the sum of
+ * their sizes.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])
@@ -106,9 +107,10 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
 }
 
 /*
- * Return an integer proportional to the weight of a distributed load's value at the node `column`
- * in the consistent nodal force at the node `row`. With count = 4 nodes it counts 1/36 of the area
- * of an element, with count = 2 nodes 1/6 of the length of an edge.
+ * Return the entry (row, column) of the matrix that maps the values of a distributed load at the
+ * nodes to the consistent nodal forces. The entries are integers. The unit is 1/36 of the area of
+ * an element with four nodes (count = 4), or 1/6 of the length of an edge with two nodes (count =
+ * 2).
  */
 static double consistent_weight(int count, int row, int column)
 {

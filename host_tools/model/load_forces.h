@@ -35,14 +35,15 @@ void load_temperature_resultants(const mesh *mesh, const scene_load *load, int e
 
 /*
  * Compute two base vectors of a face at a corner of an element, from which the nodal forces of a
- * pressure follow, for elements with interpolated displacement vectors (Cartesian kinematics). The
- * base vectors run along the two straight sides (chords) of the element that meet at the corner. A
- * chord over an arc of the angle a is inclined by a/2 to the tangent plane at the corner. This
- * gives the pressure an in-plane nodal force. The inclination is replaced by 1/(a/2) - cot(a/2),
- * about a third of a/2, with which the in-plane nodal forces have the same resultant and moment as
- * the pressure on the arc.
+ * pressure follow, for elements with interpolated displacement vectors (Cartesian kinematics). They
+ * run along the two straight sides (chords) of the element that meet at the corner. A chord over an
+ * arc of the angle a is inclined by a/2 to the tangent plane at the corner, so that the pressure
+ * has an in-plane nodal force. With the inclination a/2 this force would be too large. The
+ * inclination is reduced to 1/(a/2) - cot(a/2), about a third of a/2. The in-plane nodal forces
+ * then have the same resultant and moment as the pressure on the arc.
  *   flat [2][2] out  components of the base vectors in the tangent plane
- *   lean [2]    out  reduced component of each base vector normal to the tangent plane
+ *   lean [2]    out  component of each base vector normal to the tangent plane, with the reduced
+ *       inclination
  * Returns the area that the two base vectors span.
  */
 double load_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],

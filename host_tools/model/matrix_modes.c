@@ -92,9 +92,10 @@ void matrix_modes_response(const scene_influence *measured, size_t amplifiers, s
 typedef struct comparison {
     const scene_influence *measured;
     size_t outputs, modes, amplifiers;
-    double size;    /* sum of the squares of all entries of the influence matrix */
-    double *matrix; /* [outputs][amplifiers] influence matrix, in which pairs of rows are swapped */
-    double *basis;  /* [modes][outputs] orthonormal basis of the mode shapes */
+    double size;      /* sum of the squares of all entries of the influence matrix */
+    double *matrix;   /* [outputs][amplifiers] copy of the influence matrix, in which the search for
+                         outputs in the wrong order swaps pairs of rows */
+    double *basis;    /* [modes][outputs] orthonormal basis of the mode shapes */
     double *triangle; /* [modes][modes] coefficients of the mode shapes in an orthonormal basis of
                          their span */
     double *part; /* [modes][amplifiers] orthonormal basis of the mode shapes times influence matrix
@@ -255,11 +256,11 @@ static void sum_up(const double *value, size_t count, size_t stride, double *sum
 }
 
 /*
- * Return the fraction of the influence matrix's squared entries that the mode shapes leave
- * unexplained on average if their outputs are put in random order. An orthonormal vector x of the
- * mode shapes explains the squared scalar product of x and y in each column y of the matrix. For n
- * entries in random order, the mean of this square is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 -
- * |y|^2)/(n (n - 1)).
+ * Return the fraction of the influence matrix's squared entries that the mode shapes would leave
+ * unexplained on average if the outputs were in random order. With an orthonormal basis of the mode
+ * shapes, each basis vector x explains (x . y)^2 of each column y of the matrix. If the n entries
+ * of y are in random order, the mean of (x . y)^2 over all orders is |x|^2 |y|^2/n + (sum(x)^2 -
+ * |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
  */
 static double random_rest(const comparison *c)
 {

@@ -15,15 +15,18 @@ typedef struct matrix_modes {
                      modes (shape times static responses) explain; negative where responses have a
                      wrong unit */
     double *of_mode; /* [modes] share of the influence matrix (sum of the squares of its entries)
-                        that each vibration mode explains by its static part: its shape times its
-                        displacement under constant voltages */
+                        that each vibration mode explains. Under a constant voltage of one
+                        amplifier, the mode contributes its shape times its static modal coordinate
+                        to the column of the amplifier. */
     int swaps; /* number of pairs of outputs (rows of the influence matrix) that were swapped so
                   that the mode shapes explain more of the matrix */
-    int swapped[2]; /* indices, counted from 0, of the two outputs (rows of the influence matrix)
-                       that were swapped first */
-    double random_rest; /* value that `rest` would have on average if the outputs of the mode shapes
-                           were in random order. A value of `rest` near it suggests that mode shapes
-                           and influence matrix list the outputs in different orders. */
+    int swapped[2];     /* indices, counted from 0, of the pair of outputs (rows of the influence
+                           matrix) that was swapped first, because this swap lets the mode shapes
+                           explain most of the matrix */
+    double random_rest; /* mean fraction of the squared entries of the influence matrix that the
+                           mode shapes would not represent if their outputs were in random order. If
+                           the member `rest` is near this value, mode shapes and influence matrix
+                           probably list the outputs in different orders. */
     double rest; /* fraction of the squared entries of the influence matrix that no combination of
                     the mode shapes represents */
     double swapped_rest; /* the fraction `rest` (squared entries of the influence matrix that the

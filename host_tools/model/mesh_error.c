@@ -16,14 +16,15 @@
 static const double LEAST_UNCERTAINTY = 1e-9;
 
 /*
- * Error of the result that is extrapolated with second order (last / 3 is added to the finest
- * result) from a sequence that converges more slowly. The differences between further refined
- * meshes are expected to form a geometric series with the quotient 1/ratio. Their sum is last /
- * (ratio - 1), and last / 3 of it is already in the extrapolated result.
+ * Return the expected error of an extrapolated result if the results on finer and finer meshes
+ * converge more slowly than with second order. The extrapolated result is the finest result plus
+ * last/3, as for second order. The differences between further meshes are expected to be a
+ * geometric series, each `ratio` times smaller than the one before, with the sum last/(ratio - 1).
+ * The error is this sum less last/3.
  *   last  in  difference between the results on the two finest meshes
  *   ratio in  difference between the results on the second and the third finest mesh, divided by
- *             `last`; 4 for convergence of second order; values below SLOWEST, of a sequence that
- *             hardly converges, count as SLOWEST
+ *       `last`; 4 for convergence of second order; values below SLOWEST, of a sequence that hardly
+ *       converges, count as SLOWEST
  */
 static double remaining_error(double last, double ratio)
 {

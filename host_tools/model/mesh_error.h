@@ -47,14 +47,15 @@ typedef struct mesh_error {
  *   value [meshes] in  results, that of the finest mesh first
  *   meshes         in  2 or 3
  * The extrapolated value assumes convergence of second order, which is the order of the element's
- * displacement. Last difference means the one between the two finest meshes. Two meshes: the
- * uncertainty is 1.5 times the last difference. Three meshes: it is the last difference, or a
- * quarter of the difference between the second and the third finest mesh if that is larger. Two
- * kinds of sequences are treated differently. Where the results converge more slowly than with
- * second order, the expected remaining error is added. Where they rise and then fall, or fall and
- * then rise, the results are taken as limit + a h - b h^2 with the element size h; the uncertainty
- * is then the error that extrapolation leaves. The uncertainty is at least 1e-9 of the result, for
- * rounding errors.
+ * displacement. Let d be the difference between the results on the two finest meshes, and c that
+ * between the second and the third finest. The uncertainty of the extrapolated value is 1.5 |d| for
+ * two meshes, and the larger of |d| and |c|/4 for three.
+ *
+ * There are two exceptions with three meshes. If the results converge more slowly than with second
+ * order, the expected remaining error |d|/(c/d - 1) - |d|/3 is added, as if further differences
+ * shrank by the same factor c/d. If the results rise and then fall, or fall and then rise, the
+ * uncertainty is (4 |d| + |c|)/3: the results are taken as limit + a h - b h^2 with the element
+ * size h. The uncertainty is at least 1e-9 of the result, for rounding errors.
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 

@@ -10,8 +10,9 @@
 #include "../system/progress.h"
 
 /*
- * Compute the shape error and the largest voltage without limits for one of several target shapes
- * that the scene file gives as alternatives.
+ * For one of several target shapes that the scene file gives as alternatives, optimise the voltages
+ * without voltage limits. Store the relative shape error of this optimum and its largest absolute
+ * voltage.
  */
 static int run_unconstrained(analysis *analysis, mode *mode, char *error)
 {

@@ -14,11 +14,11 @@
  * target is a list of shapes taken one by one.
  */
 typedef struct mode_left {
-    double limit[2]; /* lowest and highest voltage that any amplifier may give (V) */
-    double optimum;  /* relative shape error of the optimal voltages within the lowest and highest
-                        voltage */
-    double clipped;  /* relative shape error of least-squares voltages, clipped to the lowest and
-                        highest voltage */
+    double limit[2];    /* lowest and highest voltage that any amplifier may give (V) */
+    double optimum;     /* relative shape error of the optimal voltages within the voltage limits
+                           (member `limit`) */
+    double clipped;     /* relative shape error of least-squares voltages, clipped to the lowest and
+                           highest voltage */
     double regularised; /* relative shape error of regularised and then clipped least squares, with
                            the regularisation parameter that is best for this target shape */
     int active_limits;  /* number of amplifiers whose optimal voltage is at one of its voltage

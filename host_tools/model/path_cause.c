@@ -74,8 +74,9 @@ static void name_compression(const load_path_point *point, int index, const mesh
 }
 
 /*
- * Write the sharpest bend of the shell within an element at a point of the load path into a text,
- * as the cause of the path's end or critical points.
+ * Write a message into a text: at a given point of the load path the shell bends so sharply within
+ * one element that the mesh must be refined there. This explains why the path has ended or has
+ * critical points.
  *   index  in  index of the point
  */
 static void name_bend(const load_path_point *point, int index, const mesh *mesh, char *text)

@@ -11,8 +11,10 @@
 /* ---- irregular meshes --------------------------------------------------- */
 
 /*
- * Return whether a rule on irregular meshes has a k-th number to measure. Each of these rules
- * measures one number (k = 0) on an irregular mesh, and none on a mesh along lines of curvature.
+ * Start a plausibility rule on irregular meshes, which checks one number of the mesh. A rule is
+ * asked for its numbers k = 0, 1, ... until there is none. Store the place in the scene file in
+ * `found`. Returns true for k = 0 on a mesh of quadrilaterals, and false otherwise, because a mesh
+ * along lines of curvature is regular.
  */
 static int is_first(const subject *of, int k, measured *found)
 {
@@ -129,11 +131,12 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate, for plausibility rules on transverse
- * shear. Such a rule measures one number, with the index k = 0.
- *   k       in   index of the number that the rule asks for
+ * shear. A rule is asked for its numbers k = 0, 1, ... until there is none; these rules have one
+ * number.
+ *   k       in   number that the rule is asked for
  *   bending out  stiffnesses
  *   wave    out  squared wave number of a half sine wave over the shorter side of the structure
- *                (1/m2)
+ *       (1/m2)
  * Returns whether k is 0 and the stiffnesses could be computed.
  */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,

@@ -64,9 +64,10 @@ typedef struct measured {
 } measured;
 
 /*
- * Function that measures the k-th number of a scene, mesh or result `of` for a plausibility rule,
- * and stores it in `found`. Some rules measure several numbers, for example one for each material
- * (k = 0, 1, ...). Returns whether the k-th number exists.
+ * Function that computes a number which a plausibility rule compares with its usual range, from the
+ * scene, mesh or result `of`. Some rules have several numbers, for example one for each material:
+ * the function is called with k = 0, 1, ... until it returns 0. Returns 1 with the number stored in
+ * `found`, or 0 if the rule has no k-th number.
  */
 typedef int measure(const subject *of, int k, measured *found);
 

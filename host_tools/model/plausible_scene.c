@@ -143,8 +143,8 @@ int measure_electrode(const subject *of, int k, measured *found)
 /* ---- mesh at local loads ---------------------------------------------- */
 
 /*
- * Return the length, along one direction, of the longer of the two elements that meet at a line of
- * mesh nodes across this direction.
+ * Return the larger of the two element lengths on both sides of mesh line i, in the direction
+ * across the line. At the border there is only one element.
  */
 static double element_at(const scene_line *line, int i)
 {

@@ -30,9 +30,12 @@ static bool is_strong(const scene *scene, const scene_material *material)
 }
 
 /*
- * Measure the depolarisation field of a material.
- *   wants_strong in  true: only of materials with large transverse piezoelectric constants, such as
- *                    ceramics (is_strong); false: only of the others
+ * Return in found->value the depolarisation field of material k (V/m), for a plausibility rule. The
+ * value is left unchanged if the rule does not apply to the material or the material has no
+ * depolarisation field.
+ *   wants_strong in  true: the rule applies to materials with large transverse piezoelectric
+ *       constants, such as ceramics (is_strong); false: to the others
+ * Returns 0 if there is no material k, otherwise 1.
  */
 static int measure_limit_of(const subject *of, int k, bool wants_strong, measured *found)
 {
@@ -115,10 +118,13 @@ int measure_depolarisation(const subject *of, int k, measured *found)
 enum { STRENGTHS = 5 };
 
 /*
- * Measure the strength of a material divided by the elastic modulus in the same direction.
- *   k          in  number of the strength; each material has STRENGTHS of them
+ * Compute the strength of a material divided by the elastic modulus in the same direction, as a
+ * number for a plausibility rule. The numbers of all materials are counted in turn: k = STRENGTHS m
+ * + i is strength i (0 to 4) of material m. The number is computed only for materials to which the
+ * rule applies.
  *   wants_soft in  true: the rule applies to soft materials (rubbers, foams); false: to all others;
- *                  where the units are unknown, all materials count as soft
+ *       where the units are unknown, all materials count as soft
+ * Returns 0 if k is beyond the last material, otherwise 1.
  */
 static int measure_strength_of(const subject *of, int k, bool wants_soft, measured *found)
 {

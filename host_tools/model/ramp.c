@@ -9,11 +9,11 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * LONG_RAMP: number of linear solves over which the loads rise if an equilibrium is computed a
- * second time, with loads that rise more slowly. SOLVES_PER_STEP: factor that limits the linear
- * solves of this second computation to its product with the scene's number of load steps. Both were
- * chosen by a soft hyperboloid shell: it converges in one load step on every mesh, and needs a
- * third of these solves.
+ * Settings of a second computation of an equilibrium, with loads that rise more slowly. LONG_RAMP:
+ * number of linear solves at the start of a load step over which the loads rise. SOLVES_PER_STEP:
+ * largest number of linear solves for each load step that the scene asks for. Both were chosen with
+ * a test scene, a soft hyperboloid shell: with LONG_RAMP it converges in one load step on every
+ * mesh, and it needs a third of the permitted solves.
  */
 enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 
@@ -37,9 +37,9 @@ static bool may_help(const equilibrium *equilibrium, pzs_status status)
 }
 
 /*
- * Solve for the equilibrium from the reference state, with loads that rise over LONG_RAMP linear
- * solves. Returns whether this has led to an equilibrium in no more load steps than the scene asks
- * for.
+ * Solve for the equilibrium from the reference state. In each load step, the loads rise in equal
+ * parts over the first LONG_RAMP linear solves. Returns whether this has led to an equilibrium in
+ * no more load steps than the scene asks for.
  */
 static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *status)
 {

@@ -93,8 +93,8 @@ static int allocate(all_dof *all)
 }
 
 /*
- * Let a copy of the model and of the equilibrium solver use a structure that numbers the
- * constrained dof, too. They then compute forces also on the constrained dof.
+ * Prepare copies of the model and of the equilibrium solver that compute forces on the constrained
+ * dof, too. The copies use a copy of the structure in which all dof have a number.
  */
 static void attach(all_dof *all)
 {
@@ -121,8 +121,8 @@ static void close_all(all_dof *all)
 /* ---- internal forces ------------------------------------------------------- */
 
 /*
- * Add the stress resultants that the voltages or temperatures of an actuator, or the voltages of a
- * sensor, prescribe in all elements.
+ * For an actuator or a sensor, add the stress resultants that its voltages or temperatures cause at
+ * zero strains to those of each element (all->prescribed).
  *   value [amplifiers or electrodes] in  voltages (V) or temperatures (K)
  */
 static void add_actuator(all_dof *all, const scene_actuator *actuator, const double *value)
@@ -137,7 +137,10 @@ static void add_actuator(all_dof *all, const scene_actuator *actuator, const dou
         }
 }
 
-/* Add the stress resultants that a temperature load prescribes in all elements. */
+/*
+ * Add the stress resultants that a temperature load causes at zero strains to those of each element
+ * (all->prescribed).
+ */
 static void add_temperature(all_dof *all, const scene_load *load, double factor)
 {
     double h0[LAMINATE_STRAINS];
@@ -149,8 +152,8 @@ static void add_temperature(all_dof *all, const scene_load *load, double factor)
 }
 
 /*
- * Add the stress resultants that the potentials of bare faces (without electrodes) prescribe in all
- * elements.
+ * Add the stress resultants that the electric potentials of bare faces (without electrodes) cause
+ * at zero strains to those of each element (all->prescribed).
  */
 static void add_potentials(all_dof *all)
 {
@@ -167,7 +170,10 @@ static void add_potentials(all_dof *all)
     }
 }
 
-/* In each element, sum the stress resultants that voltages and temperatures prescribe. */
+/*
+ * Compute for each element the stress resultants at zero strains under all voltages and
+ * temperatures.
+ */
 static void fill_prescribed(all_dof *all)
 {
     const design *design = all->state->design;
@@ -294,7 +300,11 @@ static void add_contact(all_dof *all)
 
 /* ---- totals ---------------------------------------------------------------- */
 
-/* Point at which the forces of a node act, and director on which its moments act. */
+/*
+ * Geometry of a deformed shell at a node, to sum nodal forces and moments. A force acts at `point`.
+ * A nodal force f that is conjugate to the difference of both faces' displacements, divided by the
+ * thickness, acts as the moment `director` x f.
+ */
 typedef struct force_place {
     double point[3];    /* mean position of both faces of the shell at the node (m) */
     double director[3]; /* vector from the inner to the outer face, divided by the thickness

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Strains of elements, and strains at nodes as rows over the dof (strain.h). */
+/* Strains of elements, and strains at nodes as linear functions of the free dof (strain.h). */
 #include "strain.h"
 #include <math.h>
 #include <string.h>
@@ -39,8 +39,10 @@ void strain_turn(const double strain[6], double angle, double turned[6])
 static const int in_plane_mean[HEIGHT_ROWS] = {0, 2, 6};
 
 /*
- * Compute the strains of an element at a displacement. The part that is quadratic in the height is
- * the change of the mean strains when the square of the height is replaced by another constant.
+ * Compute the strains of an element at a displacement, nonlinear in the displacement. An in-plane
+ * strain at height z has a term m z^2. The mean strain of the element is e + a m, with a constant a
+ * (height_squared) in place of z^2. The coefficient m follows from the difference of two mean
+ * strains, computed with two values of a.
  */
 static void nonlinear_strains(const pzs_element_type *type, unsigned dof_per_node,
                               const double *displacement, double strain[STRAIN_COUNT])

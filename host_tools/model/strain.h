@@ -18,15 +18,15 @@
 enum { STRAIN_QUADRATIC = 10, STRAIN_COUNT = 13 };
 
 /*
- * Compute the strains of an element that are constant over the element from the displacements of
- * its nodes.
+ * Compute the strains at the centre of an element from the displacements of its nodes.
  *   displacement [4 dof_per_node] in  displacements of the four nodes of the element
  *   is_nonlinear in   true: Green's strains, quadratic in the displacement; false: their linear
  *       part
- *   strain [13]  out  strains, in the order of STRAIN_COUNT
+ *   strain [13]  out  mean and difference of both faces for the strains 11, 22, 33 and 12; strains
+ *       13 and 23; coefficients of the squared height in the strains 11, 22 and 12 (1/m2)
  * The linear part is computed from the strains at a small multiple of the displacement and at its
- * negative: half of their difference, divided by the multiple. Its strains quadratic in the height
- * are those which the stiffness of the element contains (laminate_heights).
+ * negative: half of their difference, divided by the multiple. Its coefficients of the squared
+ * height are those with which the stiffness of the element was computed (laminate_heights).
  */
 void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
                        double strain[STRAIN_COUNT]);
@@ -52,7 +52,7 @@ void strain_turn(const double strain[6], double angle, double turned[6]);
 /*
  * Return the strain that an output of the scene measures in an element: the strain component of the
  * output, at the height of the output, in axes turned by the angle of the output.
- *   strain [13] in  strains of the element, in the order of STRAIN_COUNT
+ *   strain [13] in  strains of the element from strain_of_element
  */
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
                         const double strain[STRAIN_COUNT]);

@@ -134,10 +134,10 @@ static void add_drive(const stress_field *field, int element, const scene_drive 
 }
 
 /*
- * Add the voltages of electrodes and the temperatures of heaters, which actuators or sensors apply
- * in an element, to the arrays `voltage` and `heat` of the stress field.
- *   value  [electrodes] in  voltages and temperatures of all these actuators or sensors
- *   part   out  work array for the patches of one grid that cover the element
+ * For a list of actuators, or of sensors, add the voltages of their electrodes and the temperatures
+ * of their heaters in one element to the arrays field->voltage and field->heat.
+ *   value  [electrodes] in  voltages (V) and temperatures (K) of all items of the list
+ *   part   out  work array: electrodes of one grid of patches that cover parts of the element
  */
 static void add_patches(const stress_field *field, int element, const scene_actuator *actuator,
                         int count, const double *value, design_part *part)
@@ -277,8 +277,8 @@ static void add_along(const stress_field *field, int element, int layer, double 
 
 /*
  * Compute the stress resultants of an element: its stiffness matrix for strains that are constant
- * over the element times these strains, plus the resultants that voltages and temperatures
- * prescribe.
+ * over the element times these strains, plus the resultants that its voltages and temperatures
+ * cause at zero strains.
  */
 static void fill_resultants(const stress_field *field, int element)
 {

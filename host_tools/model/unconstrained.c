@@ -9,7 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Number of solutions of the normal equations: the first one and the corrections by refinement. */
+/*
+ * Number of times that the normal equations are solved: once, then for each iteration of iterative
+ * refinement.
+ */
 enum { SOLUTIONS = 3 };
 
 /*

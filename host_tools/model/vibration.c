@@ -110,9 +110,9 @@ static bool assemble(search *search)
 }
 
 /*
- * Factor the matrix K + times M, with the stiffness matrix K and the mass matrix M. The rows are
- * scaled by the diagonal of K. Returns the numbers of positive and negative pivots, all zero where
- * K has a zero on its diagonal.
+ * Factor the matrix K + c M, with the stiffness matrix K, the mass matrix M and the factor c
+ * (argument `times`). The rows are scaled by the diagonal of K. Returns the numbers of positive and
+ * negative pivots, all zero where K has a zero on its diagonal.
  */
 static linalg_inertia factor(search *search, double times, int keep_scale)
 {
@@ -222,11 +222,13 @@ static double random_number(search *search)
 enum { GROUP = 4 };
 
 /*
- * Make the work vector `next` orthogonal to `count` basis vectors from number `first` on: subtract
- * its components along them, which are their products with the work vector `mass_next` (mass matrix
- * times next).
- *   count  in  number of basis vectors, GROUP or 1
- *   part   [count] out  components
+ * Make the vector search->next orthogonal to `count` consecutive basis vectors with respect to the
+ * mass matrix M. The component along basis vector b is the product of b and M next, which the
+ * caller has stored in search->mass_next.
+ *   first  in  index of the first basis vector
+ *   count  in  number of basis vectors: 1, or GROUP, whose sums the processor computes at the same
+ *       time
+ *   part   [count] out  the components that were subtracted
  */
 static void remove_group(search *search, size_t first, size_t count, double *part)
 {
@@ -249,12 +251,12 @@ static void remove_group(search *search, size_t first, size_t count, double *par
 }
 
 /*
- * Make the work vector `next` orthogonal to the Lanczos basis by two Gram-Schmidt iterations.
- * Append the remainder, scaled to norm 1, to the basis unless it is a rounding error. The other
- * work vector mass_next must hold the mass matrix times `next`.
- *   column [room] in/out  column of the projection. The scalar product of `next` and each basis
- *                       vector (with the mass matrix) is added to the entry of this vector, the
- *                       norm of the remainder to the entry of the new vector. NULL: not needed
+ * Make the vector search->next orthogonal to the Lanczos basis by two Gram-Schmidt iterations.
+ * Append the remainder, scaled to norm 1, to the basis unless it is a rounding error. The vector
+ * search->mass_next must hold the mass matrix times `next`.
+ *   column [room] in/out  receives the coefficients of `next` in the basis: its component along
+ *       each basis vector is added to the entry of this vector, and the norm of the remainder to
+ *       the entry of the new one. NULL: not needed
  */
 static void append(search *search, double *column)
 {
@@ -274,9 +276,10 @@ static void append(search *search, double *column)
         }
     }
     /*
-     * The vector mass_next (mass matrix times `next`) was computed before the last
-     * orthogonalisation of `next` against the basis. The norm is still right, because the removed
-     * part is orthogonal to `next` with respect to the mass matrix.
+     * The vector mass_next was computed as M next, with the mass matrix M, before the last
+     * components along the basis were subtracted from `next`. The product of the new `next` with
+     * mass_next is still its squared norm, because the subtracted part is orthogonal to it with
+     * respect to M.
      */
     const double norm = sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)

@@ -38,8 +38,9 @@ static void trial_free(trial *trial)
  * Set up a controller that minimises the shape error under other voltage limits than those of the
  * scene.
  *   influence  [targets][amplifiers] in  influence matrix; NULL: that of the reference state
- *   common  in  which limits all amplifiers share
- * Returns the status of the library; `error` is filled where limits do not overlap.
+ *   common  in  limits that apply to all amplifiers: those of the scene, given limits, or none
+ * Returns the status of the library. With PZS_E_LIMITS no voltage is permitted for some amplifier,
+ * and `error` is filled.
  */
 static pzs_status trial_start(trial *trial, const design *design, common_limits common,
                               const double *influence, char *error)
@@ -103,9 +104,11 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* If all amplifiers are held at one voltage, `lowest`
-                                                 is +infinity and `highest` is -infinity. The limits
-                                                 are then -infinity and +infinity. */
+    result->limit[0] = fmin(lowest, highest); /* The stored pair is the lowest and the highest limit
+                                                 of all amplifiers that are not held at one voltage.
+                                                 If there is no such amplifier, `lowest` is still
+                                                 +infinity and `highest` -infinity, and they are
+                                                 stored in exchanged order: -infinity, +infinity. */
     result->limit[1] = fmax(lowest, highest);
 }
 
@@ -116,8 +119,7 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* the error message has already been written, by the function that computes the
-                      voltage limits */
+        return -1; /* design_limits has already written the message into `error` */
     return scene_fault(analysis->design.limits.at, error, "%s", pzs_status_text(status));
 }
 

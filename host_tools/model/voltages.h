@@ -50,9 +50,10 @@ typedef struct voltages {
                                       optimiser */
     int active_rows; /* number of limits of weighted sums of voltages that bind; 0 unless the result
                         is an optimum within limits */
-    int dependent;   /* number of amplifiers whose effect is a linear combination of the effects of
-                        others, without regularisation; held amplifiers do not count. Computed only
-                        for clipped least squares, otherwise 0 */
+    int dependent;   /* number of amplifiers whose columns of the influence matrix are linear
+                        combinations of those of others, so that without regularisation their
+                        voltages are not unique. Amplifiers held at one voltage are not counted.
+                        Computed only for clipped least squares, otherwise 0 */
     int relinearised;  /* number of times that the influence matrix was computed again in the
                           nonlinear optimisation, each time at the deformed shape reached until then
                         */
@@ -65,15 +66,15 @@ typedef struct voltages {
  * before. The argument `common` selects which limits common to all amplifiers apply (design.h); the
  * limits of each amplifier always apply, too.
  *   voltages_optimum      optimum within the limits. On a nonlinear structure
- *                         (analysis->is_nonlinear) it is found by a Gauss-Newton method with the
- *                         influence matrix at the last shape. The method starts from the linear
- *                         optimum, or from the part of it that has an equilibrium, within a trust
- *                         radius that shrinks where the error does not decrease.
+ *       (analysis->is_nonlinear) it is found by a Gauss-Newton method with the influence matrix at
+ *       the last shape. The method starts from the linear optimum. If the structure has no
+ *       equilibrium there, the voltages are halved until it has one. No voltage changes by more
+ *       than a trust radius in an iteration, which shrinks where the error does not decrease.
  *   voltages_linear       optimum of the linear model; the shape is that of the linear or nonlinear
- *                         structure, as analysis->is_nonlinear says
+ *       structure, as analysis->is_nonlinear says
  *   voltages_clipped      least squares of the linear model without limits, then clipped
  *   voltages_regularised  regularised least squares of the linear model, then clipped, with the
- *                         parameter that leaves the smallest error of the linear model
+ *       parameter that leaves the smallest error of the linear model
  *   voltages_given        given voltages, unchanged
  * Each returns 0, or -1 with error filled.
  */

@@ -30,8 +30,8 @@ static const double dead_gain = 0.3;
 static const double gain_spread = 1;
 
 /*
- * Arrays of one search for wiring faults, in one allocation that begins at `voltages`; n is the
- * number of actuators, and of their electrodes.
+ * Arrays of one search for wiring faults: which amplifier drives which electrode. There are as many
+ * electrodes as amplifiers. All arrays are parts of one allocation that begins at `voltages`.
  */
 typedef struct wiring {
     size_t amplifiers;
