@@ -10,6 +10,9 @@
 #include "../../lib/core/product.h"
 #include "../model/propagator.h"
 
+/* Number of inputs whose jumps are added to the deviations of the modes in one call. */
+enum { JUMP_BATCH = 64 };
+
 void inertia_place(inertia *inertia, const modal *modal, double *memory)
 {
     const size_t modes = modal->modes;
@@ -20,6 +23,7 @@ void inertia_place(inertia *inertia, const modal *modal, double *memory)
     inertia->velocity = inertia->deviation + modes;
     inertia->propagator = inertia->velocity + modes;
     inertia->input = inertia->propagator + 4 * modes;
+    inertia->response = inertia->input + modal->inputs;
 }
 
 bool inertia_open(inertia *inertia, const modal *modal)
@@ -45,17 +49,51 @@ void inertia_rest(inertia *inertia, const double *input)
     memcpy(inertia->input, input, inertia->modal->inputs * sizeof *input);
 }
 
-void inertia_jump(inertia *inertia, const double *input)
+/*
+ * Compute the static responses of the simulated vibration modes, whose ratio to those of the model
+ * may have changed.
+ */
+static void scale_responses(inertia *inertia)
 {
     const modal *modal = inertia->modal;
-    for (size_t k = 0; k < modal->inputs; k++) {
-        const double change = input[k] - inertia->input[k];
+    const size_t modes = modal->modes, inputs = modal->inputs;
+    if (!(inertia->gain < inertia->response_gain || inertia->gain > inertia->response_gain))
+        return;
+    for (size_t i = 0; i < modes; i++)
+        for (size_t k = 0; k < inputs; k++)
+            inertia->response[k * modes + i] = inertia->gain * modal->response[i * inputs + k];
+    inertia->response_gain = inertia->gain;
+}
+
+/*
+ * Set some inputs to new values, and subtract the changes of the equilibrium from the deviations.
+ *   from, to in  first of these inputs, and the input after the last one; at most JUMP_BATCH inputs
+ */
+static void jump_inputs(inertia *inertia, const double *input, size_t from, size_t to)
+{
+    const size_t modes = inertia->modal->modes;
+    double change[JUMP_BATCH];
+    uint16_t changed[JUMP_BATCH];
+    size_t count = 0;
+    for (size_t k = from; k < to; k++) {
+        const double difference = input[k] - inertia->input[k];
         inertia->input[k] = input[k];
-        if (change == 0)
+        if (difference == 0)
             continue;
-        for (size_t i = 0; i < modal->modes; i++)
-            inertia->deviation[i] -=
-                inertia->gain * modal->response[i * modal->inputs + k] * change;
+        change[count] = difference;
+        changed[count++] = (uint16_t)(k - from);
+    }
+    pzs_product_subtract_rows(inertia->deviation, inertia->response + from * modes, modes, changed,
+                              change, count, modes);
+}
+
+void inertia_jump(inertia *inertia, const double *input)
+{
+    const size_t inputs = inertia->modal->inputs;
+    scale_responses(inertia);
+    for (size_t from = 0; from < inputs; from += JUMP_BATCH) {
+        const size_t rest = inputs - from;
+        jump_inputs(inertia, input, from, from + (rest < JUMP_BATCH ? rest : JUMP_BATCH));
     }
 }
 

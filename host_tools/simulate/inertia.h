@@ -20,7 +20,8 @@ typedef struct inertia {
     double stretch; /* ratio of the simulated natural frequencies to those of the model in `modal`
                      */
     double *memory; /* one allocated block of memory that holds the arrays `deviation`, `velocity`,
-                       `input` and `propagator`; NULL if the caller provides their memory */
+                       `input`, `propagator` and `response`; NULL if the caller provides their
+                       memory */
     double *deviation;  /* [modes] deviation of the modal coordinate of each vibration mode from its
                            static equilibrium */
     double *velocity;   /* [modes] velocity of the coordinate of each vibration mode, divided by the
@@ -31,13 +32,16 @@ typedef struct inertia {
                            advances its deviation and its scaled velocity by the time `interval` */
     double interval;    /* time interval by which the propagators advance the vibration (s); 0: they
                            are not computed */
+    double *response; /* [inputs][modes] coordinate of each simulated vibration mode in equilibrium
+                         per unit of each input */
+    double response_gain; /* value of `gain` for which `response` is computed; 0: not computed */
 } inertia;
 
 /*
  * Number of reals in the memory for the vibration of a structure with given numbers of vibration
  * modes and inputs.
  */
-#define INERTIA_REALS(modes, inputs) (6 * (modes) + (inputs) + 1)
+#define INERTIA_REALS(modes, inputs) (6 * (modes) + (inputs) + (modes) * (inputs) + 1)
 
 /*
  * Start the vibration of a structure at rest under zero inputs, in the memory of the caller.

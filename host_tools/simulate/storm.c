@@ -151,8 +151,6 @@ static void close_ticks(storm_rig *rig)
     tick_matrix_close(&rig->static_reading);
     tick_matrix_close(&rig->vibration_shape);
     tick_matrix_close(&rig->vibration_reading);
-    free(rig->mode_response);
-    rig->mode_response = NULL;
 }
 
 /*
@@ -165,12 +163,7 @@ static bool fill_ticks(storm_rig *rig)
     const size_t targets = rig->targets, sensors = rig->sensors, amplifiers = rig->amplifiers,
                  modes = modal->modes;
     close_ticks(rig);
-    rig->mode_response = malloc((amplifiers * modes + 1) * sizeof *rig->mode_response);
-    for (size_t i = 0; i < modes && rig->mode_response; i++)
-        for (size_t k = 0; k < amplifiers; k++)
-            rig->mode_response[k * modes + i] = modal->response[i * modal->inputs + k];
-    return rig->mode_response &&
-           tick_matrix_open(&rig->static_shape, rig->influence, amplifiers, NULL, targets,
+    return tick_matrix_open(&rig->static_shape, rig->influence, amplifiers, NULL, targets,
                             amplifiers) &&
            tick_matrix_open(&rig->static_reading, rig->direct, amplifiers, NULL, sensors,
                             amplifiers) &&
@@ -243,11 +236,6 @@ typedef struct storm {
     pzs_loop loop;
     void *work;
     inertia inertia;
-    double *mode_response; /* [amplifiers][modes] coordinate of each vibration mode of the simulated
-                              structure in equilibrium per volt of each amplifier */
-    double *change; /* [amplifiers] changes of the voltages that act on the ceramic and that differ
-                       from those of the tick before (V) */
-    uint16_t *changed; /* [amplifiers] amplifiers of these changes */
     uint64_t random;
     int tick, history_ticks; /* number of the present tick; number of ticks whose readings are
                                 stored */
@@ -300,14 +288,10 @@ static bool take_run_memory(storm *storm)
                  k = storm->rig->sensors;
     const size_t kept = (size_t)storm->history_ticks;
     double *at = storm->memory =
-        calloc((11 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers + 5 * targets + 2 * k +
+        calloc((10 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers + 5 * targets + 2 * k +
                    kept * k + storm->rig->modal.rows + 1,
                sizeof *storm->memory);
-    storm->mode_response =
-        malloc((amplifiers * storm->rig->modal.modes + 1) * sizeof *storm->mode_response);
-    storm->changed = malloc((amplifiers + 1) * sizeof *storm->changed);
-    if (!at || !storm->mode_response || !storm->changed ||
-        !inertia_open(&storm->inertia, &storm->rig->modal))
+    if (!at || !inertia_open(&storm->inertia, &storm->rig->modal))
         return false;
     storm->limits = at, at += 3 * amplifiers;
     storm->voltage = at, at += amplifiers;
@@ -315,7 +299,6 @@ static bool take_run_memory(storm *storm)
     storm->output = at, at += amplifiers;
     storm->driven = at, at += amplifiers;
     storm->acting = at, at += amplifiers;
-    storm->change = at, at += amplifiers;
     storm->stroke = at, at += 2 * amplifiers;
     storm->play = at, at += PZS_PLAY_LIMIT * amplifiers;
     storm->creep = at, at += PZS_CREEP_LIMIT * amplifiers;
@@ -632,8 +615,6 @@ static int explain(const storm *run, pzs_status status, char *error)
 static void close_storm(storm *storm)
 {
     inertia_close(&storm->inertia);
-    free(storm->mode_response);
-    free(storm->changed);
     free(storm->memory);
     free(storm->work);
 }
@@ -647,14 +628,6 @@ static double weighted_distance(const storm *storm, const double *first, const d
     return sqrt(design_squares(&storm->rig->analysis->design, first, second));
 }
 
-/* Fill the static responses of the vibration modes of the simulated structure. */
-static void scale_responses(storm *storm)
-{
-    const storm_rig *rig = storm->rig;
-    for (size_t i = 0; i < rig->amplifiers * rig->modal.modes; i++)
-        storm->mode_response[i] = storm->plant->gain * rig->mode_response[i];
-}
-
 static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *plant, char *error)
 {
     memset(storm, 0, sizeof *storm);
@@ -664,7 +637,6 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     storm->history_ticks = rig->delay + (plant->more_delay > 0 ? plant->more_delay : 0) + 1;
     if (!take_run_memory(storm))
         return no_memory(rig->analysis, error);
-    scale_responses(storm);
     storm->inertia.gain = plant->gain;
     storm->inertia.stretch = plant->frequency;
     set_tables(storm);
@@ -779,26 +751,6 @@ static pzs_status choose_voltages(storm *storm)
 }
 
 /*
- * Move the equilibrium of the vibration modes to that under the present voltages on the ceramic, as
- * inertia_jump does.
- */
-static void jump(storm *storm)
-{
-    const size_t modes = storm->inertia.modal->modes;
-    size_t count = 0;
-    for (size_t k = 0; k < storm->rig->amplifiers; k++) {
-        const double change = storm->acting[k] - storm->inertia.input[k];
-        storm->inertia.input[k] = storm->acting[k];
-        if (change == 0)
-            continue;
-        storm->change[count] = change;
-        storm->changed[count++] = (uint16_t)k;
-    }
-    pzs_product_subtract_rows(storm->inertia.deviation, storm->mode_response, modes, storm->changed,
-                              storm->change, count, modes);
-}
-
-/*
  * Run one tick of a simulated control loop: take readings, compute voltages, and advance the
  * structure to the next tick. Returns the status of the loop.
  */
@@ -813,7 +765,7 @@ static pzs_status run_tick(storm *storm)
     storm->missed_ticks += is_missed;
     memcpy(storm->voltage, storm->loop.info.voltage, amplifiers * sizeof *storm->voltage);
     advance_ceramic(storm);
-    jump(storm);
+    inertia_jump(&storm->inertia, storm->acting);
     inertia_advance(&storm->inertia, storm->rig->interval);
     storm->has_vibration = storm->has_shape = false;
     storm->tick++;

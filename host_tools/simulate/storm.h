@@ -90,8 +90,6 @@ typedef struct storm_rig {
                                       the coordinate of each vibration mode */
     tick_matrix vibration_reading; /* [sensors][modes] reading of each sensor per unit of the
                                       coordinate of each vibration mode */
-    double *mode_response; /* [amplifiers][modes] coordinate of each vibration mode in equilibrium
-                              per volt of each amplifier */
     double scale;  /* unit in which shape errors are measured (m): norm of the target, or a fiftieth
                       of a reference norm if that is larger. The reference norm is the root mean
                       square norm of the shapes under half the voltage range of all amplifiers with

@@ -139,6 +139,40 @@ static void test_jump_and_kick(void **state)
     inertia_close(&r.inertia);
 }
 
+/*
+ * Law: where some of many inputs jump, the deviation of every mode falls by gain x response x
+ * change, summed over these inputs; so it does after the gain has changed. Each term is rounded
+ * three times (two products, one difference) in units of the largest sum.
+ */
+static void test_jumps_of_many_inputs(void **state)
+{
+    enum { MODES = 5, MANY = 150, JUMPS = 6 };
+    static double response[MODES * MANY], input[MANY];
+    double frequency[MODES] = {1, 2, 3, 4, 5}, damping[MODES] = {0}, shape[MODES] = {0},
+           expected[MODES] = {0};
+    const modal modal = {MODES, 1, MANY, frequency, damping, shape, response};
+    inertia inertia;
+    uint32_t seed = 3;
+    (void)state;
+    for (int i = 0; i < MODES * MANY; i++)
+        response[i] = draw(&seed) - 0.5;
+    assert_true(inertia_open(&inertia, &modal));
+    for (int jump = 0; jump < JUMPS; jump++) {
+        inertia.gain = jump < JUMPS / 2 ? 0.8 : 1.33;
+        for (int k = jump % 3; k < MANY; k += 1 + jump) {
+            const double change = draw(&seed) - 0.5;
+            for (int i = 0; i < MODES; i++)
+                expected[i] -= inertia.gain * response[i * MANY + k] * change;
+            input[k] += change;
+        }
+        inertia_jump(&inertia, input);
+    }
+    for (int i = 0; i < MODES; i++)
+        assert_true(fabs(inertia.deviation[i] - expected[i]) <=
+                    3 * DBL_EPSILON * JUMPS * MANY * 0.5 * 0.5 * 1.33);
+    inertia_close(&inertia);
+}
+
 /* The outputs are those of the oracle's matrix exponentials, to the rounding of these. */
 static void check_oracle(const testdata *d)
 {
@@ -778,16 +812,27 @@ static void test_missed_ticks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_decay),      cmocka_unit_test(test_energy_falls),
-        cmocka_unit_test(test_jump_and_kick),   cmocka_unit_test(test_oracle),
-        cmocka_unit_test(test_static_limit),    cmocka_unit_test(test_resonance),
-        cmocka_unit_test(test_impulse),         cmocka_unit_test(test_late_and_jitter),
-        cmocka_unit_test(test_more_delay),      cmocka_unit_test(test_actuators),
-        cmocka_unit_test(test_hysteresis_rate), cmocka_unit_test(test_usual_hysteresis),
-        cmocka_unit_test(test_sensors),         cmocka_unit_test(test_which),
-        cmocka_unit_test(test_damping),         cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_small_vibration), cmocka_unit_test(test_step),
-        cmocka_unit_test(test_missed_ticks),    cmocka_unit_test(test_growth_is_radius),
+        cmocka_unit_test(test_free_decay),
+        cmocka_unit_test(test_energy_falls),
+        cmocka_unit_test(test_jump_and_kick),
+        cmocka_unit_test(test_oracle),
+        cmocka_unit_test(test_jumps_of_many_inputs),
+        cmocka_unit_test(test_static_limit),
+        cmocka_unit_test(test_resonance),
+        cmocka_unit_test(test_impulse),
+        cmocka_unit_test(test_late_and_jitter),
+        cmocka_unit_test(test_more_delay),
+        cmocka_unit_test(test_actuators),
+        cmocka_unit_test(test_hysteresis_rate),
+        cmocka_unit_test(test_usual_hysteresis),
+        cmocka_unit_test(test_sensors),
+        cmocka_unit_test(test_which),
+        cmocka_unit_test(test_damping),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_small_vibration),
+        cmocka_unit_test(test_step),
+        cmocka_unit_test(test_missed_ticks),
+        cmocka_unit_test(test_growth_is_radius),
     };
     /* Under the sanitizers the last four, with storms and long runs, would take too long. */
     const size_t count = sizeof tests / sizeof *tests;
