@@ -10,6 +10,7 @@
 #include "../system/parallel.h"
 #include "../system/progress.h"
 #include "../text/append.h"
+#include "load_step.h"
 #include "storm_batch.h"
 
 enum {
@@ -457,7 +458,7 @@ static int measure_load_step(trial *trial, int choice, double *periods, char *er
         return -1;
     if (trial->damper.modes == 0)
         return 0;
-    return storm_load_step(&trial->rig, trial->damper.frequency[0], periods, error);
+    return load_step_periods(&trial->rig, trial->damper.frequency[0], periods, error);
 }
 
 /*

@@ -12,7 +12,7 @@
  * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a
  * storm is too short to show slow growth.
  *
- * Before them, load steps (storm_load_step in storm.h) are simulated with each choice of settings.
+ * Before them, load steps (load_step.h) are simulated with each choice of settings.
  *
  * The chosen settings of the vibration damper are the first of a few that pass growth and storms
  * and compensate a load step within two periods of the first mode. Smaller noise of the sensors in

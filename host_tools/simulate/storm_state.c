@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* State of one storm, a simulation of a control loop on a structure with mass (storm_state.h). */
+#include "storm_state.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/control/control.h"
+
+/* ---- errors ------------------------------------------------------------ */
+
+int storm_explain(const storm *run, pzs_status status, char *error)
+{
+    const design *design = &run->rig->analysis->design;
+    return scene_fault(design->simulate.at, error, "storm: %s", pzs_status_text(status));
+}
+
+/* ---- memory ------------------------------------------------------------ */
+
+static bool take_run_memory(storm *storm)
+{
+    const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets,
+                 k = storm->rig->sensors;
+    const size_t kept = (size_t)storm->history_ticks;
+    double *at = storm->memory =
+        calloc((10 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers + 5 * targets + 2 * k +
+                   kept * k + storm->rig->modal.rows + 1,
+               sizeof *storm->memory);
+    if (!at || !inertia_open(&storm->inertia, &storm->rig->modal))
+        return false;
+    storm->limits = at, at += 3 * amplifiers;
+    storm->voltage = at, at += amplifiers;
+    storm->previous_voltage = at, at += amplifiers;
+    storm->output = at, at += amplifiers;
+    storm->driven = at, at += amplifiers;
+    storm->acting = at, at += amplifiers;
+    storm->stroke = at, at += 2 * amplifiers;
+    storm->play = at, at += PZS_PLAY_LIMIT * amplifiers;
+    storm->creep = at, at += PZS_CREEP_LIMIT * amplifiers;
+    storm->target = at, at += targets;
+    storm->last_target = at, at += targets;
+    storm->best_shape = at, at += targets;
+    storm->shape = at, at += targets;
+    storm->part = at, at += targets;
+    storm->sensed = at, at += k;
+    storm->vibrating = at, at += k;
+    storm->load = at, at += storm->rig->modal.rows;
+    storm->reading = at;
+    return true;
+}
+
+void storm_end(storm *storm)
+{
+    inertia_close(&storm->inertia);
+    free(storm->memory);
+    free(storm->work);
+}
+
+/* ---- control loop ------------------------------------------------------ */
+
+bool storm_is_free(const storm *storm)
+{
+    return !isfinite(storm->plant->step_limit);
+}
+
+/*
+ * Set the voltage and step limits of the voltage optimisation problem, which the controller solves,
+ * to the limits of the simulation.
+ */
+static void set_limits(storm *storm)
+{
+    const size_t amplifiers = storm->rig->amplifiers;
+    const design *design = &storm->rig->analysis->design;
+    const double factor = storm->plant->step_limit;
+    const bool is_free = storm_is_free(storm);
+    for (size_t k = 0; k < amplifiers; k++) {
+        const bool is_held = !(design->lower[k] < design->upper[k]);
+        const bool is_limited = !is_free || is_held;
+        storm->limits[k] = is_limited ? storm->problem.lower[k] : -HUGE_VAL;
+        storm->limits[amplifiers + k] = is_limited ? storm->problem.upper[k] : HUGE_VAL;
+        storm->limits[2 * amplifiers + k] =
+            is_free ? HUGE_VAL : storm->problem.step_limit[k] * factor;
+    }
+    storm->problem.lower = storm->limits;
+    storm->problem.upper = storm->limits + amplifiers;
+    storm->problem.step_limit = storm->limits + 2 * amplifiers;
+    if (is_free) /* without voltage limits, the limits of sums of voltages are left out, too,
+                    because they need finite voltage limits */
+        storm->problem.limit_rows = NULL;
+    storm->problem.crc = pzs_problem_crc(&storm->problem);
+}
+
+/*
+ * Append a block (stage of the control tick) to those that the simulation runs. The limits of the
+ * simulation replace those in the least-squares problem of the step block, which computes the
+ * voltages. The library's step block gets a pointer to the new problem. The tables of a control law
+ * for comparison begin with a problem, which is overwritten; their other members stay.
+ */
+static void append_block(storm *storm, const pzs_block *given)
+{
+    pzs_block *block = &storm->block[storm->blocks++];
+    *block = *given;
+    if (block->type->phase != PZS_PHASE_STEP)
+        return;
+    storm->problem = *(const pzs_problem *)block->tables;
+    set_limits(storm);
+    if (block->type == &pzs_step_block)
+        block->tables = &storm->problem;
+    else
+        *(pzs_problem *)(uintptr_t)block->tables = storm->problem;
+}
+
+/*
+ * Copy the blocks (stages of the control tick) that the simulation runs. A simulation without
+ * limits measures the growth of vibrations. It omits the blocks after the one that computes the
+ * voltages, because converter steps and held electrodes would hide the growth. It also omits the
+ * compensation of hysteresis, which has no inverse without limits.
+ */
+static void set_tables(storm *storm)
+{
+    const bool is_free = storm_is_free(storm);
+    for (int k = 0; k < storm->rig->blocks; k++) {
+        const pzs_block *given = &storm->rig->block[k];
+        const bool is_behind = given->type->phase > PZS_PHASE_STEP;
+        if (!is_free || !(is_behind || given->type == &pzs_effect_block))
+            append_block(storm, given);
+    }
+}
+
+static pzs_status open_loop(storm *storm)
+{
+    double none;
+    const size_t count = (size_t)storm->blocks;
+    pzs_status status = pzs_loop_init(&storm->loop, storm->block, count, NULL, &none, 0);
+    if (status != PZS_E_WORKSPACE)
+        return status;
+    const size_t need = (size_t)storm->loop.info.where;
+    storm->work = malloc(need);
+    return storm->work ? pzs_loop_init(&storm->loop, storm->block, count, NULL, storm->work, need)
+                       : PZS_E_WORKSPACE;
+}
+
+/* ---- start of a storm -------------------------------------------------- */
+
+int storm_begin(storm *storm, const storm_rig *rig, const storm_plant *plant, char *error)
+{
+    memset(storm, 0, sizeof *storm);
+    storm->rig = rig;
+    storm->plant = plant;
+    storm->random = plant->seed;
+    storm->history_ticks = rig->delay + (plant->more_delay > 0 ? plant->more_delay : 0) + 1;
+    if (!take_run_memory(storm))
+        return storm_no_memory(rig->analysis, error);
+    storm->inertia.gain = plant->gain;
+    storm->inertia.stretch = plant->frequency;
+    set_tables(storm);
+    storm_start_ceramic(storm);
+    memcpy(storm->last_target, rig->analysis->design.target,
+           rig->targets * sizeof *storm->last_target);
+    pzs_status status = open_loop(storm);
+    if (!PZS_IS_ERROR(status) && !storm_is_free(storm)) /* small vibrations without limits grow or
+                                              decay about zero, not about the best shape */
+        status = storm_find_best(storm, storm->previous_voltage);
+    if (PZS_IS_ERROR(status))
+        return storm_explain(storm, status, error);
+    memcpy(storm->voltage, storm->loop.info.voltage, rig->amplifiers * sizeof *storm->voltage);
+    memcpy(storm->output, storm->voltage, rig->amplifiers * sizeof *storm->output);
+    storm_advance_ceramic(storm);
+    inertia_rest(&storm->inertia, storm->acting);
+    return 0;
+}

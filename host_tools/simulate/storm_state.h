@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * State of one simulation of a control loop on a structure with mass, and its ticks: for storms
+ * (simulations with fast target jumps), the growth of small vibrations, and load steps. Only the
+ * files of these simulations include this header.
+ */
+#ifndef STORM_STATE_H
+#define STORM_STATE_H
+
+#include "storm_rig.h"
+
+/* State of one storm: simulation of a control loop with fast jumps of the target. */
+typedef struct storm {
+    const storm_rig *rig;
+    const storm_plant *plant;
+    pzs_problem problem; /* voltage optimisation problem of the loop with the voltage and step
+                            limits of the simulation in place of the scene's */
+    pzs_block block[PZS_BLOCK_LIMIT];
+    int blocks;
+    pzs_loop loop;
+    void *work;
+    inertia inertia;
+    uint64_t random;
+    int tick, history_ticks; /* number of the present tick; number of ticks whose readings are
+                                stored */
+    bool has_shape;          /* true while `shape` holds the present shape of the structure */
+    bool has_vibration; /* true while the array `part` holds the displacements of the target nodes
+                           by vibration in this tick */
+    int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
+    double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
+    double *memory; /* one allocation that holds `limits` and all arrays of this struct that follow
+                       it */
+    double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
+                       the simulation (V) */
+    double *voltage; /* [amplifiers] voltages of the amplifiers in the present tick (V) */
+    double *output;  /* [amplifiers] output voltages of the amplifiers, which follow the voltages of
+                        the control loop with a first-order lag where the scene file states their
+                        bandwidth (V) */
+    double *driven;  /* [amplifiers] mean output voltages of the amplifiers from this tick to the
+                        next (V) */
+    double *acting;  /* [amplifiers] voltages that act on the ceramic of the electrodes, after
+                        hysteresis and creep (V) */
+    double *stroke;  /* [2][amplifiers] lowest and highest voltages that can act on the ceramic of
+                        the electrodes (V). They differ from the voltage limits of the amplifiers
+                        because of hysteresis. */
+    double *play;    /* [amplifiers][PZS_PLAY_LIMIT] outputs of the play operators of the hysteresis
+                        model (V) */
+    double *creep;   /* [amplifiers][PZS_CREEP_LIMIT] outputs of the first-order lags of the creep
+                        model (V) */
+    const pzs_hysteresis *hysteresis; /* hysteresis and creep of the ceramic as the scene file
+                                         describes them; NULL where the loop does not compensate
+                                         them */
+    double *previous_voltage; /* [amplifiers] voltages of the amplifiers before the last control
+                                 tick (V) */
+    double *target;           /* [targets] target shape in the present tick */
+    double *last_target; /* [targets] target displacements (m) at the end of the simulation: the
+                        target of the scene file */
+    double *best_shape;  /* [targets] best shape for the last target that the limits allow on the
+                            simulated structure */
+    double *shape;       /* [targets] shape of the simulated structure in the present tick */
+    double *part; /* [targets] work array for the displacements of the target nodes by vibration */
+    double *sensed;    /* [sensors] readings that the control loop receives in the present tick */
+    double *load;      /* [rows] static displacement of each output row of the structure under the
+                          load of a load step; zero before the step, and in storms */
+    double *vibrating; /* [sensors] work array for the readings that the present vibration causes */
+    double *reading;   /* [history_ticks][sensors] noise-free readings of the last ticks */
+} storm;
+
+/* Write the error of a control loop in a simulation as a message. Returns -1. */
+int storm_explain(const storm *storm, pzs_status status, char *error);
+
+/*
+ * Start a simulation: its control loop, and its structure at rest under the first voltages of the
+ * loop. Returns 0, or -1 with error filled; call storm_end in either case.
+ */
+int storm_begin(storm *storm, const storm_rig *rig, const storm_plant *plant, char *error);
+void storm_end(storm *storm);
+
+/*
+ * Whether a simulation has neither voltage limits nor step limits, because it measures the growth
+ * of small vibrations.
+ */
+bool storm_is_free(const storm *storm);
+
+/*
+ * Run one tick of a simulated control loop: take readings, compute voltages, and advance the
+ * structure to the next tick. Returns the status of the loop.
+ */
+pzs_status storm_tick(storm *storm);
+
+/*
+ * Compute the present displacements of the targets by vibration in storm->part, unless they are
+ * there already. These sums over all modes are most of the work of a storm.
+ */
+void storm_observe_vibration(storm *storm);
+
+/* Compute the present shape of the simulated structure, unless it is known already. */
+void storm_compute_shape(storm *storm);
+
+/*
+ * Weighted norm of the difference of two shapes, or of the first shape where the second is NULL.
+ *   first, second [targets] in  displacements of the two shapes
+ */
+double storm_distance(const storm *storm, const double *first, const double *second);
+
+/*
+ * Static displacement of an output of the structure at 0 V (m). It is the sum of the displacement
+ * that the output has at 0 V without the load of a load step, and of the displacement by this load.
+ * Simulations without voltage limits, which measure the growth of small vibrations, leave out the
+ * first term: the voltages would only move to compensate it.
+ */
+double storm_offset(const storm *storm, size_t row);
+
+/*
+ * Compute the static shape of the simulated structure under given voltages, and store it as the
+ * best shape that the voltage limits allow for the present target of the storm (simulation with
+ * fast target jumps).
+ */
+void storm_compute_rest(storm *storm, const double *voltage);
+
+/*
+ * Compute the best shape of the simulated structure for the last target, with voltages on the
+ * ceramic between the lowest and highest that can act there. The influence matrix is the
+ * structure's, of which the controller may leave out small entries. On a deformed structure,
+ * compute the shape at which the loop comes to rest instead, with the controller's matrix.
+ */
+pzs_status storm_find_best(storm *storm, double *voltage);
+
+/*
+ * Choose the hysteresis model of the ceramic: that of the scene file if the loop compensates
+ * hysteresis, otherwise none. Compute the lowest and highest voltages that can act on the ceramic:
+ * the effects of the lower and the upper voltage limit after a state of rest at 0 V.
+ */
+void storm_start_ceramic(storm *storm);
+
+/*
+ * Advance the amplifiers, and the hysteresis and creep of the ceramic, by one tick interval under
+ * the present voltages.
+ */
+void storm_advance_ceramic(storm *storm);
+
+#endif
