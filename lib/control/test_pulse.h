@@ -78,15 +78,6 @@ static inline pzs_real test_pulse_mean(pzs_real place)
 }
 
 /*
- * Response of the self-test to the voltage of a test pulse itself, divided by the number of ticks
- * and by the height of the pulse, for many ticks (dimensionless). The response is the sum over the
- * ticks of the voltage times the weight test_pulse_even. The number is half the integral over s
- * from -1 to 1 of b^4 (the pulse) times b^3 (1 - 9 s^2) (the weight), with the time s in the pulse
- * and b = 1 - s^2.
- */
-#define TEST_PULSE_RESPONSE PZS_R(0.149767)
-
-/*
  * Check that the tables of test pulses are intact and fit the loop in which they are used. Writes
  * to `where` the index of the input whose pulse exceeds its limits, or -1.
  * Errors: PZS_E_FORMAT, PZS_E_ARGUMENT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS.

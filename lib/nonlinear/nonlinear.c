@@ -448,12 +448,27 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * Rounding bound of the equilibrium. A force imbalance counts as a rounding error if its norm is at
- * most this factor times the norm of the displacement (m). In the norm of the imbalance, each entry
- * is multiplied by the scale factor of its row of the stiffness matrix, about 1 / (root of its
- * diagonal entry). Both norms are compared as numbers in SI units, although their units differ.
+ * Factor in the rounding bound of the equilibrium. A force imbalance r counts as a rounding error
+ * of the internal forces if sum r_i^2 / K_ii is at most the square of this factor times sum K_ii
+ * u_i^2, with the diagonal entries K_ii of the stiffness matrix and the displacement u. Both sums
+ * are energies, so that the bound holds in any system of units.
  */
 #define IMBALANCE_ROUNDING (256 * PZS_EPSILON)
+
+/*
+ * Return the sum over the free degrees of freedom of the diagonal entry of the stiffness matrix
+ * times the squared displacement (N m): the size of the energies that cancel in a motion without
+ * strain.
+ */
+static pzs_real diagonal_energy(const pzs_model *model, const pzs_real *displacement)
+{
+    pzs_real sum = 0;
+    for (uint32_t i = 0; i < model->state.stiffness.n; i++) {
+        const pzs_real scaled = displacement[i] / model->state.scale[i];
+        sum += scaled * scaled;
+    }
+    return sum;
+}
 
 /*
  * Assess whether the present displacement is an equilibrium: compute its stress resultants, its
@@ -475,10 +490,9 @@ static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
     const pzs_real left2 = pzs_model_scaled_norm2(model, next);
     solver->info.residual =
         load2 + reaction2 > 0 ? PZS_SQRT(left2 / (load2 + reaction2)) : PZS_SQRT(left2);
-    solver->state.is_balanced =
-        solver->info.residual <= 1 ||
-        left2 <= IMBALANCE_ROUNDING * IMBALANCE_ROUNDING *
-                     pzs_nonlinear_norm2(solver, solver->state.displacement, NULL);
+    solver->state.is_balanced = solver->info.residual <= 1 ||
+                                left2 <= IMBALANCE_ROUNDING * IMBALANCE_ROUNDING *
+                                             diagonal_energy(model, solver->state.displacement);
     pzs_nonlinear_extrapolate(solver, NULL);
     if (!pzs_nonlinear_factor(solver))
         return false;
