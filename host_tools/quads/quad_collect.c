@@ -27,8 +27,8 @@ static int by_label(const void *left, const void *right)
 }
 
 /*
- * Value in place of an index, for nodes of the mesh file that no quadrilateral uses, and for its
- * points and edges, which are no elements of the mesh.
+ * Value that stands in place of an index in the mesh for items of the mesh file that do not become
+ * part of the mesh: nodes that no quadrilateral uses, and cells that are points or edges.
  */
 static const uint32_t unused = UINT32_MAX;
 typedef struct collection {
@@ -307,7 +307,11 @@ static int copy_element_set(const collection *collection, const quad_raw_set *fr
     return 0;
 }
 
-/* List nodes without elements, whose numbers in the mesh file are given in any order. */
+/*
+ * Store the count and the smallest numbers of nodes that belong to no element.
+ *   label [count] in/out  numbers of these nodes in the mesh file, in any order and with
+ *       repetition; out: ascending
+ */
 static void list_loose(int64_t *label, size_t count, quad_loose *loose)
 {
     qsort(label, count, sizeof *label, by_number);

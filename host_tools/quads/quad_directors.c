@@ -278,12 +278,13 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* Around the node `own`, a quadric is fitted to the other
-                                             corners of all its elements. Each element adds its next
-                                             corner in the order of the corners (k = 1) and the
-                                             opposite one (k = 2). Inside a smooth sheet its
-                                             remaining corner is the next corner of a neighbouring
-                                             element, which adds it. */
+            /*
+             * A quadric is fitted to the nodes around the node `own`: all other corners of its
+             * elements. The corner before `own` in one element is the corner after `own` in the
+             * neighbouring element. Each element therefore adds only two corners, so that none
+             * counts twice: the one after `own` (k = 1) and the one diagonally opposite (k = 2).
+             */
+            for (int k = 1; k < 3; k++) {
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);

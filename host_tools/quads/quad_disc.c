@@ -200,9 +200,9 @@ static void add_sector(const disc_plan *plan, int first, int last, int sector, i
     const int elements = plan->disc->elements, each = plan->around / sectors, turn = elements / 2;
     for (int i = first; i < last; i++)
         /*
-         * A layer is a ring of elements around the square block in the middle of the disc. Its
-         * elements are counted from a corner of the block, but sectors are counted from the x
-         * axis, which is half a side of the block (`turn` elements) after this corner.
+         * The elements of a ring around the square block in the middle of the disc are counted from
+         * a corner of the block. The angular sectors are counted from the x axis, which meets the
+         * ring half a side of the block (`turn` elements) after this corner.
          */
         for (int j = 0; j < plan->around; j++)
             if ((j - turn + plan->around) % plan->around / each == sector)

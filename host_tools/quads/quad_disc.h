@@ -23,9 +23,10 @@ typedef struct quad_disc {
     int rings;    /* number of circles on the disc, besides the rim, that no element crosses */
     int elements; /* number of elements along a side of the middle block of the disc, even; every
                      circle on the disc has four times as many */
-    int sectors;  /* number of equal angular sectors into which the elements between neighbouring
-                     circles are divided, except those inside the innermost circle; a divisor of the
-                     number of elements along a circle */
+    int sectors;  /* number of equal angular sectors into which each ring between neighbouring
+                     circles is divided; the elements of each sector are a named set, for example
+                     for an electrode. The area inside the innermost circle is not divided. A
+                     divisor of the number of elements along a circle */
 } quad_disc;
 
 /*

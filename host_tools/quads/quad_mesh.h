@@ -18,7 +18,9 @@ enum { QUAD_DOF = 7 };
 enum { QUAD_LOOSE = 4 };
 typedef struct quad_loose {
     size_t count;
-    int64_t label[QUAD_LOOSE]; /* numbers of the first ones in the mesh file, ascending */
+    int64_t label[QUAD_LOOSE]; /* numbers, in the mesh file, of the QUAD_LOOSE nodes with the
+                                  smallest numbers among those that belong to no element (all of
+                                  them if there are fewer), ascending */
 } quad_loose;
 
 /*

@@ -11,8 +11,8 @@
 typedef struct quad_options {
     double unit; /* unit of length of the mesh file, given as its size in the unit of length of the
                     scene file */
-    bool is_flipped; /* true: the outer face of an element is the one from which the mesh file lists
-                        the corners clockwise; false: the other face */
+    bool is_flipped;   /* order in which the mesh file lists the corners of most elements, seen from
+                          the outer face of the shell. true: clockwise; false: counterclockwise */
     size_t most_nodes; /* largest number of nodes that a mesh file may have */
 } quad_options;
 

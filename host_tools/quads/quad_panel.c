@@ -9,18 +9,24 @@
 static const double pi = 3.141592653589793;
 
 /*
- * The mesh has a grid of lines, of which the square block around the hole replaces the middle part.
- * In the block, closed lines of nodes (layers) surround the hole; the last one is its border.
+ * Plan of the mesh of a rectangular panel with a circular hole. A grid of lines along x and along
+ * the width covers the panel. Around the hole, rings of elements replace the grid in a square block
+ * of it. Closed lines of nodes bound the rings and are numbered from 0 to `layers`: line 0 is the
+ * rim of the hole, the last line is the border of the square block.
  */
 typedef struct panel_plan {
     const quad_panel *panel;
-    int side;        /* number of elements along a side of the block */
-    int around;      /* number of elements around the hole */
-    int layers;      /* number of elements between the hole and the border of the block */
-    double half;     /* half of the length of the block's side (m) */
-    int before[2];   /* number of elements before the block, along x and along the width */
+    int side;    /* number of elements along a side of the square block around the hole */
+    int around;  /* number of elements around the hole */
+    int layers;  /* number of rings of elements between the hole and the border of the square block
+                    around it */
+    double half; /* half of the length of the block's side (m) */
+    int before[2];   /* number of elements of the grid between the edge of the panel at the smallest
+                        coordinate and the square block around the hole, along x and along the width
+                      */
     int elements[2]; /* number of elements of the grid along x and along the width */
-    size_t grid;     /* number of nodes of the grid outside and on the border of the block */
+    size_t grid; /* number of nodes of the grid that do not lie inside the square block around the
+                    hole */
 } panel_plan;
 
 /* Return the number of elements of a given size along a length, at most a million. */
@@ -52,7 +58,11 @@ static panel_plan make_plan(const quad_panel *panel)
         plan.before[axis] = elements_along(from, size);
         plan.elements[axis] = plan.before[axis] + plan.side + elements_along(to, size);
     }
-    /* Elements of equal width and height around the hole grow by the factor 1 + 2 pi/around. */
+    /*
+     * The rings of elements around the hole become larger with the distance from the hole. Elements
+     * as high as wide grow by the factor 1 + 2 pi/around from one ring to the next, if a ring has
+     * `around` elements.
+     */
     plan.layers = elements_along(log(1.1 * plan.half / panel->hole), 2 * pi / plan.around);
     const size_t inside = (size_t)(plan.side - 1) * (size_t)(plan.side - 1);
     plan.grid = (size_t)(plan.elements[0] + 1) * (size_t)(plan.elements[1] + 1) - inside;
@@ -79,8 +89,9 @@ size_t quad_panel_nodes(const quad_panel *panel)
 /* ---- numbers of nodes ------------------------------------------------------ */
 
 /*
- * Return the number of the node on line i along x and line j along the width of the grid, which
- * must not lie inside the block. The nodes are numbered line by line, without those of the block.
+ * Return the number of the node of the panel's grid with index i along x and index j along the
+ * width. The node must not lie inside the square block around the hole, where the grid has no
+ * nodes. The numbers run along the width first.
  */
 static uint32_t grid_node(const panel_plan *plan, int i, int j)
 {
@@ -96,8 +107,9 @@ static uint32_t grid_node(const panel_plan *plan, int i, int j)
 }
 
 /*
- * Return the number of the node at position j along the border of the block, counted
- * counterclockwise from its corner at the smallest x and width.
+ * Return the number of node j on the border of the square block around the hole. The nodes are
+ * counted counterclockwise from the corner with the smallest coordinates along x and along the
+ * width.
  */
 static uint32_t border_node(const panel_plan *plan, int j)
 {
@@ -107,7 +119,11 @@ static uint32_t border_node(const panel_plan *plan, int j)
     return grid_node(plan, plan->before[0] + column[side], plan->before[1] + row[side]);
 }
 
-/* Return the number of node j of a layer; layer 0 is the rim of the hole. */
+/*
+ * Return the number of node j of a ring line, a closed line of nodes around the hole. Line 0 is the
+ * rim of the hole, and the last line is the border of the square block around it.
+ *   layer in  number of the ring line
+ */
 static uint32_t layer_node(const panel_plan *plan, int layer, int j)
 {
     const int at = j % plan->around;
@@ -132,7 +148,11 @@ static double line_at(const panel_plan *plan, int axis, int i)
     return at[part] + share * (at[part + 1] - at[part]);
 }
 
-/* Return whether a node of the grid lies inside the block. */
+/*
+ * Return whether a node of the panel's grid lies inside the square block around the hole, where
+ * rings of elements replace the grid.
+ *   i, j in  line of the grid along x and along the width
+ */
 static bool in_block(const panel_plan *plan, int i, int j)
 {
     return i > plan->before[0] && i < plan->before[0] + plan->side && j > plan->before[1] &&

@@ -31,10 +31,10 @@ typedef struct quad_panel {
 int quad_panel_make(quad_mesh *mesh, const quad_panel *panel);
 
 /*
- * Return the least number of elements along a quarter of the hole's rim of a panel on a cylinder,
- * with which elements around the hole are at most about a quarter of the cylinder's radius long.
- * Longer ones are refused as too thin for an irregular mesh at a thickness of a thousandth of the
- * radius.
+ * For a panel on a cylinder, return the smallest number of elements along a quarter of the hole's
+ * rim with which the elements around the hole are not too long: at most about a quarter of the
+ * cylinder's radius. For a shell with a thickness of a thousandth of the radius, elements of an
+ * irregular mesh are refused if they are longer.
  */
 int quad_panel_least_elements(const quad_panel *panel);
 

@@ -20,8 +20,8 @@ typedef struct quad_raw_cell {
     int64_t label;   /* number of the cell (point, edge or quadrilateral) in the mesh file */
     int64_t node[4]; /* [corners] numbers of the cell's nodes in the file */
     int corners;
-    int group; /* number of the set to which the cell (point, edge or quadrilateral) belongs, used
-                  by the reader of a file format to collect the members of sets */
+    int group; /* index that the reader of a mesh file gives to the set of the cell (point, edge or
+                  quadrilateral) while it reads the file; negative if the cell belongs to no set */
     size_t at; /* position (byte) in the mesh file at which the cell was read, for error messages */
 } quad_raw_cell;
 

@@ -24,8 +24,9 @@ typedef struct sloan {
     node_state *state; /* [nodes] state of each mesh node while the nodes are numbered */
     uint32_t *waiting; /* [nodes] candidates for the next number as a binary heap: the priority at
                           index i is at least that at the indices 2 i + 1 and 2 i + 2 */
-    uint32_t *slot; /* [nodes] index of each candidate for the next number in the heap `waiting` */
-    uint32_t count; /* number of mesh nodes that are candidates for the next number */
+    uint32_t *slot;    /* [nodes] position of a mesh node in the heap `waiting`, if the node is a
+                          candidate for the next number */
+    uint32_t count;    /* number of mesh nodes that are candidates for the next number */
     int64_t growth_weight; /* factor in the priority of a node: numbering the node adds nodes to the
                               front, and its priority is lower by this factor for each of them. The
                               front is the set of nodes without a number that have a numbered

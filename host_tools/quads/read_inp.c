@@ -470,9 +470,9 @@ static size_t lower_bound(const numbered *entry, size_t count, int64_t label)
 }
 
 /*
- * Add those members of a run of numbers (first, first + step, ...) that exist in the file to the
- * sets of the mesh. A run of one number must exist. Returns 0, or -1 after writing an error message
- * about the mesh file.
+ * Add those members of a run of numbers (first, first + step, ... last) that exist in the file to
+ * the sets of the mesh. Numbers that do not exist are skipped, but it is an error if a run with
+ * first = last does not exist. Returns 0, or -1 after writing an error message about the mesh file.
  */
 static int take_run(inp *in, const listed_set *from, const run *one, const numbered *entry,
                     size_t count)

@@ -67,7 +67,8 @@ expr *expr_from_list(const char *text, size_t count, const double *value);
 double expr_row_value(const expr *expression, const expr_point *at, int row);
 
 /*
- * Return the number of values of a function made by expr_from_list, or -1 for any other function.
+ * Return the length of the list of values from which expr_from_list made a function, or -1 for any
+ * other function.
  */
 int expr_rows(const expr *expression);
 

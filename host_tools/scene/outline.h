@@ -45,18 +45,20 @@ typedef struct scene_outline {
  */
 typedef struct scene_outlines {
     int electrodes;
-    int columns; /* electrodes in a grid have the name of their patches and the indices _i_j: number
-                    of electrodes along the index j, which runs fastest; 1 for electrodes with the
-                    index _i only */
+    int columns; /* number of electrodes along the second index j of a grid of electrodes, which
+                    runs fastest. An electrode of a grid is named after its patches, with _i_j
+                    appended. 1 for electrodes with a single index _i */
     scene_outline *electrode; /* [electrodes] outline of each electrode, in the order of the scene
                                */
     int elements;
     size_t *start; /* [elements + 1] index, in electrode_of and share, of the first entry of each
                       element; the last number is the count of all entries */
-    int *electrode_of; /* [entries] number of the electrode; within one element the numbers
-                          ascend */
-    double *share;     /* [entries] area fraction: area of the element that the electrode covers,
-                          divided by the area of the element; above 0 and at most 1 */
+    int *electrode_of; /* [entries] one entry for each pair of an element and an electrode that
+                          covers a part of it: index of the electrode. The entries of an element are
+                          consecutive and in ascending order of the electrodes */
+    double *share; /* [entries] one entry for each pair of an element and an electrode that covers a
+                      part of it: area that the electrode covers, divided by the area of the
+                      element; above 0 and at most 1 */
 } scene_outlines;
 
 /*

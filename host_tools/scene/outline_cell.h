@@ -64,13 +64,14 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
                        const double high[2], outline_cell *part);
 
 /*
- * Find one of the moves of a cell (element or part of one) by full turns (2 pi) of the surface
- * coordinates theta1 and theta2, as far as these are periodic. An outline that goes beyond the ends
- * of theta1 or theta2 meets the cell after one of these moves.
- *   k  in  number of the move, from 0 (no move) to OUTLINE_MOVES - 1: each coordinate moves by 0,
- *      +1 or -1 turn
- *   shift  [2] out  displacement of the cell in the plane of the electrode outlines
- * Returns whether the surface of the scene is periodic in the directions of the move.
+ * The surface coordinates theta1 and theta2 may be periodic (full turn 2 pi). An electrode outline
+ * that goes beyond the end of such a coordinate meets elements a full turn away. Find the
+ * displacement by which a cell (element or part of one) is moved to compare it with the outline.
+ *   k  in  which of OUTLINE_MOVES displacements, from 0: none; the others are all combinations of
+ *       0, +1 or -1 turn of the two coordinates
+ *   shift  [2] out  displacement in the plane of the electrode outlines
+ * Returns false if a coordinate that is moved is not periodic on the surface of the scene, else
+ * true.
  */
 enum { OUTLINE_MOVES = 9 };
 bool outline_cell_move(const scene *scene, outline_plane plane, int k, double shift[2]);

@@ -151,8 +151,8 @@ static int check_whole(const scene *scene, const scene_patches *outlined,
 }
 
 /*
- * Compare all pairs of electrodes of two items of the section `patches`, which may be the same
- * item.
+ * Refuse overlaps between any electrode of one item of the section `patches` and any electrode of
+ * another, or between any two of the same item. Returns 0, or a negative number with error filled.
  */
 static int check_items(const scene *scene, const scene_patches *one, const scene_patches *other,
                        char *error)

@@ -2,11 +2,12 @@
 /*
  * Check that the electrodes of one layer do not overlap.
  *
- * The areas of two polygons are compared exactly. They may have a common area of a thousandth of
- * the smaller electrode, for rounding and for arcs that are drawn by straight sides. For an
- * electrode that is given by a formula, each element is divided into 8 x 8 squares. The electrode
- * overlaps another one where both cover the whole of one square, or where they cover together more
- * than an element.
+ * Of two electrodes bounded by polygons, the common area is computed exactly. It may be up to a
+ * thousandth of the smaller electrode, for rounding and for arcs that are drawn by straight sides.
+ *
+ * If an electrode is given by a formula, the check is done in each element. Two electrodes overlap
+ * if their areas in the element add up to more than the area of the element. They also overlap if
+ * both of them cover one and the same of the 8 x 8 equal squares into which the element is divided.
  */
 #ifndef OUTLINE_OVERLAP_H
 #define OUTLINE_OVERLAP_H

@@ -75,10 +75,11 @@ typedef struct scene_equilibrium {
     int load_steps;   /* number of load steps that the equilibrium solver tries first */
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
-    int extrapolated_iterations; /* number of iterations at the start of a load step whose linear
-                                    solves use stress resultants that are extrapolated along the
-                                    last increment; all other iterations use those of the present
-                                    displacement; 0: Newton's method throughout */
+    int extrapolated_iterations; /* number of iterations at the start of a load step whose tangent
+                                    stiffness is computed with predicted stress resultants: those of
+                                    the present displacement, extrapolated by the last increment.
+                                    Later iterations use the resultants of the present displacement.
+                                    0: Newton's method throughout */
     int ramp_solves;   /* number of linear solves at the start of a load step over which its loads
                           rise in equal parts to their full size; 1: the first linear solve has the
                           full loads; 0: the program chooses */
@@ -95,21 +96,23 @@ typedef struct scene_element {
     bool cartesian; /* true: strains are computed from differences of the displacement vectors of an
                        element's corners; false: from derivatives of displacement components in the
                        local triad of the surface */
-    double tau;     /* factor (dimensionless) of the warping correction (warp.h), a term of the
-                       membrane shear strain of a curved element for normal displacements of its
-                       four corners with alternating signs; 0: no such term */
-    double rho; /* factor of the flexibility that is added to the transverse shears of an element on
-                   coarse meshes: bending flexibility 12/(E h^3) times length^2/12 */
-    bool hr, lin33;   /* hr: linear and bilinear functions of the position in the element occur in
-                         some of its strains only. true (Hellinger-Reissner): the linear and
-                         bilinear parts of the stress resultants of all other strains are 0; false:
-                         the linear and bilinear parts of these strains themselves are 0. lin33:
-                         true lets each ply thicken freely */
+    double tau; /* factor (dimensionless) of a term of the membrane shear strain of curved elements,
+                   which is proportional to the warping by normal displacements of the four corners
+                   with alternating signs (warp.h); 1: bending of curved shells converges faster; 0:
+                   no such term */
+    double rho; /* factor (dimensionless) of a flexibility that is added to the transverse shears of
+                   an element, so that elements much longer than thick bend easily enough: rho times
+                   bending flexibility 12/(E h^3) times length^2/12 */
+    bool hr, lin33;   /* hr: how an element treats strains in its linear and bilinear strain
+                         modes. Each of these modes contains only some of the ten strains. true
+                         (Hellinger-Reissner): the stress resultants of all other strains are 0
+                         in the mode; false: these strains themselves are 0. lin33: true lets
+                         each ply thicken freely */
     bool metric;      /* true: strains take the exact variation of the surface metric through the
                          thickness; false: metric of the reference surface */
-    bool exact_area;  /* which area of an element the stiffness and the loads contain, on meshes
-                         between mesh lines: true: the exact area on the surface; false: the area
-                         from the metric of the surface at the centre of the element */
+    bool exact_area;  /* area of an element in its stiffness and loads, on a mesh along lines of
+                         constant surface coordinates. true: its exact area on the surface; false:
+                         the area from the metric of the surface at its centre */
     int dof_per_node; /* number of dof of a node, 7 or 6; the seventh is the displacement of the
                          middle surface along the normal, relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
@@ -319,15 +322,15 @@ typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
  */
 typedef struct scene_spring {
     char name[SCENE_NAME]; /* name of the springs; empty if the scene file gives none */
-    scene_where where; /* nodes to which one spring each is attached; not given if the springs are
-                          attached at points instead: then where.at, the position of the key in the
-                          scene file, has the column 0 */
+    scene_where where; /* nodes to which one spring each is attached. If the springs are attached at
+                          points instead, the key is absent and where.at.column is 0 (the column in
+                          the scene file counts from 1) */
     int points;
     double (*point)[3]; /* [points] attachment points of the springs: surface coordinates theta1,
                            theta2 and 0, or x, y, z on a mesh from a file, where z is NAN if it is
                            not given */
-    scene_where to; /* node at the other end of the springs; not given if they end at the ground:
-                       then to.at, the position of the key in the scene file, has the column 0 */
+    scene_where to; /* node at the other end of the springs. If they end at the ground, the key is
+                       absent and to.at.column is 0 (the column in the scene file counts from 1) */
     scene_direction along; /* direction of elongation: a displacement of the shell along it
                               elongates the springs */
     scene_direction about; /* axis of torsional springs: a rotation of the shell about it twists
@@ -350,8 +353,9 @@ typedef struct scene_spring {
  */
 typedef struct scene_mass {
     char name[SCENE_NAME]; /* name of the masses; empty if the scene file gives none */
-    scene_where where;     /* nodes at which one mass each is attached; where.at.column is 0 if the
-                              masses are attached at points and not at nodes */
+    scene_where where; /* nodes at which one mass each is attached. If the masses are attached at
+                          points instead, the key is absent and where.at.column is 0 (the column in
+                          the scene file counts from 1) */
     int points;
     double (*point)[3]; /* [points] attachment points: surface coordinates theta1, theta2 and 0, or
                            x, y, z on a mesh from a file, where z is NAN if it is not given */
@@ -426,15 +430,17 @@ typedef struct scene_support {
                      other than the local axes */
     expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
                      of the scene file); NULL: 0 */
-    unsigned move; /* held dof to which the support gives its value, bits as in `fix`; all other
-                      held dof are 0. For a prescribed normal displacement, for example, the mean of
-                      both faces has the value, and their difference is 0. The bit FIX_ALONG is the
-                      mean displacement along the direction of an oblique support */
+    unsigned move; /* dof to which the support gives the prescribed displacement `value`, one bit
+                      each as in `fix`. They are a part of the dof in `fix`; the support holds the
+                      others at 0. A normal displacement, for example, is prescribed for the mean of
+                      both faces, and their difference is 0. The bit FIX_ALONG is the mean
+                      displacement along the direction of an oblique support */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
-    int turn; /* 0: the support holds no rotation. 1 or -1: its value is the angle a of a rotation
-                 about the local axis e2 or e1, and turn sin(a) is the difference of both faces'
-                 displacements along the other of the two axes, divided by the thickness */
+    int turn; /* local axis about which the support rotates its nodes. 1: e2; -1: e1; 0: no
+                 rotation. A rotation by the angle a (rad, formula `value`) prescribes the
+                 difference of both faces' displacements, divided by the thickness: sin(a) along e1
+                 for a rotation about e2, and -sin(a) along e2 for one about e1 */
     scene_at at;
 } scene_support;
 
@@ -510,8 +516,8 @@ typedef enum scene_contact_output {
 } scene_contact_output;
 
 /*
- * Electric output: voltages of electrodes, the electric charge on their face that points along the
- * outward normal, or the potential of a face without electrode.
+ * Electric output: the voltages of electrodes, the charge on the outer electrode of their layer (on
+ * the side of the outward normal e3), or the potential of a face without electrode.
  */
 typedef enum scene_electric_output {
     ELECTRIC_NONE,
@@ -571,9 +577,8 @@ typedef struct scene_output {
     scene_electric_output electric; /* electric quantity that the output gives; ELECTRIC_NONE: the
                                        output gives another quantity. Of the electric quantities
                                        only ELECTRIC_POTENTIAL belongs to nodes of the mesh. */
-    bool of_sensor;   /* type of the electrodes of an electric output (voltage, charge): true:
-                         electrodes of sensors; false: electrodes that amplifiers drive; other
-                         outputs do not use this member */
+    bool of_sensor;   /* used for voltages and charges of electrodes only. true: electrodes of
+                         sensors; false: electrodes that amplifiers drive */
     int first, count; /* range of the electrodes of an electric output: numbers first to first +
                          count - 1 */
     scene_where where;
@@ -962,9 +967,10 @@ typedef struct scene_short_list {
 typedef struct scene_hysteresis {
     bool given;
     double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
-    scene_short_list slope; /* [4] slopes of the part of the model without memory, a piecewise
-                               linear function of the voltage, in the four quarters of the voltage
-                               range from the lowest on (dimensionless) */
+    scene_short_list slope; /* The hysteresis model is the sum of a piecewise linear function of the
+                               voltage and of play operators, which have memory. [4] slopes of this
+                               function in the four quarters of the voltage range from the lowest on
+                               (dimensionless) */
     scene_short_list slack; /* [plays] slack of each play operator: change of the voltage after a
                                reversal before the operator follows; ascending (V) */
     scene_short_list above; /* [plays] weight of each play operator while its output is above the

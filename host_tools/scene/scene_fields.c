@@ -141,10 +141,10 @@ static bool find_key(const form *form, const char *key, int depth, char *path, i
 }
 
 /*
- * Write a hint for a key that is unknown in its mapping, in which other section of a scene file the
- * key is valid: "it is a key of simulate.sensors; ".
- *   section  in  name of the mapping with the unknown key. No hint is written if the key is valid
- *       in a mapping or list of this name: the user has the right section then
+ * For a key that is not valid in the mapping where the user wrote it, write a hint at another place
+ * of a scene file where it is valid, such as "it is a key of simulate.sensors; ".
+ *   section  in  name of the mapping with the key. No hint is written if the key is valid in a
+ *       mapping or list of this name: the user has the right section then
  *   advice  [LIST_ROOM] out  the hint; empty where there is none
  */
 static void point_to_section(const char *key, const char *section, char advice[LIST_ROOM])

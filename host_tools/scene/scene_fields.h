@@ -58,7 +58,8 @@ typedef enum form_type {
  */
 typedef struct form_case {
     const char *keys;
-    const char *help; /* sentence that explains the combination of keys to users, or NULL */
+    const char *help; /* sentence that explains to users the combination of keys listed in `keys`,
+                         or NULL */
 } form_case;
 
 /*
@@ -105,8 +106,9 @@ typedef struct field {
 } field;
 
 /*
- * Item of the list of keys that a YAML mapping may have (form_case): one key, or several keys of
- * which exactly one is required.
+ * A combination of keys that a YAML mapping may have is described by a text of items separated by
+ * blanks, such as "a ?b c|d" (form_case.keys). This is one item: a required key, an optional key
+ * (?b), or alternatives of which exactly one is required (c|d).
  */
 typedef struct case_item {
     const char *text; /* text of an item in a list of permitted keys: one key, or several keys
@@ -131,9 +133,11 @@ int case_next(const char **keys, case_item *item);
 int case_item_has(const case_item *item, const char *key);
 
 /*
- * Check the keys of a YAML mapping whose key `type` has the value `word`. The permitted combination
- * of keys for this word is the row of `cases` that lists "type=word". Returns 0, or -1 after
- * writing an error message about the scene file.
+ * Check that a YAML mapping whose key `type` has the value `word` has the keys that this type
+ * permits and requires.
+ *   cases in  permitted combinations of keys, one for each word of `type`; the one for `word`
+ *       contains the item "type=word"
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 int check_type_case(reader *reader, int node, const form_case *cases, const char *word);
 

@@ -118,8 +118,9 @@ typedef struct function_columns {
 } function_columns;
 
 typedef struct function_text {
-    int file, columns, value; /* YAML nodes of the keys in a mapping of the scene file that names
-                                 another file; 0 for a key that is absent */
+    int file, columns, value; /* YAML nodes of the keys `file`, `columns` and `value` in a mapping
+                                 by which a scene file takes a function from a table in another
+                                 file; 0 for a key that is absent */
     double scale;
 } function_text;
 

@@ -28,8 +28,8 @@ typedef struct influence_text {
     int coordinate_column[AXES]; /* numbers of the columns that hold the coordinates x, y and z of
                                     the outputs in the table of a measured influence matrix; -1
                                     where there is none */
-    int *column; /* [columns] numbers of the columns without coordinates in the table of a measured
-                    influence matrix */
+    int *column; /* [columns] indices, in the table of a measured influence matrix, of the columns
+                    that belong to the matrix and do not hold coordinates of outputs */
     int columns;
     unsigned char *is_ignored; /* [outputs of the file] 1 for each output of the measured influence
                                   matrix that the scene file leaves out, else 0 */

@@ -85,9 +85,9 @@ static int read_poling(reader *reader, int node, void *to, const void *rule)
     (void)rule;
     for (int axis = 1; text && axis <= 3; axis++)
         if (text[0] == '-' && text[1] == '0' + axis && text[2] == 0) {
-            *(int *)to = -axis; /* a poling against an axis, such as -3, is read as a negative
-                                   number, because a choice from a list of words has no negative
-                                   value */
+            *(int *)to = -axis; /* The general reader for words maps each word to a number from 0
+                                   on. A poling against an axis, such as "-3", is therefore read
+                                   here, as a negative number. */
             return 0;
         }
     return read_choice(reader, node, to, polings);

@@ -129,8 +129,9 @@ field_read read_supports, read_loads, read_contact;
 field_read read_influence;
 
 /*
- * Reader of the vibration modes of a scene with a measured influence matrix, after the matrix
- * (scene_measured_modes.c). The argument `to` is the scene.
+ * Function that reads the vibration modes of a scene with a measured influence matrix into the
+ * scene, to which its argument `to` points (scene_measured_modes.c). It must be called after the
+ * influence matrix is read.
  */
 field_read read_measured_modes;
 extern const form measured_modes_form;
@@ -227,12 +228,13 @@ extern const choice place_axes[], place_faces[], place_pers[];
 extern const int place_components[];
 
 /*
- * Macros for rows of a table of keys (array of `field`, scene_fields.h). DIRECTIONS: six rows with
- * the keys u1, u2, u3 (displacement components along the local axes), x, y, z (in space). The
- * function `read` reads their values and gets the component as its argument `rule`. PLACE: rows of
- * the keys that name a set of nodes; the set is stored in the scene_where (place on the mesh) at
- * the byte `offset` of the C struct that the table fills. PLACE_ON_SURFACE: the same rows without
- * the key `set`, the name of a set of a mesh file.
+ * Macros that expand to rows of a table of keys (array of `field`, scene_fields.h).
+ *   DIRECTIONS        six keys for directions: u1, u2, u3 (along the local axes), x, y, z (in
+ *       space). `read` is the function that reads their values; its argument `rule` tells the
+ *       direction
+ *   PLACE             keys by which a user names a place on the mesh (set, edge, nodes). `offset`
+ *       is the position (bytes) of the scene_where in the C struct that the table fills
+ *   PLACE_ON_SURFACE  the same keys without `set`, the name of a set of a mesh file
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \

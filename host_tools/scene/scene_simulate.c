@@ -731,9 +731,10 @@ static int refuse_beside(reader *reader, int plant, const char *key, const char 
 }
 
 /*
- * Refuse keys that the motion of the plant does not use, such as `modes` (vibration modes) in a
- * nonlinear motion. A plant without inertia may have the keys of a modal motion, so that one word
- * switches inertia on and off for comparison.
+ * Refuse keys of the simulated structure (plant) that have no effect on its motion, such as `modes`
+ * (vibration modes) if the motion is nonlinear. With `inertia: false`, keys of a motion in
+ * vibration modes are accepted, although they have no effect: users can then compare simulations
+ * with and without inertia by changing this one word.
  */
 static int check_motion_keys(reader *reader, int plant)
 {

@@ -126,8 +126,9 @@ static const form drive_form = {.type = FORM_MAP, .fields = drive_fields};
 static const form drives_form = {.type = FORM_LIST, .item = &drive_form, .least = 1};
 
 /*
- * Read the grids of patches that an actuator drives or a sensor reads. The argument `rule` of the
- * reader, from the table of scene keys, is NULL for an actuator and not NULL for a sensor.
+ * Read the key `drives` of an actuator or a sensor, which lists the grids of patches with its
+ * electrodes.
+ *   rule in  NULL: actuator; any other pointer: sensor
  */
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
@@ -258,9 +259,9 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * Table of the keys of a sensor. The key `drives`, the patches whose electrodes the sensor reads,
- * is read by the same function as an actuator's key `drives`. The argument `rule` of this function
- * is NULL for an actuator; for a sensor any other pointer will do, here `circuits`.
+ * Table of the keys of a sensor. The key `drives` (patches whose electrodes the sensor reads) is
+ * read by the same function as that of an actuator. This function takes any pointer in the place of
+ * `rule` as the sign of a sensor, here `circuits`.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
@@ -939,9 +940,9 @@ static const choice target_weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
 static const form free_form = {.type = FORM_LIST, .item = &row_function_form, .most = SCENE_FREE};
 
 /*
- * Rows, for tables of scene keys, of the keys that all types of targets have: values, weights, a
- * list of shapes for which the voltages are optimised one by one, and functions, such as rigid
- * motions, that are removed from the misfit.
+ * Macro that expands to those rows of a table of scene keys which all types of targets share:
+ * values, weights, a list of shapes for which the voltages are optimised one by one, and functions,
+ * such as rigid motions, that are removed from the misfit.
  */
 #define TARGET_VALUES                                                                              \
     {"value",                                                                                      \

@@ -80,10 +80,10 @@ static const char *text_of(const tree *tree, int map, const char *key)
 }
 
 /*
- * Return the physical dimension of the value that a support prescribes. It is an angle for a
- * rotation. For the dof that are displacements over the thickness it is a number: differences of
- * both faces, and the normal displacement of the middle surface minus the mean of both faces. For
- * all other dof it is a length.
+ * Return the physical dimension of the value that a support prescribes. For a rotation it is an
+ * angle. It is a dimensionless number for dof that are displacements divided by the thickness: the
+ * difference of both faces' displacements, and the normal displacement of the middle surface minus
+ * the mean of both faces. For all other dof it is a length.
  */
 static dimension of_support(const tree *tree, int map)
 {
@@ -215,8 +215,8 @@ static dimension of_point(const reader *reader, int node)
 }
 
 /*
- * Return the YAML mapping of the patches whose list of electrode outlines contains a given YAML
- * node.
+ * Return the YAML node of an item of the section `patches`, given any YAML node inside its key
+ * `outlines` (electrode outlines).
  */
 static int outlines_owner(const tree *tree, int node)
 {

@@ -76,9 +76,10 @@ static void solve_band(double *band, double (*solution)[2], int rows)
 }
 
 /*
- * A spline has one linear condition for each knot. Add `value` to the coefficient that the ordinate
- * or the second derivative (`kind`) at knot j has in the condition for knot i, and to the
- * transposed entry of the symmetric matrix.
+ * The unknowns of the linear system of a spline are, for each knot, its ordinate, its second
+ * derivative and the multiplier of one linear condition. The matrix is symmetric. Add `value` to
+ * the factor of an unknown of knot j in the condition of knot i, and to the transposed entry.
+ *   kind in  unknown of knot j: VALUE (ordinate) or SECOND (second derivative)
  */
 static void condition(double *band, int i, int j, int kind, double value)
 {

@@ -140,8 +140,9 @@ surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_a
  */
 typedef struct surface_type {
     surface_at_function *at;
-    surface_meridian_function *meridian; /* function of the meridian; NULL: the surface is no
-                                            surface of revolution */
+    surface_meridian_function *meridian; /* function that returns the point (radius, height) of the
+                                            meridian at a surface coordinate theta1; NULL: the
+                                            surface is no surface of revolution */
     surface_area_function *area; /* function that returns the area of a part of the surface (length
                                     squared); NULL: the area is integrated numerically */
     int closed, angles; /* closed: surface coordinates with the period 2 pi; angles: surface

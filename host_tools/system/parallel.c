@@ -13,8 +13,9 @@ typedef struct shared {
     const parallel_work *work;
     int parts;
     pthread_mutex_t lock;
-    pthread_cond_t has_run; /* signalled whenever a part has run */
-    int next;               /* first part that has not begun */
+    pthread_cond_t has_run; /* signalled when a thread has finished one part of the work, for the
+                               thread that accepts results */
+    int next;               /* index of the first part of the work that no thread has begun */
     bool is_ended;          /* true: no further part begins */
     bool *is_done;          /* [parts] whether each part has run */
 } shared;
@@ -77,7 +78,11 @@ static int start_threads(shared *shared, pthread_t *thread, int wanted)
     return count;
 }
 
-/* Run parts in this thread, and accept the results of all parts in their order. */
+/*
+ * Hand the results of all parts of a work to its function `accept` in the order of the parts. While
+ * the next result is not ready, run parts of the work in this thread, too, or wait for the other
+ * threads.
+ */
 static void accept_parts(shared *shared)
 {
     pthread_mutex_lock(&shared->lock);
@@ -93,7 +98,10 @@ static void accept_parts(shared *shared)
     pthread_mutex_unlock(&shared->lock);
 }
 
-/* Run and accept one part after the other in this thread. */
+/*
+ * Without other threads, run the parts of a work one after the other, and hand each result to the
+ * work's function `accept`, until this function ends the work.
+ */
 static void run_in_turn(const parallel_work *work, int parts)
 {
     bool goes_on = true;

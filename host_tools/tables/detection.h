@@ -29,10 +29,10 @@ typedef struct detection {
     int ticks;      /* duration of a test pulse (ticks) */
     int weakest;  /* index of the electrode whose response to its test pulse is the weakest relative
                      to noise, among the electrodes that the sensors can tell from others */
-    double ratio; /* response to its test pulse of the electrode with the weakest response, divided
-                     by the standard deviation that the noise of the readings causes
-                     (dimensionless); infinite without noise, 0 if the sensors can tell no electrode
-                     from others */
+    double ratio; /* signal-to-noise ratio (dimensionless) of the electrode `weakest`: size of the
+                     response of the sensor readings to a test pulse of its voltage, divided by the
+                     standard deviation that the noise of the readings causes; infinite without
+                     noise, 0 if the sensors can tell no electrode from others */
     detection_doubt *doubt; /* [electrodes] whether a fault of each electrode can be found, and if
                                not, why */
 } detection;

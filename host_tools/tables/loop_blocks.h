@@ -49,7 +49,8 @@ typedef struct loop_bounds {
     } block[PZS_BLOCK_LIMIT];
     int count;
     double rest; /* upper bound of the instructions of one tick outside of its blocks (stages):
-                    restoring memory, checksums, last check of the voltages */
+                    repair of working memory from the constant tables, checksums of the tables, last
+                    check of the voltages */
     double all;  /* upper bound of the instructions of one tick in which the loop is in control; the
                     self-test, which runs before, does not count */
 } loop_bounds;
@@ -110,9 +111,10 @@ void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiri
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
- * Return whether a block (stage) of the control loop reads single entries of the influence matrix,
- * which its tables must then hold as a full matrix: the fault detectors, and, where outputs are the
- * sensors, the self-test and the correction of late readings.
+ * Return whether a block (stage) of the control loop reads single entries of the influence matrix.
+ * The tables must then hold it as a full matrix, not as sparse rows. Such blocks are the fault
+ * detectors. If the outputs are the sensors, the self-test and the correction of late readings are
+ * such blocks, too.
  */
 bool loop_blocks_read_entries(const loop_blocks *blocks);
 

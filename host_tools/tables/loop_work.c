@@ -50,8 +50,9 @@ static double prediction(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Return the number of instructions by which a control tick predicts the shape again, after a block
- * (stage) behind the optimiser has changed the voltages; 0 if no block of the loop changes them.
+ * Return the number of instructions that a control tick needs to predict the shape a second time.
+ * This is necessary if a block (stage) after the optimiser may change the voltages; otherwise the
+ * result is 0.
  */
 static double second_prediction(const block_counts *of, const loop_processor *on)
 {
@@ -80,8 +81,9 @@ double loop_work_selftest(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions that one tick needs to correct late readings by the voltage
- * changes since they were taken, and to remove the voltage changes of faulty electrodes from them.
+ * Upper bound of the instructions that one tick needs to correct late readings: the effect of the
+ * voltage changes since the readings were taken is added to them, except for changes on faulty
+ * electrodes, which have no effect.
  */
 double loop_work_delay(const block_counts *of, const loop_processor *on)
 {
@@ -171,9 +173,10 @@ double loop_work_row_step(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the amplifiers' converter steps. Where rounded voltages
- * violate the limit of a sum of voltages, the changes of the voltages in this sum are taken back,
- * after which this limit holds. All sums are computed again for each such limit.
+ * Upper bound of the instructions of one tick that round the voltages to the steps of the
+ * amplifiers' digital-to-analogue converters. If a rounded voltage violates the limit of a sum of
+ * voltages, the changes of the voltages in this sum are taken back. The bound assumes that this
+ * happens for every sum, and that all sums are computed again each time.
  */
 double loop_work_amplifier(const block_counts *of, const loop_processor *on)
 {

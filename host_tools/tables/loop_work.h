@@ -42,8 +42,9 @@ typedef struct block_counts {
     bool is_damped;      /* whether a control tick has a block (stage) that damps vibration */
     bool detects_faults; /* whether a control tick has a block (stage) that detects faults of
                             electrodes */
-    bool moves_outside;  /* whether a block (stage of the tick) other than the control step may
-                            change the voltages, so that the shape is predicted twice in a tick */
+    bool moves_outside; /* whether a block (stage of the tick) after the control step may change the
+                           voltages. The shape that the control step has predicted for its voltages
+                           must then be predicted again */
     uint64_t work_limit; /* limit of the optimiser's work in one tick (multiply-adds) */
 } block_counts;
 
@@ -56,10 +57,10 @@ typedef struct loop_processor {
                    */
     double row;   /* number of instructions for each row and group of columns in a product of matrix
                      and vector, in addition to those for each entry */
-    double columns;   /* number of matrix columns that a product of matrix and vector processes
-                         together */
-    double sparse;    /* number of instructions for each entry in a product of sparse rows and
-                         vector, with more inputs than PRODUCT_LONG_ROW */
+    double columns; /* number of matrix columns that a product of matrix and vector processes
+                       together */
+    double sparse;  /* number of instructions for each stored entry in a product of a sparse matrix
+                       and a vector, if the matrix has at least PRODUCT_LONG_ROW columns */
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
     /*
      * number of instructions of a program loop on the processor, divided by that on a Cortex-M4F

@@ -186,8 +186,9 @@ static void name_or_null(const emitter *emitter, int is_written, const char *nam
 }
 
 /*
- * Return the number of entries of the factor of the stiffness matrix in memory, if `tile` rows form
- * a panel; the zeros that fill up the panels count.
+ * Return how many numbers the triangular factor of the stiffness matrix takes in memory. It is
+ * stored in panels of `tile` rows. All rows of a panel begin at the same column, a multiple of
+ * `tile`, so that the panels contain zeros, which are counted.
  */
 static size_t padded_entries(const mesh *mesh, int tile)
 {
@@ -493,8 +494,9 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
 }
 
 /*
- * Write the sparse influence matrix of the least-squares problem for the voltages, if its tables
- * hold one, after all other arrays that the checksum of the problem covers.
+ * Write the sparse influence matrix of the least-squares problem for the voltages, if there is one.
+ * It must be written after all other arrays of the problem, because the checksum runs over the
+ * arrays in this order.
  */
 static void write_sparse(emitter *emitter, const pzs_sparse_influence *sparse)
 {
@@ -705,9 +707,10 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 }
 
 /*
- * Write what is known of the vibration of the control loop as a comment: the vibration modes that
- * the loop damps, or the stability of a loop without a vibration model. Where such a loop is
- * unstable, also write the macro PREFIX_QUASI_STATIC.
+ * Write a comment about vibration and the control loop into the generated header: which vibration
+ * modes the loop damps, or, without a vibration model, up to which tick rate it is stable. If a
+ * loop without a vibration model is unstable at the scene's tick rate, also write the macro
+ * PREFIX_QUASI_STATIC.
  */
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
@@ -860,9 +863,10 @@ static void write_sizes(const emitter *emitter, const design *design)
 }
 
 /*
- * Write the size of the influence matrix that a device computes from the tables of a structure with
- * linear kinematics: that of the controller's inputs and outputs, or of all inputs and outputs
- * where the tables have sensors or charges.
+ * Write the numbers of rows and columns of the influence matrix that a device computes from the
+ * tables of a structure with linear kinematics. If the tables have sensors or charges, the matrix
+ * has all inputs and outputs of the structure. Otherwise it has those of the controller alone:
+ * amplifiers and target nodes.
  */
 static void write_influence_size(const emitter *emitter, const analysis *analysis)
 {
