@@ -10,7 +10,7 @@
 
 typedef struct amplifier {
     double lower, upper; /* lower and upper voltage limit of the amplifier (V) */
-    double step_limit;   /* largest change of the amplifier's voltage in a tick (V) */
+    double step_limit;   /* limit of the change of the amplifier's voltage in one tick (V) */
     double resolution;   /* quantisation step of the digital-to-analogue converter (V); 0: none */
     double dead_band;    /* largest change of the command that the amplifier ignores (V) */
 } amplifier;

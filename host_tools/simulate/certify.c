@@ -65,8 +65,14 @@ static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
 /*
  * Settings of the vibration damper (stage of the control tick that damps vibration) from which the
- * stability tests choose one. damping, mix, follow, drift and kick are those of damper_settings;
- * later is the assumed additional age of the sensor readings (ticks).
+ * stability tests choose one row.
+ *   damping  strength of the damping
+ *   mix      weight of the change of velocity in the computed deviation from equilibrium
+ *   follow   speed at which the voltages approach the statically optimal voltages
+ *   drift    random change of the loads that the observer assumes
+ *   kick     random change of the velocity that the observer assumes
+ *   later    assumed additional age of the sensor readings (ticks)
+ * Units and definitions are those of damper_settings.
  *
  * The first three settle a load step fast. The larger `drift` is, the faster the observer estimates
  * a load, and the more the noise of the sensors moves the voltages: smaller ones come first. The
@@ -83,9 +89,9 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
- * Largest acceptable ratio of the settling time after fast target jumps to that of the fastest
- * settings. Up to this ratio, settings that tolerate a larger deviation of the readings' delay are
- * preferred to faster ones.
+ * Largest acceptable ratio of the settling time after fast target jumps to that of the first
+ * settings that passed all tests. Up to this ratio, settings that tolerate a larger deviation of
+ * the readings' delay are preferred to these.
  */
 static const double slowest = 1.25;
 
@@ -283,7 +289,10 @@ static storm_plant plant_of(int i, int older)
                          .is_uninformed = true};
 }
 
-/* Results of a number of storms (simulations with fast jumps of the target), visited in turn. */
+/*
+ * Sum of the results of `count` storms (simulations with fast jumps of the target) while they come
+ * in one after the other: numbers of storms and failures, mean settling time, worst storm.
+ */
 typedef struct storms {
     certificate_loop *loop;
     int count;
@@ -320,10 +329,12 @@ static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, c
 }
 
 /*
- * Test the stability of the loop on the structure linearised about the equilibrium at its target.
- * The growth of vibrations is measured on structures that differ from this one. If they decay, the
- * storms (simulations with fast jumps of the target) of the first random sequence follow. Without
- * such an equilibrium, only the reason is stored. Returns 0, or -1 with error filled.
+ * Test the stability of the loop on the structure linearised about the equilibrium at its target
+ * shape. The growth of small vibrations is measured on structures with other static responses and
+ * frequencies than this one. If the vibrations decay on all of them, a third of the storms
+ * (simulations with fast jumps of the target) are run: those with the first of three random
+ * sequences of targets. If the structure has no such equilibrium, only the reason is stored.
+ * Returns 0, or -1 with error filled.
  */
 static int certify_target(const trial *trial, certificate_target *target, char *error)
 {
@@ -350,7 +361,10 @@ static int certify_target(const trial *trial, certificate_target *target, char *
     return 0;
 }
 
-/* Store whether a simulation has passed; a batch ends with the first that has not. */
+/*
+ * Store in `context` whether a simulation of the loop has passed. Returns whether the next
+ * simulation is to be run: the first that fails decides.
+ */
 static bool visit_pass(void *context, const storm_task *task, const storm_result *result)
 {
     bool *passed = context;
@@ -397,9 +411,10 @@ static int count_ages(const storm_rig *rig, int storms, int sign, int most, int 
 }
 
 /*
- * Determine for a stable loop whether the readings may be one tick older or newer than the scene
- * file states, on the undeformed structure and, where it is simulated, on the structure at its
- * target. Returns 0, or -1 with error filled.
+ * Determine whether a loop that has passed its tests also passes them with sensor readings one tick
+ * older, or one tick newer, than the scene file states. It is tested on the undeformed structure.
+ * If the loop was also tested on the structure at its target shape (target->is_made), this test is
+ * repeated there, too. Returns 0, or -1 with error filled.
  */
 static int try_neighbouring_ages(const trial *trial, certificate_loop *loop, char *error)
 {
@@ -428,7 +443,10 @@ static double first_angle(const trial *trial)
     return damper->modes > 0 ? two_pi * damper->frequency[0] / damper->rate : 0;
 }
 
-/* Set the options of the vibration damper to those of one choice of settings. */
+/*
+ * Set the options of the vibration damper to the settings in one row of the table `choices`.
+ *   choice in  index of the row
+ */
 static void set_options(const trial *trial, int choice, damper_options *options)
 {
     damper_settings settings = damper_default_settings();
@@ -523,7 +541,7 @@ static bool tolerates_all(const certificate_loop *loop)
  * tests is better than one that does not. Among loops that fail, that with fewer failed storms
  * (simulations with fast jumps of the target) is better. Among loops that pass, that which
  * tolerates the larger deviation of the readings' delay is better, unless it settles much later.
- *   fastest in  mean number of ticks until the shape settles, with the fastest settings that pass
+ *   fastest in  mean number of ticks until the shape settles, with the first settings that pass
  */
 static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
 {
@@ -579,18 +597,25 @@ static int compare_choice(trial *trial, int choice, double load_step, double *fa
     return 0;
 }
 
-/* What the choice of settings knows of one of the choices. */
+/*
+ * Results so far of one row of the table `choices` (settings of the vibration damper), while the
+ * best settings are searched.
+ */
 typedef struct candidate {
     bool is_measured, is_tried;
-    double load_step; /* time in which the loop compensates a load step (periods) */
+    double load_step; /* time until the loop with these settings has compensated a load that appears
+                         at once (periods of the first vibration mode that the loop observes) */
 } candidate;
 
 /*
- * Test one choice of settings, unless it was tested before or would make the readings too old, and
- * keep it where it is better than the best one so far.
- *   only_fast in      true: leave out settings that do not compensate a load step fast enough
- *   candidate in/out  what is known of this choice
- *   fastest   in/out  mean number of ticks of a storm with the first settings that pass
+ * Test the settings of the vibration damper in one row of the table `choices`, and keep them if
+ * they are better than the best ones so far. They are not tested twice, nor if they assume readings
+ * older than PZS_DELAY_LIMIT ticks.
+ *   only_fast in      true: leave out settings that compensate a load step more slowly than in
+ *       CERTIFICATE_LOAD_STEP periods
+ *   candidate in/out  results so far of this row
+ *   fastest   in/out  mean number of ticks in which storms (simulations with fast jumps of the
+ *       target) settle with the first settings that passed all tests
  * Returns 0, or -1 with error filled.
  */
 static int consider(trial *trial, int choice, bool only_fast, candidate *candidate, double *fastest,
@@ -611,10 +636,11 @@ static int consider(trial *trial, int choice, bool only_fast, candidate *candida
 
 /*
  * Choose the settings of the vibration damper: settings that compensate a load step fast enough and
- * pass all tests, or, where there are none, other settings that pass. A fast load step is not asked
- * for where the first observed mode turns too far in a tick, or where the scene file asks for a
- * margin of the delay: readings one tick older come first then, and are required.
- * Returns 0, or -1 with error filled.
+ * pass all tests, or, if there are none, other settings that pass. Fast compensation is not
+ * required in two cases: if the phase of the first observed mode advances by CERTIFICATE_ANGLE or
+ * more in a tick, or if the scene file requires a margin of the readings' delay (delay_margin). In
+ * the latter case the loop must pass with readings one tick older. Returns 0, or -1 with error
+ * filled.
  */
 static int choose(trial *trial, char *error)
 {
@@ -730,19 +756,24 @@ int certify_loop(analysis *analysis, char *error)
 /* ---- stability margins ------------------------------------------------ */
 
 /*
- * A search for the last stable factor of the structure's static response to voltages (gain) or of
- * its frequencies.
+ * Search for a stability margin of the loop: how far a factor of the structure's static response to
+ * voltages (gain), or of its natural frequencies, may differ from 1 in one direction before small
+ * vibrations grow.
  */
 typedef struct margin {
     const storm_rig *rig;
-    bool is_gain;   /* true: the gain varies; false: the frequencies */
-    double end;     /* last factor that is tried; the first is 1 */
-    double *factor; /* last stable factor */
+    bool is_gain; /* true: the gain varies; false: the frequencies */
+    double end; /* factor of the gain or of the frequencies at which the search ends; it begins at 1
+                 */
+    double *factor; /* result: factor of the gain or of the frequencies farthest from 1 with which
+                       small vibrations still decay */
     bool has_failed;
     char error[SCENE_ERROR];
 } margin;
 
-/* Determine whether small vibrations decay with a factor. Returns 0, or -1 with the error filled.
+/*
+ * Determine whether small vibrations decay if the structure's gain (static response to voltages) or
+ * its frequencies are multiplied by a factor. Returns 0, or -1 with the error filled.
  */
 static int try_factor(margin *margin, double factor, bool *passed)
 {
@@ -755,7 +786,10 @@ static int try_factor(margin *margin, double factor, bool *passed)
     return 0;
 }
 
-/* Find the last stable factor of a search by bisection. Returns 0, or -1 with the error filled. */
+/*
+ * Find by bisection how far the factor of the structure's gain or frequencies may differ from 1
+ * before small vibrations grow. Returns 0, or -1 with the error filled.
+ */
 static int bisect(margin *margin)
 {
     double stable = 1, unstable = margin->end;
@@ -791,8 +825,9 @@ static bool accept_search(void *context, int i)
 }
 
 /*
- * Find the largest gain and the lowest and highest frequencies with which small vibrations decay,
- * in parallel threads. Returns 0, or -1 with error filled.
+ * Find three stability margins of the loop, in parallel threads: the largest static response to
+ * voltages (gain), the lowest and the highest natural frequencies of the structure, all relative to
+ * the controller's model, with which small vibrations decay. Returns 0, or -1 with error filled.
  */
 static int find_factors(const storm_rig *rig, certificate_loop *loop, char *error)
 {
@@ -895,8 +930,9 @@ static int find_margins(trial *trial, char *error)
 
 /*
  * Find the stable tick rate of the control loop that is nearest, in octaves, to the rate of the
- * scene file; lower rates are tried first. The result is 0 where none was found. Returns 0, or -1
- * with error filled.
+ * scene file; lower rates are tried first.
+ *   rate out  tick rate (1/s), 0 if none of the tried rates is stable
+ * Returns 0, or -1 with error filled.
  */
 static int find_stable_rate(trial *trial, double *rate, char *error)
 {

@@ -4,22 +4,24 @@
  * (certificate_loop in certificate.h). The loop that `pzs tables` would write is simulated with
  * structures that differ from its model, in two ways.
  *   growth  growth per tick of small vibrations without any limits, which is the spectral radius of
- *           the loop, for static responses to voltages (gains) of 0.8, 1 and 1.33 and natural
- *           frequencies of 0.9, 1 and 1.1 times those of the model
+ *       the loop, for static responses to voltages (gains) of 0.8, 1 and 1.33 and natural
+ *       frequencies of 0.9, 1 and 1.1 times those of the model
  *   storms  30 simulations with fast random jumps of the target (storm.h): the model and four
- *           structures around it, full and quarter step limits, three sequences of targets, of
- *           which the last one misses 5 % of the ticks without informing the loop
+ *       structures around it, full and quarter step limits, three sequences of targets, of which
+ *       the last one misses 5 % of the ticks without informing the loop
  * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a
- * storm is too short to show slow growth.
+ * storm is too short to show slow growth. Before them, load steps are simulated: loads that appear
+ * at once (load_step.h).
  *
- * Before them, load steps (load_step.h) are simulated with each choice of settings.
+ * The settings of the vibration damper are chosen from a short list. Settings pass if small
+ * vibrations decay and all storms settle. They are fast if the loop compensates a load step within
+ * two periods of the first mode. They are robust if they also pass with readings one tick older or
+ * newer than the scene file states.
  *
- * The chosen settings of the vibration damper are the first of a few that pass growth and storms
- * and compensate a load step within two periods of the first mode. Smaller noise of the sensors in
- * the voltages comes first. Other fast settings replace them if they also pass with readings one
- * tick older or newer than the scene file states. Where no settings are fast, or where the first
- * mode turns by more than 0.6 rad in a tick, the choice is the fastest of all that pass, or
- * settings that are at most a quarter slower and also pass with readings one tick older or newer.
+ * Fast settings are tried first, those that let less sensor noise into the voltages before others.
+ * The first that pass are chosen, unless later ones are robust and settle after jumps at most a
+ * quarter slower. If no fast settings pass, or if the phase of the first mode advances by more than
+ * 0.6 rad in a tick, all settings are tried in this way.
  */
 #ifndef CERTIFY_H
 #define CERTIFY_H

@@ -87,8 +87,8 @@ void device_skip(device *device, int ticks);
 /*
  * Pass the factors of the known loads to the firmware, for its next tick (pzs_loop_know). Known
  * loads are those whose values the controller is told.
- *   then   [loads] in  factors at the time at which the readings of that tick were taken
- *   coming [loads] in  factors under the voltages that this tick will command
+ *   then   [loads] in  factors at the time at which the readings were taken that the next tick uses
+ *   coming [loads] in  factors in the interval after the next tick, in which its voltages will act
  */
 void device_know(device *device, const double *then, const double *coming, size_t loads);
 

@@ -188,8 +188,9 @@ bool imperfections_stroke(const imperfections *on, double *lowest, double *highe
         return false;
     act_at_limit(on, copy, on->tables.lower, lowest);
     act_at_limit(on, copy, on->tables.upper, highest);
-    for (int k = 0; k < on->tables.amplifiers; k++) { /* An amplifier with exchanged wires exchanges
-                                                         its lowest and its highest voltage. */
+    for (int k = 0; k < on->tables.amplifiers; k++) { /* The output of an amplifier with exchanged
+                                                         wires has the opposite sign. Its voltage at
+                                                         the lower limit is then the larger one. */
         const double one = lowest[k], other = highest[k];
         lowest[k] = fmin(one, other);
         highest[k] = fmax(one, other);

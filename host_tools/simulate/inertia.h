@@ -44,14 +44,15 @@ typedef struct inertia {
 #define INERTIA_REALS(modes, inputs) (6 * (modes) + (inputs) + (modes) * (inputs) + 1)
 
 /*
- * Start the vibration of a structure at rest under zero inputs, in the memory of the caller.
+ * Initialise the vibration of a structure, in the memory of the caller: all inputs are 0, and the
+ * structure is at rest in equilibrium.
  *   memory [INERTIA_REALS(modes, inputs)] in  zeros; the memory must outlive `inertia`
  */
 void inertia_place(inertia *inertia, const modal *modal, double *memory);
 
 /*
- * Start the vibration of a structure at rest under zero inputs, in allocated memory. Returns
- * whether memory sufficed; call inertia_close in either case.
+ * Initialise the vibration of a structure, in allocated memory: all inputs are 0, and the structure
+ * is at rest in equilibrium. Returns whether memory sufficed; call inertia_close in either case.
  */
 bool inertia_open(inertia *inertia, const modal *modal);
 void inertia_close(inertia *inertia);

@@ -24,9 +24,11 @@ typedef enum load_shape {
 } load_shape;
 
 enum {
-    LOAD_REST = 2,     /* number of periods for which a load step that has settled is continued */
-    START_PERIODS = 20 /* most periods in which the loop moves the voltages to the middle of their
-                          limits before a load step, where they start near a limit */
+    LOAD_REST = 2, /* number of periods of the first vibration mode that the loop observes for which
+                      the simulation goes on after the shape has settled */
+    START_PERIODS = 20 /* If voltages are near a limit before a load step, the loop first moves them
+                          to the middle of their limits, in at most this number of periods of the
+                          first vibration mode that it observes */
 };
 
 /*
@@ -36,20 +38,22 @@ enum {
 static const double load_angle = 0.6;
 
 /*
- * Largest change of a voltage that compensates the load, relative to half the range between its
- * limits.
+ * Size of the simulated loads: the voltages that compensate a load change by at most this fraction
+ * of half the range between their limits, and one of them by exactly so much.
  */
 static const double load_share = 0.3;
 
 /*
- * Largest part of the effect of a load that the best voltages may leave. A load of which they leave
- * more is not applied.
+ * Effect of a load means the norm of the displacements of the targets that it causes. If even the
+ * best voltages leave more than this fraction of it, voltages cannot compensate the load, and it is
+ * not applied.
  */
 static const double load_left = 0.2;
 
 /*
- * Distance from the shape before a load step at which the loop counts as at rest, relative to the
- * largest distance on the way there.
+ * Before a load step the voltages may have to move to other values. The loop is at rest when the
+ * distance of the shape from its equilibrium has fallen to this fraction of the largest distance
+ * during this motion.
  */
 static const double at_rest = 1e-3;
 
@@ -73,7 +77,10 @@ static size_t mode_from(const modal *modal, double frequency)
     return mode;
 }
 
-/* Static displacement of an output under a unit force at this output, in the modes of a load. */
+/*
+ * Static displacement of an output under a unit force at this output, as a sum over the vibration
+ * modes that the loads of load steps move (from step->from to step->to - 1).
+ */
 static double compliance(const load_step *step, size_t row)
 {
     const modal *modal = &step->storm->rig->modal;
@@ -83,7 +90,10 @@ static double compliance(const load_step *step, size_t row)
     return sum;
 }
 
-/* Index of the output at which a load of a given shape exerts its force. */
+/*
+ * Return the index of the output at which the force of a load acts: the middle one in the list for
+ * LOAD_MIDDLE, otherwise the output that moves most under its own force.
+ */
 static size_t loaded_row(const load_step *step, load_shape shape)
 {
     const size_t targets = step->storm->rig->targets;
@@ -96,7 +106,10 @@ static size_t loaded_row(const load_step *step, load_shape shape)
     return softest;
 }
 
-/* Force of a pressure or of a force at one output on vibration mode i, at unit modal mass. */
+/*
+ * Return the modal force on vibration mode i at unit modal mass (product of the mode's shape and
+ * the load), for a uniform pressure or for a unit force at output `row`.
+ */
 static double modal_force(const load_step *step, load_shape shape, size_t row, size_t i)
 {
     const storm_rig *rig = step->storm->rig;
@@ -109,7 +122,10 @@ static double modal_force(const load_step *step, load_shape shape, size_t row, s
     return sum;
 }
 
-/* Set the modal coordinates of the load, of any size. */
+/*
+ * Set step->modal, the modal coordinates of the structure in equilibrium under a load of a given
+ * distribution. The size of the load is arbitrary; scale_load sets it later.
+ */
 static void set_load(load_step *step, load_shape shape)
 {
     const modal *modal = &step->storm->rig->modal;
@@ -133,7 +149,10 @@ static void scale_load(load_step *step, double factor)
     pzs_product_matrix(step->storm->load, modal->shape, step->modal, modal->rows, modal->modes);
 }
 
-/* Find the best shape under the load for the shape before the load step as target. */
+/*
+ * Find the voltages that best restore, under the load, the shape before the load step, and the
+ * shape under them.
+ */
 static pzs_status find_loaded_best(load_step *step)
 {
     storm *storm = step->storm;
@@ -159,11 +178,11 @@ static double largest_change(const load_step *step)
 }
 
 /*
- * Set a load of a given shape. Its size is such that the largest change of a voltage that
- * compensates the load is load_share of half the range, or, without voltage limits, such that its
- * effect is load_share of the unit of shape errors.
- *   size out  norm of the effect of the load without compensation; 0: the load is not applied,
- *             because it moves nothing, or because the voltages cannot compensate it
+ * Set a load of a given distribution. Its size is such that the voltages which compensate it change
+ * by at most load_share of half the range between their limits. Without voltage limits, the
+ * displacements by the load are load_share times the unit of shape errors (storm_rig.scale).
+ *   size out  norm of the displacements of the targets by the load, without compensation; 0: the
+ *       load is not applied, because it moves nothing, or because the voltages cannot compensate it
  */
 static pzs_status size_load(load_step *step, load_shape shape, double *size)
 {
@@ -227,10 +246,11 @@ static pzs_status start_loop(load_step *step)
 }
 
 /*
- * Simulate the loop under a load that has just been applied, until the shape stays within 5 % of
- * the effect of the load from the best shape. Returns the status of the loop.
- *   size  in   norm of the effect of the load without compensation
- *   ticks out  last tick in which the shape is farther from the best one
+ * Simulate the loop under a load that has just appeared, until the shape has settled: its distance
+ * from the best shape under the load stays below 5 % of the displacements that the load causes
+ * without compensation. Returns the status of the loop.
+ *   size  in   norm of these displacements (m)
+ *   ticks out  number of ticks until the shape has settled
  */
 static pzs_status run_load(load_step *step, double size, int *ticks)
 {
@@ -251,8 +271,10 @@ static pzs_status run_load(load_step *step, double size, int *ticks)
 }
 
 /*
- * Simulate the step of one load.
- *   ticks out  number of ticks until 5 % of the effect of the load are left; -1: not applied
+ * Simulate a load step: the loop comes to rest, a load appears at once, and the loop compensates
+ * it.
+ *   ticks out  number of ticks until 5 % of the displacements by the load are left; -1: the load is
+ *       not applied, because the voltages cannot compensate it
  */
 static pzs_status step_load(load_step *step, load_shape shape, int *ticks)
 {
@@ -271,8 +293,10 @@ static pzs_status step_load(load_step *step, load_shape shape, int *ticks)
 }
 
 /*
- * Simulate the step of one load on a structure as the model has it. Returns 0, or -1 with error
- * filled.
+ * Simulate a load step (a load that appears at once) on a structure that equals the controller's
+ * model. Returns 0, or -1 with error filled.
+ *   ticks out  number of ticks until 5 % of the displacements by the load are left; -1: the load is
+ *       not applied, because the voltages cannot compensate it
  */
 static int try_load(const storm_rig *rig, load_step *step, load_shape shape, int *ticks,
                     char *error)

@@ -32,8 +32,9 @@ static const double tolerance = 1e-7, least_change = 1e-3;
 /*
  * balanced: size of the last Newton increment in a time step (relative to the change of the
  * displacement in half the step) below which no further linear solve is needed. The remaining force
- * imbalance then disturbs the energy only slightly, and balance_energy removes this error. It adds
- * the last increment again, times a factor of at most `largest_correction` in size.
+ * imbalance would change the energy slightly, which balance_energy corrects: it adds a small
+ * multiple of the last increment to the displacement. largest_correction: largest absolute value of
+ * the factor of this increment; if a larger one is necessary, another linear solve follows.
  */
 static const double balanced = 1e-6, largest_correction = 0.1;
 
@@ -330,8 +331,9 @@ static bool is_actuation(const shell_motion *motion, uint32_t input)
 }
 
 /*
- * Add the loads at half the time step to the force imbalance: loads of constant direction, and
- * follower loads by their force per unit of each input.
+ * Add the nodal forces of all loads to the force imbalance at half the time step: value of each
+ * input times its nodal forces per unit. For a load that follows the deformed shell, these are the
+ * forces at the displacement at half the step.
  */
 static void add_loads(shell_motion *motion, double *imbalance)
 {
@@ -509,9 +511,10 @@ static double relative_increment(const shell_motion *motion)
 /*
  * Remove the error of the energy that Newton's method leaves in a time step because its last force
  * imbalance is not zero. The error is the work of the imbalance along the displacement change of
- * the step. The last Newton increment, times a factor that makes this work zero, is added to the
- * change. It does not change the linear momentum, because an increment contains none. Returns
- * whether the factor is small enough; otherwise the displacement is unchanged.
+ * the step. A multiple of the last Newton increment, with which this work becomes zero, is added to
+ * the change. A Newton increment has no linear momentum, so that the momentum of the shell is
+ * conserved. Returns false if the factor of the increment exceeds largest_correction in size; the
+ * displacement is then unchanged.
  */
 static bool balance_energy(shell_motion *motion, double step)
 {

@@ -45,16 +45,18 @@ typedef struct shell_motion {
     mass mass;
     pzs_solver solver; /* solver of the nonlinear equilibrium, whose state uses arrays of this
                           motion. `displacement` is that at half the time step. `resultant` holds
-                          the stress resultants at half the step, linearly extrapolated to the
-                          displacement after the last Newton increment. */
+                          the stress resultants for the geometric stiffness: those before the last
+                          Newton increment, plus their first-order change by this increment. */
     double step_most;  /* longest time step of the motion of the shell (s) */
-    double mass_damping, viscosity; /* mass_damping: coefficient a of the damping force a M v, with
-                                       mass matrix M and velocity v (1/s). viscosity: coefficient b
-                                       (s) of damping that grows with frequency. b/2 times the rate
-                                       of the stress resultants is added to them; b/2 times the
-                                       acceleration is added to the mean velocity of a time step. */
-    size_t modes; /* number of vibration modes that the time steps resolve, each of which is damped
-                     individually */
+    double mass_damping,
+        viscosity; /* mass_damping: coefficient a of the damping force a M v, with mass matrix M and
+                      velocity v (1/s). viscosity: coefficient b (s) of a damping that grows with
+                      frequency: it damps a vibration mode of angular frequency w with the damping
+                      ratio b w/2. Half of it is applied to the stress resultants (b/2 times their
+                      rate is added), the other half to the motion (b/2 times the acceleration is
+                      added to the mean velocity of a time step). */
+    size_t modes;  /* number of vibration modes that the time steps resolve, each of which is damped
+                      individually */
     double *mode_damping; /* [modes] twice the damping ratio times the angular frequency of each
                              individually damped mode, minus the part that viscosity contributes
                              (1/s) */
@@ -82,10 +84,10 @@ typedef struct shell_motion {
     double work; /* scalar product of the force imbalance before the last Newton increment and the
                     change of the displacement in half the time step (N m); a measure of the error
                     of the energy */
-    long corrections;    /* number of time steps so far that ended without a further linear solve,
-                            because a multiple of the last Newton increment has removed the error of
-                            the energy */
-    long steps;          /* number of time steps of the motion of the shell so far */
+    long corrections; /* number of time steps so far in which a correction by a multiple of the last
+                         Newton increment removed the error of the energy, so that no further linear
+                         solve was needed */
+    long steps;       /* number of time steps of the motion of the shell so far */
     long linear_solves;  /* number of linear solves in all time steps of the motion so far */
     long factorisations; /* number of factorisations of the matrix of a time step so far */
     int solves_most;     /* largest number of linear solves that any time step has needed */

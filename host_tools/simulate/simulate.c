@@ -21,9 +21,10 @@
 enum {
     LAST = 20,       /* smallest number of ticks over which the results at the end of a phase (time
                         between events of the scene) are averaged */
-    LAST_MOST = 500, /* upper limit of the number of ticks over which the results at the end of a
-                        phase (interval between events) are averaged. The number is one period of
-                        the first vibration mode within the limits LAST and LAST_MOST. */
+    LAST_MOST = 500, /* LAST_MOST: largest number of ticks over which the results at the end of a
+                        phase (time between events of the scene) are averaged. The number of ticks
+                        is one period of the first vibration mode, but at least LAST and at most
+                        LAST_MOST. */
     WINDOW = 1000    /* number of ticks after an event in which the settling time is measured */
 };
 

@@ -22,8 +22,10 @@ typedef struct wave {
 } wave;
 
 /*
- * Temporary disturbance of the ticks, such as late voltages, varying intervals or late readings:
- * its size, and the tick at which it ends.
+ * Temporary disturbance of the control ticks.
+ *   size   late voltages or varying intervals: largest deviation as a fraction of the tick
+ *       interval; late readings: additional age (ticks)
+ *   until  number of the tick at which the disturbance ends
  */
 typedef struct disturbance {
     double size;
@@ -101,9 +103,11 @@ typedef struct loop {
     double vibration; /* weighted norm of the deviation of the shape from the static equilibrium,
                          relative to the weighted norm of the scene's target; 0 for a quasi-static
                          plant */
-    double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin (the
-                                            firmware's C code on this computer); voltages before the
-                                            tick (V) */
+    double *twin_command, *last_voltage; /* [amplifiers] twin_command: voltages (V) that the
+                                            firmware's C code computes on this computer, for
+                                            comparison with those of the board. last_voltage:
+                                            voltages (V) before the present tick, from which their
+                                            changes are checked against the step limits */
     electrode *electrode; /* [amplifiers] state of the electrode of each amplifier: faults, outputs
                              of amplifier lag, hysteresis and creep */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
@@ -147,8 +151,9 @@ typedef struct loop {
     bool is_missed;      /* whether the last tick was missed */
     int beyond_limits, not_finite; /* for the last tick: number of voltages or steps beyond their
                                       limits; number of voltages that are not finite */
-    int beyond_rows; /* number of violations of a limit on a difference or sum of voltages, by the
-                        commanded or output voltages of the last tick */
+    int beyond_rows; /* number of limits on differences or sums of voltages that were violated in
+                        the last tick. A limit counts once if the commanded voltages violate it, and
+                        once if the output voltages do */
 } loop;
 
 /*

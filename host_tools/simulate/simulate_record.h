@@ -8,7 +8,11 @@
 
 #include "simulation.h"
 
-/* Largest number of time bins; a shorter simulation has one bin for each tick. */
+/*
+ * Largest number of points in the diagrams of a simulation over time. A longer simulation is
+ * divided into this many intervals of time (bins), each with one recorded value; a shorter one has
+ * a bin for each tick.
+ */
 enum { RECORD_BINS = 800 };
 
 typedef struct simulate_record {

@@ -115,8 +115,9 @@ enum { SIMULATE_STATUSES = PZS_E_ARGUMENT };
 typedef struct simulate_count {
     long beyond_limits; /* number of voltages, commanded by the controller or put out by the
                            amplifiers, that violate a voltage limit or the step limit */
-    long beyond_rows;   /* number of violations of a limit on a difference or sum of voltages, by
-                           commanded or output voltages, in all ticks */
+    long beyond_rows;   /* number of violated limits on differences or sums of voltages, added
+                           over all ticks. In a tick a limit counts once if the commanded
+                           voltages violate it, and once if the output voltages do */
     long not_finite;    /* number of commanded or output voltages that are not finite */
     long iterations;    /* number of iterations of the optimiser in all ticks of the simulation */
     int iterations_most;
@@ -161,7 +162,7 @@ typedef struct simulation {
     bool estimates;   /* whether the controller estimates the shape from few sensors */
     bool feeds;       /* whether the controller compensates known loads by feed-forward voltages */
     bool quantises;   /* whether the amplifiers have a resolution or a dead band */
-    bool has_target;  /* whether the scene's target is not zero at all target nodes */
+    bool has_target;  /* whether the scene's target differs from zero at some target node */
     double reference; /* denominator of all relative errors: the weighted norm of the scene's target
                          or, where the target is zero, of the shape without voltages (m) */
     double compared_regularisation; /* regularisation that regularised clipped least squares, a

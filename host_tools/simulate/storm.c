@@ -12,7 +12,9 @@
 enum {
     TARGETS = 10, /* number of targets in a storm (a simulation with fast target jumps) before the
                      last target */
-    REST_PERIODS = 12, /* periods of the first vibration mode during which the last target stays */
+    REST_PERIODS = 12, /* length of the last part of a storm (a simulation with fast target jumps),
+                          in which the target no longer jumps, in periods of the first vibration
+                          mode */
     EVERY_LEAST = 10,  /* fewest and most ticks between two jumps of the target */
     EVERY_MOST = 1200,
     REST_LEAST = 1200, /* fewest ticks at the end of a storm (simulation with fast jumps of the

@@ -16,8 +16,8 @@
 
 typedef struct storm_result {
     double end;  /* largest distance of the shape from the best shape that the voltage limits allow,
-                    at the end of a storm (simulation with fast target jumps): over about one period
-                    of the first vibration mode; relative to the norm of the target */
+                    during about the last period of the first vibration mode in a storm (simulation
+                    with fast target jumps), divided by the norm of the target */
     double peak; /* largest distance of the shape from the best shape that the voltage limits allow,
                     at any time of a storm (simulation with fast target jumps); relative to the norm
                     of the target */

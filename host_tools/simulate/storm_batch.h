@@ -22,10 +22,13 @@ typedef struct storm_task {
 typedef bool storm_visit(void *context, const storm_task *task, const storm_result *result);
 
 /*
- * Run the simulations of a batch, whose results do not depend on the number of threads. A step
- * block of laws.h, whose tables hold its memory, must not be among the blocks of the loop. count in
- * number of simulations, at most STORM_BATCH_LIMIT Returns 0, or -1 with the error of the first
- * simulation that failed; the results of those before it have been visited.
+ * Run the simulations of a batch in several threads. The results do not depend on the number of
+ * threads. The simulations run at the same time with the same tables of the loop's blocks (stages
+ * of the control tick). A block that keeps memory in its tables, as the control laws for comparison
+ * of laws.h do, must therefore not be among the blocks of the loop.
+ *   count in  number of simulations, at most STORM_BATCH_LIMIT
+ * Returns 0, or -1 with the error of the first simulation that failed; the results of those before
+ * it have been visited.
  */
 int storm_batch_run(const storm_rig *rig, const storm_task *task, int count, storm_visit *visit,
                     void *context, char *error);

@@ -56,8 +56,9 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 }
 
 /*
- * Make the influence matrix of the simulated structure as the least-squares problem of the voltages
- * has it: all entries, without the free functions of the target.
+ * Compute the influence matrix of the simulated structure in the form that the voltage optimisation
+ * needs: with all entries, small ones included, and without the part of its columns along the free
+ * functions of the target (shapes that may be added at no cost).
  *   column    [targets]             out  work array
  *   influence [targets][amplifiers] out  displacement per volt (length unit/V)
  */

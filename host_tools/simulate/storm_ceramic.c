@@ -56,9 +56,9 @@ static void drive_amplifiers(storm *storm)
 }
 
 /*
- * Return the voltage (V) that would act on the ceramic of electrode k without hysteresis: a linear
- * function of the mean output voltage of its amplifier. At the lower and the upper voltage limit it
- * has the same values as with hysteresis.
+ * Return the voltage (V) that would act on the ceramic of electrode k if it had no hysteresis. It
+ * is a linear function of the amplifier's mean output voltage. At the lower and at the upper
+ * voltage limit it equals the voltage that acts with hysteresis (storm->stroke).
  */
 static double straight_effect(const storm *storm, size_t k)
 {

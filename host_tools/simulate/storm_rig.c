@@ -63,16 +63,17 @@ static void fill_limits(storm_rig *rig)
 }
 
 /*
- * Lower limit of the divisor of shape errors, which otherwise is the norm of the target. The limit
- * is relative to the root mean square norm of the shapes under half the voltage range of all
- * amplifiers with random signs.
+ * Shape errors are divided by the norm of the target, or by a lower limit of it if the target is
+ * smaller. The limit is this fraction of a reference norm: the root mean square, over random signs,
+ * of the norm of the shape in which the voltage of every amplifier differs by plus or minus half
+ * its range from the middle.
  */
 static const double least_scale = 0.02;
 
 /*
- * Set the unit in which shape errors are measured: the norm of the target. Where the target is
- * nearly zero, as in a loop that only damps vibration, a small part of the shapes that the voltages
- * reach is the unit. Returns whether memory sufficed.
+ * Set the unit of shape errors, rig->scale. It is the norm of the target. The target may be nearly
+ * zero, as in a loop that only damps vibration. The unit is therefore at least least_scale times a
+ * typical norm of the shapes that the voltages can reach. Returns whether memory sufficed.
  */
 static bool fill_scale(storm_rig *rig)
 {

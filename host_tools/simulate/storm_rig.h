@@ -43,9 +43,10 @@ typedef struct storm_plant {
                             negative: newer */
     uint64_t seed;       /* seed of the random sequence of target jumps */
     double missed_share; /* part of the ticks that the controller misses, from 0 to 1 */
-    const storm_ceramic *ceramic; /* ceramic of the simulated structure. NULL: with the hysteresis
-                                     and creep of the scene file if the loop compensates them,
-                                     otherwise without */
+    const storm_ceramic *ceramic; /* ceramic of the electrodes of the simulated structure, if it
+                                     differs from that in the scene file. NULL: the hysteresis and
+                                     creep of the scene file are simulated if the loop compensates
+                                     them, otherwise the ceramic has none */
     double less_hysteresis; /* part, from 0 to 1, by which the ceramic has less hysteresis and creep
                                than the scene file describes */
     bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */
@@ -78,16 +79,19 @@ typedef struct storm_rig {
                        amplifier */
     double *influence; /* [targets][amplifiers] static displacement of each target row (controlled
                           displacement) per volt of each amplifier */
-    tick_matrix static_shape;      /* [targets][amplifiers] copy of `influence` for the ticks */
-    tick_matrix static_reading;    /* [sensors][amplifiers] copy of `direct` for the ticks */
-    tick_matrix vibration_shape;   /* [targets][modes] displacement of each target row per unit of
-                                      the coordinate of each vibration mode */
+    tick_matrix static_shape;    /* [targets][amplifiers] copy of `influence` in the layout in which
+                                    products with a vector, which every tick needs, are fastest */
+    tick_matrix static_reading;  /* [sensors][amplifiers] copy of `direct` (static reading of each
+                                    sensor per volt of each amplifier) in the layout in which
+                                    products with a vector, which every tick needs, are fastest */
+    tick_matrix vibration_shape; /* [targets][modes] displacement of each target row per unit of
+                                    the coordinate of each vibration mode */
     tick_matrix vibration_reading; /* [sensors][modes] reading of each sensor per unit of the
                                       coordinate of each vibration mode */
     double scale;  /* unit in which shape errors are measured (m): norm of the target, or a fiftieth
                       of a reference norm if that is larger. The reference norm is the root mean
-                      square norm of the shapes under half the voltage range of all amplifiers with
-                      random signs. */
+                      square, over random signs, of the norm of the shape under plus or minus half
+                      the voltage range of every amplifier. */
     uint32_t *row; /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */
@@ -114,9 +118,10 @@ bool storm_deform(storm_rig *rig, const deformed *deformed);
 /*
  * Set the control loop of the next storms (simulations with fast target jumps).
  *   rig            in/out  data that all storms share
- *   block [blocks] in blocks (stages) of the control tick, copied; their tables must outlive the
- *       rig. The supervisor is left out: it would take control away where targets jump beyond all
- *       limits or a small vibration begins without a cause
+ *   block [blocks] in      blocks (stages) of the control tick, copied; their tables must outlive
+ *       the rig. The supervisor is left out: this block detects a diverging loop and then sets the
+ *       voltages itself. Targets beyond all limits, or vibrations without a cause, would make it do
+ *       so
  *   delay          in      age of the readings that the scene file states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);

@@ -90,10 +90,11 @@ static void set_limits(storm *storm)
 }
 
 /*
- * Append a block (stage of the control tick) to those that the simulation runs. The limits of the
- * simulation replace those in the least-squares problem of the step block, which computes the
- * voltages. The library's step block gets a pointer to the new problem. The tables of a control law
- * for comparison begin with a problem, which is overwritten; their other members stay.
+ * Append a block (stage of the control tick) to those that the simulation runs. The block that
+ * computes the voltages (step block) solves a least-squares problem, whose voltage and step limits
+ * are replaced by those of the simulation. The library's step block gets a pointer to the changed
+ * problem. A control law for comparison (laws.h) has the problem as the first member of its tables;
+ * there it is overwritten.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -157,8 +158,9 @@ int storm_begin(storm *storm, const storm_rig *rig, const storm_plant *plant, ch
     memcpy(storm->last_target, rig->analysis->design.target,
            rig->targets * sizeof *storm->last_target);
     pzs_status status = open_loop(storm);
-    if (!PZS_IS_ERROR(status) && !storm_is_free(storm)) /* small vibrations without limits grow or
-                                              decay about zero, not about the best shape */
+    if (!PZS_IS_ERROR(status) && !storm_is_free(storm)) /* In a simulation of small vibrations
+                                                           without limits, the best shape is zero
+                                                           and need not be computed. */
         status = storm_find_best(storm, storm->previous_voltage);
     if (PZS_IS_ERROR(status))
         return storm_explain(storm, status, error);

@@ -59,9 +59,10 @@ typedef struct storm {
                             simulated structure */
     double *shape;       /* [targets] shape of the simulated structure in the present tick */
     double *part; /* [targets] work array for the displacements of the target nodes by vibration */
-    double *sensed;    /* [sensors] readings that the control loop receives in the present tick */
-    double *load;      /* [rows] static displacement of each output row of the structure under the
-                          load of a load step; zero before the step, and in storms */
+    double *sensed; /* [sensors] readings that the control loop receives in the present tick */
+    double *load; /* [rows] displacement of each output row of the structure in equilibrium under a
+                     load that appears at once (load_step.h); zero before it appears, and in
+                     simulations without such a load */
     double *vibrating; /* [sensors] work array for the readings that the present vibration causes */
     double *reading;   /* [history_ticks][sensors] noise-free readings of the last ticks */
 } storm;
@@ -119,10 +120,12 @@ double storm_offset(const storm *storm, size_t row);
 void storm_compute_rest(storm *storm, const double *voltage);
 
 /*
- * Compute the best shape of the simulated structure for the last target, with voltages on the
- * ceramic between the lowest and highest that can act there. The influence matrix is the
- * structure's, of which the controller may leave out small entries. On a deformed structure,
- * compute the shape at which the loop comes to rest instead, with the controller's matrix.
+ * Compute the best shape that the voltage limits allow for the last target on the simulated
+ * structure. The voltages on the ceramic are between the lowest and the highest that can act there.
+ * The influence matrix is that of the structure, of which the controller may leave out small
+ * entries. On a structure linearised about a deformed state, compute the shape at which the loop
+ * comes to rest instead, with the influence matrix of the controller.
+ *   voltage [amplifiers] out  voltages of this shape (V)
  */
 pzs_status storm_find_best(storm *storm, double *voltage);
 

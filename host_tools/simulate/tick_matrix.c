@@ -10,8 +10,12 @@ bool tick_matrix_open(tick_matrix *to, const double *matrix, size_t stride, cons
 {
     to->rows = rows;
     to->columns = columns;
-    to->is_by_columns = columns < PRODUCT_LONG_ROW; /* pzs_product_matrix sums the terms of longer
-                                                       rows in another order */
+    /*
+     * Products by columns add the terms of a row one after the other. pzs_product_matrix does so
+     * only in rows shorter than PRODUCT_LONG_ROW. Matrices with longer rows are therefore stored by
+     * rows, for products with equal rounding errors.
+     */
+    to->is_by_columns = columns < PRODUCT_LONG_ROW;
     to->table = malloc((rows * columns + 1) * sizeof *to->table);
     if (!to->table)
         return false;

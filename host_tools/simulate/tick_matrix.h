@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Matrices of a simulation that multiply another vector in every tick. They are stored in the
- * layout in which this is fastest, and the products have the bits of pzs_product_matrix.
+ * layout in which this is fastest. The products are bitwise equal to those of pzs_product_matrix.
  */
 #ifndef TICK_MATRIX_H
 #define TICK_MATRIX_H
