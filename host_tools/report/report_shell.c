@@ -26,27 +26,23 @@ typedef struct shell_depth {
 static void fill_from_elements(shell *shell)
 {
     for (int n = 0; n < shell->points; n++) {
-        shell->node[n] = n;
-        memcpy(shell->place[n], shell->mesh->point[n].position, sizeof shell->place[n]);
+        shell->point[n].node = n;
+        memcpy(shell->point[n].place, shell->mesh->point[n].position, sizeof(double[3]));
     }
     for (int k = 0; k < 4 * shell->cells; k++)
         shell->cell[k / 4][k % 4] = shell->mesh->element[k / 4][k % 4];
 }
 
-/*
- * Fill in points and cells (quadrilaterals) of a flat picture (map) over the surface coordinates
- * theta1 and theta2.
- */
+/* Fill in points and cells of a flat picture (map) over the coordinates theta1 and theta2. */
 static void fill_from_parameters(shell *shell)
 {
     const scene_line *line = shell->mesh->line;
     const int rows = line[0].elements, columns = line[1].elements, across = columns + 1;
     shell->points = (rows + 1) * across;
-    for (int k = 0; k < shell->points; k++) {
-        shell->node[k] = mesh_node(shell->mesh, k / across, k % across);
-        shell->place[k][0] = line[0].point[k / across];
-        shell->place[k][1] = line[1].point[k % across];
-    }
+    for (int k = 0; k < shell->points; k++)
+        shell->point[k] =
+            (shell_point){.node = mesh_node(shell->mesh, k / across, k % across),
+                          .place = {line[0].point[k / across], line[1].point[k % across], 0}};
     for (int k = 0; k < shell->cells; k++) {
         const int first = k / columns * across + k % columns;
         const int corner[4] = {first, first + across, first + across + 1, first + 1};
@@ -54,68 +50,55 @@ static void fill_from_parameters(shell *shell)
     }
 }
 
-/*
- * Mark the nodes of all supports, except supports that include all nodes, for a picture.
- *   node [nodes] out  work array
- */
-static void find_supports(shell *shell, int *node)
+/* Mark the nodes of all supports, except supports that include all nodes. */
+static void find_supports(shell *shell)
 {
     const design *design = shell->design;
+    int *node = shell->work;
     for (int s = 0; s < design->supports; s++)
         if (design->support[s].where.type != WHERE_NODES)
             for (int k = mesh_select(shell->mesh, &design->support[s].where, node) - 1; k >= 0; k--)
-                shell->is_held[node[k]] = true;
+                shell->point[node[k]].is_held = true;
 }
 
 int shell_open(shell *shell, FILE *file, const design *design, bool is_map)
 {
     const mesh *mesh = &design->mesh;
     const size_t cells = (size_t)mesh->elements + 1, points = 2 * (size_t)mesh->nodes + 2;
-    *shell = (struct shell){.file = file,
-                            .design = design,
-                            .mesh = mesh,
-                            .is_map = is_map,
-                            .points = mesh->nodes,
-                            .cells = mesh->elements};
-    shell->node = calloc(points, sizeof *shell->node);
-    shell->place = calloc(points, sizeof *shell->place);
+    *shell = (struct shell){file, design, mesh, .points = mesh->nodes, .cells = mesh->elements};
+    shell->is_map = is_map;
+    shell->point = calloc(points, sizeof *shell->point);
     shell->cell = calloc(2 * cells, sizeof *shell->cell);
-    shell->is_held = calloc((size_t)mesh->nodes, sizeof *shell->is_held);
     shell->plan = calloc((size_t)design->actuators + 1, sizeof *shell->plan);
-    shell->work = calloc(cells, 4 * sizeof(quad_side) + sizeof(shell_depth));
-    if (!shell->node || !shell->place || !shell->cell || !shell->is_held || !shell->plan ||
-        !shell->work)
+    shell->work = calloc(cells + points, 4 * sizeof(quad_side) + sizeof(shell_depth));
+    if (!shell->point || !shell->cell || !shell->plan || !shell->work)
         return -1;
     view_begin(&shell->view, mesh, is_map);
+    (is_map && view_has_parameters(mesh) ? fill_from_parameters : fill_from_elements)(shell);
     if (!is_map && (mesh->quads != NULL) == mesh->is_from_file)
-        find_supports(shell, shell->node);
-    if (is_map && view_has_parameters(mesh))
-        fill_from_parameters(shell);
-    else
-        fill_from_elements(shell);
+        find_supports(shell);
     if (is_map)
         shell_find_plans(shell);
     for (int k = 0; k < shell->points && is_map; k++)
-        view_include(&shell->view, shell->place[k]);
+        view_include(&shell->view, shell->point[k].place);
     view_fit(&shell->view, SHELL_MAP_WIDTH, SHELL_MAP_WIDTH, 120);
     return 0;
 }
 
 void shell_close(shell *shell)
 {
-    free(shell->node);
-    free(shell->place);
+    free(shell->point);
     free(shell->cell);
-    free(shell->is_held);
     free(shell->plan);
     free(shell->work);
 }
 
 void shell_place(const shell *shell, int point, double place[3])
 {
-    const double *vector = shell->vector ? shell->vector + 3 * shell->node[point] : NULL;
+    const shell_point *own = &shell->point[point];
+    const double *vector = shell->vector ? shell->vector + 3 * own->node : NULL;
     for (int i = 0; i < 3; i++)
-        place[i] = shell->place[point][i] + (vector ? shell->factor * vector[i] : 0);
+        place[i] = own->place[i] + (vector ? shell->factor * vector[i] : 0);
 }
 
 void shell_at(const shell *shell, int point, double at[2])
@@ -131,32 +114,28 @@ void shell_include(shell *shell)
         double place[3];
         shell_place(shell, k, place);
         view_include(&shell->view, place);
-        view_include(&shell->view, shell->place[k]);
+        view_include(&shell->view, shell->point[k].place);
     }
 }
 
-/*
- * Compute the bilinear weights of the four corners of a quadrilateral cell at a point inside.
- *   share [2] in  position of the point along the sides, from 0 to 1
- */
-static void corner_weights(const double share[2], double weight[4])
+/* Interpolate values at the four corners of a cell bilinearly at a point inside (shell_inside). */
+static double interpolate(const double corner[4], const double share[2])
 {
-    weight[0] = (1 - share[0]) * (1 - share[1]);
-    weight[1] = share[0] * (1 - share[1]);
-    weight[2] = share[0] * share[1];
-    weight[3] = (1 - share[0]) * share[1];
+    const double a = share[0], b = share[1];
+    return (1 - a) * (1 - b) * corner[0] + a * (1 - b) * corner[1] + a * b * corner[2] +
+           (1 - a) * b * corner[3];
 }
 
 void shell_inside(const shell *shell, int cell, const double share[2], double at[2])
 {
-    double weight[4], corner[2];
-    corner_weights(share, weight);
-    at[0] = at[1] = 0;
+    double corner[2][4];
     for (int r = 0; r < 4; r++) {
-        shell_at(shell, shell->cell[cell][r], corner);
-        for (int i = 0; i < 2; i++)
-            at[i] += weight[r] * corner[i];
+        shell_at(shell, shell->cell[cell][r], at);
+        corner[0][r] = at[0];
+        corner[1][r] = at[1];
     }
+    at[0] = interpolate(corner[0], share);
+    at[1] = interpolate(corner[1], share);
 }
 
 /*
@@ -174,18 +153,21 @@ static void draw_part(const shell *shell, int cell, const double from[2], const 
     draw_polygon(shell->file, (const double(*)[2])at, 4);
 }
 
-static void draw_cells(const shell *shell, const char *style)
+/* Draw the outlines of `count` cells. */
+static void draw_cells(const shell *shell, int first, int count, const char *style)
 {
-    static const double first[2] = {0, 0}, last[2] = {1, 1};
     draw_path(shell->file, style);
-    for (int k = 0; k < shell->cells; k++)
-        draw_part(shell, k, first, last);
+    for (int k = first; k < first + count; k++)
+        draw_part(shell, k, (const double[2]){0, 0}, (const double[2]){1, 1});
     draw_path_end(shell->file);
 }
 
 void shell_lines(const shell *shell, const char *style)
 {
-    (shell->mesh->elements > FINE ? shell_edges : draw_cells)(shell, style);
+    if (shell->mesh->elements > FINE)
+        shell_edges(shell, style);
+    else
+        draw_cells(shell, 0, shell->cells, style);
 }
 
 void shell_edges(const shell *shell, const char *style)
@@ -236,20 +218,6 @@ static const shell_depth *sort_cells(const shell *shell)
 }
 
 /*
- * Return the index of the colour at a point inside a cell (quadrilateral of the mesh), whose four
- * corners have the values own [4].
- */
-static int level_inside(const double own[4], const draw_scale *scale, double first, double second)
-{
-    const double share[2] = {first, second};
-    double weight[4], value = 0;
-    corner_weights(share, weight);
-    for (int r = 0; r < 4; r++)
-        value += weight[r] * own[r];
-    return draw_level(scale, value);
-}
-
-/*
  * Draw a cell (quadrilateral) of a mesh in pieces, each in the colour of the value at its middle;
  * neighbouring pieces of the same colour in a row are drawn as one. Returns whether the cell has
  * values at all corners.
@@ -259,35 +227,35 @@ static bool paint_cell(const shell *shell, int cell, const double *value, const 
 {
     double own[4];
     for (int r = 0; r < 4; r++)
-        own[r] = value[shell->node[shell->cell[cell][r]]];
+        own[r] = value[shell->point[shell->cell[cell][r]].node];
     const bool has_values = isfinite(own[0] + own[1] + own[2] + own[3]);
     const int parts = has_values ? pieces : 1;
     const double size = 1.0 / parts;
-    for (int j = 0; j < parts; j++)
-        for (int i = 0, end; i < parts; i = end) {
-            const int level = level_inside(own, scale, (i + 0.5) * size, (j + 0.5) * size);
-            for (end = i + 1; end < parts; end++)
-                if (level_inside(own, scale, (end + 0.5) * size, (j + 0.5) * size) != level)
-                    break;
-            const double from[2] = {i * size, j * size}, to[2] = {end * size, (j + 1) * size};
-            draw_path(shell->file, draw_class(scale, level));
-            draw_part(shell, cell, from, to);
-            fputs("\"/>", shell->file);
+    for (int k = 0, end; k < parts * parts; k = end) {
+        const int i = k % parts, j = k / parts;
+        double middle[2] = {(i + 0.5) * size, (j + 0.5) * size};
+        const int level = draw_level(scale, interpolate(own, middle));
+        for (end = k + 1; end % parts; end++) {
+            middle[0] = (end % parts + 0.5) * size;
+            if (draw_level(scale, interpolate(own, middle)) != level)
+                break;
         }
+        const double from[2] = {i * size, j * size}, to[2] = {(i + end - k) * size, (j + 1) * size};
+        draw_path(shell->file, draw_class(scale, level));
+        draw_part(shell, cell, from, to);
+        fputs("\"/>", shell->file);
+    }
     return has_values;
 }
 
 /* Draw the outline and the supported corners of a cell (quadrilateral) in space. */
 static void draw_frame(const shell *shell, int cell)
 {
-    struct shell single = *shell;
-    single.cell = shell->cell + cell;
-    single.cells = 1;
     if (shell->mesh->elements <= FINE)
-        draw_cells(&single, "edge");
+        draw_cells(shell, cell, 1, "edge");
     for (int r = 0; r < 4; r++)
-        if (shell->is_held[single.cell[0][r]])
-            shell_node(shell, single.cell[0][r], "pin", 2.5);
+        if (shell->point[shell->cell[cell][r]].is_held)
+            shell_node(shell, shell->cell[cell][r], "pin", 2.5);
 }
 
 /*
@@ -299,7 +267,7 @@ static void draw_points(const shell *shell, const double *value, const draw_scal
     enum { MOST_DOTS = 2500 };
     const double radius = 0.35 * sqrt(shell->view.width * shell->view.height / shell->points);
     for (int k = 0; k < shell->points; k += 1 + shell->points / MOST_DOTS) {
-        const double own = value[shell->node[k]];
+        const double own = value[shell->point[k].node];
         double at[2];
         shell_at(shell, k, at);
         if (isfinite(own))

@@ -32,6 +32,14 @@ typedef struct view {
  * surface, which has no mean normal, from above.
  */
 void view_begin(view *view, const mesh *mesh, bool is_map);
+
+/*
+ * Compute the axes of a view from the direction towards the viewer; the axis `up` of space points
+ * upwards in the picture.
+ */
+void view_axes(const double towards[3], int up, double axis[3][3]);
+
+/* Whether the map of a mesh shows the surface coordinates theta1 and theta2. */
 bool view_has_parameters(const mesh *mesh);
 
 /*
@@ -49,6 +57,14 @@ void view_project(const view *view, const double point[3], double at[2]);
  */
 double view_magnification(const mesh *mesh, double most, double share);
 
+/* A point of a drawn mesh: the node of the mesh that is drawn there, and its place. */
+typedef struct shell_point {
+    double place[3]; /* coordinates of the undeformed mesh: x, y, z in a picture in space, the
+                        surface coordinates theta1, theta2 and 0 on a map */
+    int node;
+    bool is_held; /* whether a support includes the node; only in a picture in space */
+} shell_point;
+
 /*
  * A mesh as it is drawn: points, and cells (quadrilaterals) between them. They are the nodes and
  * elements of the mesh, but on the map of a closed surface the first and the last mesh line are
@@ -61,13 +77,10 @@ typedef struct shell {
     view view;
     bool is_map;
     int points, cells;
-    int *node;          /* [points] number of the mesh node at each point of the picture */
-    double (*place)[3]; /* [points] coordinates of the undeformed mesh: x, y, z in a picture in
-                           space, the surface coordinates theta1, theta2 and 0 on a map */
+    shell_point *point; /* [points] */
     int (*cell)[4]; /* [2 cells] point indices of the corners of each cell, in the first half. The
                        second half is work memory for the cells that one electrode covers, while
                        they are drawn */
-    bool *is_held;  /* [nodes] whether a support includes the node; only in a picture in space */
     int *plan;  /* [actuators] index of the map on which the patches of each actuator are drawn, so
                    that no patches overlap on a map; -1: the actuator has no patches or stacks */
     int plans;  /* number of maps (plane drawings of the mesh) on which the patches of all actuators

@@ -9,15 +9,10 @@
 /* Smallest distance of the drawn points from the edges of a picture, in pixels. */
 enum { EDGE = 18 };
 
-/*
- * Set the axes of a view along a normal; the axis y of space, or z if the normal is y, is upwards.
- */
-static void look_along(view *view, const double normal[3])
+void view_axes(const double towards[3], int up, double axis[3][3])
 {
-    double(*axis)[3] = view->axis;
-    memcpy(axis[2], normal, sizeof axis[2]);
+    memcpy(axis[2], towards, sizeof axis[2]);
     vector_normalise(axis[2]);
-    const int up = fabs(axis[2][1]) > 0.9 ? 2 : 1;
     for (int i = 0; i < 3; i++)
         axis[1][i] = (i == up) - axis[2][up] * axis[2][i];
     vector_normalise(axis[1]);
@@ -35,14 +30,12 @@ static void look_at(view *view, const double normal[3])
     const double up = sin(30 * degree), out = cos(30 * degree);
     double best = -2;
     for (int k = 0; k < 4; k++) {
-        const double east = cos(azimuth[k] * degree), north = sin(azimuth[k] * degree);
-        const double axis[3][3] = {
-            {-north, east, 0}, {-up * east, -up * north, out}, {out * east, out * north, up}};
-        const double shown = vector_dot(normal, axis[2]);
-        if (shown <= best + 1e-6)
-            continue;
-        best = shown;
-        memcpy(view->axis, axis, sizeof axis);
+        const double angle = azimuth[k] * degree;
+        const double towards[3] = {out * cos(angle), out * sin(angle), up};
+        const double shown = vector_dot(normal, towards);
+        if (shown > best + 1e-6)
+            view_axes(towards, 2, view->axis);
+        best = fmax(best, shown);
     }
 }
 
@@ -60,7 +53,6 @@ static void look_at_parameters(view *view, const mesh *mesh)
             metric[a] += mesh->point[n].lame[a] / mesh->nodes;
     }
     const double aspect = metric[0] * range[0] / (metric[1] * range[1]);
-    memset(view->axis, 0, sizeof view->axis);
     view->axis[0][1] = 1 / range[1];
     view->axis[1][0] = -fmin(fmax(aspect, 0.3), 3) / range[0];
 }
@@ -88,27 +80,24 @@ void view_begin(view *view, const mesh *mesh, bool is_map)
     static const double upwards[3] = {0, 0, 1};
     double normal[3];
     const double length = mean_normal(mesh, normal);
-    memset(view, 0, sizeof *view);
+    const double *towards = mesh->quads ? normal : upwards;
+    *view = (struct view){.low = {DBL_MAX, DBL_MAX}, .high = {-DBL_MAX, -DBL_MAX}};
     if (!is_map || (mesh->quads && length <= 0.3))
         look_at(view, normal);
     else if (view_has_parameters(mesh))
         look_at_parameters(view, mesh);
     else
-        look_along(view, mesh->quads ? normal : upwards);
-    for (int a = 0; a < 2; a++) {
-        view->low[a] = DBL_MAX;
-        view->high[a] = -DBL_MAX;
-    }
+        view_axes(towards, fabs(towards[1]) > 0.9 * vector_length(towards) ? 2 : 1, view->axis);
 }
 
 void view_include(view *view, const double point[3])
 {
     for (int a = 0; a < 2; a++) {
         const double along = vector_dot(view->axis[a], point);
-        if (!isfinite(along))
-            continue;
-        view->low[a] = fmin(view->low[a], along);
-        view->high[a] = fmax(view->high[a], along);
+        if (isfinite(along)) {
+            view->low[a] = fmin(view->low[a], along);
+            view->high[a] = fmax(view->high[a], along);
+        }
     }
 }
 
@@ -123,10 +112,11 @@ void view_fit(view *view, double width, double height, double least)
 
 void view_project(const view *view, const double point[3], double at[2])
 {
-    const double right = vector_dot(view->axis[0], point) - (view->low[0] + view->high[0]) / 2;
-    const double up = vector_dot(view->axis[1], point) - (view->low[1] + view->high[1]) / 2;
-    at[0] = view->width / 2 + view->zoom * right;
-    at[1] = view->height / 2 - view->zoom * up;
+    double off[2];
+    for (int a = 0; a < 2; a++)
+        off[a] = vector_dot(view->axis[a], point) - (view->low[a] + view->high[a]) / 2;
+    at[0] = view->width / 2 + view->zoom * off[0];
+    at[1] = view->height / 2 - view->zoom * off[1];
 }
 
 double view_magnification(const mesh *mesh, double most, double share)
