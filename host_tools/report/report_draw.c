@@ -59,6 +59,22 @@ void draw_disc(FILE *file, const char *style, const double at[2], double radius)
             radius);
 }
 
+void draw_text(FILE *file, const char *style, double x, double y, const char *format, ...)
+{
+    va_list more;
+    va_start(more, format);
+    put(file, "<text class=\"%s\" x=\"%f\" y=\"%f\">", style, x, y);
+    put_list(file, format, NULL, &more);
+    fputs("</text>\n", file);
+    va_end(more);
+}
+
+void draw_name(FILE *file, double x, double top, double height, const char *name)
+{
+    put(file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%t</text>\n",
+        fmin(height, 11), x, top + 0.8 * height, name);
+}
+
 void draw_extend(draw_scale *scale, const double *value, int count)
 {
     for (int i = 0; i < count; i++)
@@ -105,17 +121,17 @@ const char *draw_tone(const draw_scale *scale, double value)
 
 void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y)
 {
-    const double width = DRAW_LEGEND_WIDTH, bar = width / DRAW_LEVELS;
-    const double low = scale->is_signed ? -scale->most : 0;
+    const double width = DRAW_LEGEND_WIDTH, bar = width / DRAW_LEVELS, most = scale->most;
+    const double low = scale->is_signed ? -most : 0;
     put(file, "<g transform=\"translate(%f %f)\"><g class=\"flat\">", x, y);
     for (int i = 0; i < DRAW_LEVELS; i++)
         put(file, "<path class=\"%s\" d=\"M%f 2h%fv10h-%fz\"/>", draw_class(scale, i), i * bar, bar,
             bar);
-    put(file,
-        "</g>\n<text y=\"26\">%a</text><text class=\"value\" x=\"%f\" y=\"26\">%a</text>"
-        "<text class=\"end\" x=\"%f\" y=\"26\">%q</text></g>\n",
-        low, scale->most, scale->unit, width / 2, low / 2 + scale->most / 2, scale->most,
-        scale->unit, width, scale->most, scale->unit);
+    fputs("</g>\n", file);
+    draw_text(file, "", 0, 26, "%a", low, most, scale->unit);
+    draw_text(file, "value", width / 2, 26, "%a", low / 2 + most / 2, most, scale->unit);
+    draw_text(file, "end", width, 26, "%q", most, scale->unit);
+    fputs("</g>\n", file);
 }
 
 void draw_legend(FILE *file, const draw_scale *scale)
@@ -149,13 +165,14 @@ void draw_widen(draw_axis *axis, const double *value, int count)
         }
 }
 
-void draw_curve(FILE *file, const char *style, const draw_axis *x, const double *along,
-                const draw_axis *y, const double *value, int count)
+void draw_curve(FILE *file, const draw_axis *x, const draw_axis *y, const draw_series *series)
 {
+    const double part = (x->high - x->low) / series->count;
     bool is_drawing = false;
-    draw_path(file, style);
-    for (int i = 0; i < count; i++) {
-        const double at[2] = {draw_on(x, along ? along[i] : i + 0.5), draw_on(y, value[i])};
+    draw_path(file, series->style);
+    for (int i = 0; i < series->count; i++) {
+        const double along = series->along ? series->along[i] : x->low + (i + 0.5) * part;
+        const double at[2] = {draw_on(x, along), draw_on(y, series->value[i])};
         draw_step(file, &is_drawing, at);
     }
     draw_path_end(file);
@@ -177,13 +194,11 @@ static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool i
     const draw_axis *axis = is_x ? x : y;
     const double at = draw_on(axis, value);
     if (is_x)
-        put(file, "<path class=\"grid\" d=\"M%f %fV%f\"/><text class=\"value\" x=\"%f\" y=\"%f\">",
-            at, y->to, y->from, at, y->from + 15);
+        put(file, "<path class=\"grid\" d=\"M%f %fV%f\"/>", at, y->to, y->from);
     else
-        put(file, "<path class=\"grid\" d=\"M%f %fH%f\"/><text class=\"end\" x=\"%f\" y=\"%f\">",
-            x->from, at, x->to, x->from - 6, at + 4);
-    put(file, axis->format, value * axis->unit.factor);
-    fputs("</text>\n", file);
+        put(file, "<path class=\"grid\" d=\"M%f %fH%f\"/>", x->from, at, x->to);
+    draw_text(file, is_x ? "value" : "end", is_x ? at : x->from - 6, is_x ? y->from + 15 : at + 4,
+              axis->format, value * axis->unit.factor);
 }
 
 /*

@@ -30,9 +30,8 @@ void draw_picture_style(FILE *file);
 
 /*
  * draw_path begins an SVG path with a style class, and draw_path_end ends it. Between both calls,
- * draw_step appends a point to a line, and draw_polygon appends a polygon, or a straight line
- * through 2 points. Points whose coordinates are not finite are left out, with the whole polygon to
- * which they belong.
+ * draw_step appends a point to a line, and draw_polygon a polygon, or a straight line through 2
+ * points. Points whose coordinates are not finite are left out, with the polygon they belong to.
  */
 void draw_path(FILE *file, const char *style);
 void draw_step(FILE *file, bool *is_drawing, const double at[2]);
@@ -41,6 +40,13 @@ void draw_path_end(FILE *file);
 
 /* Draw a disc with a centre and a radius in pixels, unless the centre is not finite. */
 void draw_disc(FILE *file, const char *style, const double at[2], double radius);
+
+/*
+ * draw_text writes a text with the directives of the function put at x, y in pixels. draw_name
+ * writes the name of a row of a diagram to the left of x, in a font that fits the row's height.
+ */
+void draw_text(FILE *file, const char *style, double x, double y, const char *format, ...);
+void draw_name(FILE *file, double x, double top, double height, const char *name);
 
 /*
  * Number of colours of a scale, and width of its legend in pixels. Style classes of the colours are
@@ -63,18 +69,14 @@ draw_scale draw_scale_of(bool is_signed, const char *unit, const double *value, 
 void draw_extend(draw_scale *scale, const double *value, int count);
 
 /*
- * draw_level returns the index of the colour of a value, or -1 if the value is not finite.
- * draw_class returns the style class of the colour with an index, and draw_colour the style class
- * of the colour of a value.
+ * draw_level returns the index of the colour of a value, or -1 if the value is not finite;
+ * draw_class the style class of the colour with an index, draw_colour that of the colour of a
+ * value. draw_tone returns the style class of a text on that colour: "strong" on the dark or
+ * saturated colours near the ends of a scale, "mild" on others.
  */
 int draw_level(const draw_scale *scale, double value);
 const char *draw_class(const draw_scale *scale, int level);
 const char *draw_colour(const draw_scale *scale, double value);
-
-/*
- * Return the style class of a text that is written on the colour of a value: "strong" on the dark
- * or saturated colours near the ends of a colour scale, "mild" on others.
- */
 const char *draw_tone(const draw_scale *scale, double value);
 
 /*
@@ -84,35 +86,36 @@ const char *draw_tone(const draw_scale *scale, double value);
 void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y);
 void draw_legend(FILE *file, const draw_scale *scale);
 
+/* An axis of a diagram: values and pixel coordinates of its ends, and the format of its numbers. */
 typedef struct draw_axis {
-    double low, high; /* values at both ends of the axis of a diagram */
-    double from, to;  /* pixel coordinates of both ends of the axis of a diagram */
+    double low, high, from, to;
     bool is_log;
-    const char *format; /* format string of the numbers on the axis of a diagram, with the
-                           directives of the function `put` */
+    const char *format; /* with a directive of the function put */
     put_unit unit;
 } draw_axis;
 
-/* Return the pixel coordinate of a value on an axis of a diagram. */
-double draw_on(const draw_axis *axis, double value);
-
 /*
- * Widen the range of an axis of a diagram to contain values, on a logarithmic axis those that are
- * positive.
+ * draw_on returns the pixel coordinate of a value on an axis. draw_widen widens the range of an
+ * axis so that it contains values, on a logarithmic axis those that are positive.
  */
+double draw_on(const draw_axis *axis, double value);
 void draw_widen(draw_axis *axis, const double *value, int count);
 
 /*
  * Draw a curve through `count` points: along [count] are their values on axis x, value [count]
- * those on axis y. If along is NULL, the values on axis x are 0.5, 1.5, 2.5 and so on.
+ * those on axis y. If along is NULL, the points are the middles of equal parts of axis x.
  */
-void draw_curve(FILE *file, const char *style, const draw_axis *x, const double *along,
-                const draw_axis *y, const double *value, int count);
+typedef struct draw_series {
+    const char *style;
+    const double *along, *value;
+    int count;
+} draw_series;
+void draw_curve(FILE *file, const draw_axis *x, const draw_axis *y, const draw_series *series);
 
 /*
- * Draw the grid lines of a diagram, with their numbers, for values of x (is_x) or of y. On a linear
- * axis they lie at multiples of a round step (1, 2 or 5 times a power of ten), on a logarithmic
- * axis at such numbers themselves.
+ * Draw the grid lines of a diagram, with their numbers, for values of x (is_x) or of y. They lie at
+ * multiples of a round step (1, 2 or 5 times a power of ten), on a logarithmic axis at such
+ * numbers themselves.
  */
 void draw_grid(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x);
 

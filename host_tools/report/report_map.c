@@ -18,8 +18,8 @@ static void write_ranges(const shell *map)
     const bool has_parameters = view_has_parameters(map->mesh);
     const double *normal = map->view.axis[2], foot = map->view.height + 5;
     if (map->mesh->quads)
-        put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">seen along (%n, %n, %n)</text>\n",
-            foot, normal[0], normal[1], normal[2]);
+        draw_text(map->file, "value", SHELL_MAP_WIDTH / 2, foot, "seen along (%n, %n, %n)",
+                  normal[0], normal[1], normal[2]);
     for (int a = 0; a < 2 && !map->mesh->quads; a++) {
         const scene_line *line = &map->mesh->line[a];
         const bool is_angle = has_parameters && map->mesh->is_angle[a];
@@ -27,9 +27,8 @@ static void write_ranges(const shell *map)
         const double high = has_parameters ? line->point[line->elements] : map->view.high[a];
         const put_unit unit =
             put_unit_of(fmax(fabs(low), fabs(high)), is_angle ? "rad" : map->design->units.length);
-        put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">%s from %n to %n%u</text>\n",
-            foot + 14 * a, names[has_parameters][a], low * unit.factor, high * unit.factor,
-            unit.name);
+        draw_text(map->file, "value", SHELL_MAP_WIDTH / 2, foot + 14 * a, "%s from %n to %n%u",
+                  names[has_parameters][a], low * unit.factor, high * unit.factor, unit.name);
     }
 }
 
@@ -197,20 +196,16 @@ bool shell_is_beyond(const design *design, const voltages *result, int amplifier
            result->voltage[amplifier] > design->upper[amplifier];
 }
 
-/* Style in which a map shows an amplifier, in the patches or stacks that it drives. */
+/* An amplifier in a picture of voltages, which shows it as a patch, a stack or a bar. */
 typedef struct drawn {
     FILE *file;
     const draw_scale *scale;
-    double value;       /* input that the amplifier gives its patches: voltage, or temperature if it
-                           supplies heaters */
-    const char *colour; /* style class (CSS) of the colour of the amplifier's input in the colour
-                           scale; "none" if this input has another unit than the colour scale, as a
-                           temperature beside voltages */
-    const char *outline; /* style class of the outline of an electrode or stack: "patch" for a
-                            voltage within its limits, "limit" at an active limit, "beyond" beyond
-                            the limits */
-    bool is_marked;      /* whether the voltage of the amplifier is at an active limit or beyond the
-                            limits */
+    double value;        /* voltage, or temperature of heaters */
+    const char *colour;  /* style class of the value in the colour scale; "none" if it has another
+                            unit than the scale, as a temperature beside voltages */
+    const char *outline; /* style class: "patch" for a voltage within its limits, "limit" at an
+                            active limit, "beyond" beyond the limits of the scene */
+    bool is_marked;      /* whether the voltage is at an active limit or beyond the limits */
 } drawn;
 
 /* Begin the SVG group of an amplifier, whose title is the name and voltage of the amplifier. */
@@ -221,8 +216,8 @@ static drawn begin_amplifier(FILE *file, const design *design, const shell_volta
     static const char *const outline[] = {"patch", "limit", "beyond"};
     const double value = set->result->voltage[amplifier];
     const char *unit = design_unit(design, amplifier);
-    const bool is_at_limit = set->result->at_limit[amplifier];
-    const int mark = is_at_limit ? 1 : 2 * shell_is_beyond(design, set->result, amplifier);
+    const int beyond = shell_is_beyond(design, set->result, amplifier) ? 2 : 0;
+    const int mark = set->result->at_limit[amplifier] ? 1 : beyond;
     put(file, "<g><title>%t: %q%s</title>", design->amplifier_name[amplifier], value, unit,
         words[mark]);
     const char *colour = unit == set->scale->unit ? draw_colour(set->scale, value) : "none";
@@ -237,8 +232,7 @@ static drawn begin_amplifier(FILE *file, const design *design, const shell_volta
 static void end_amplifier(const drawn *drawn, const text_room *room)
 {
     const double digit = 0.6; /* width of a digit of a text relative to the font size */
-    const double smallest = 4.5, readable = 9, largest = 14; /* sizes of fonts for voltages on a map
-                                                                (pixels) */
+    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes (pixels) */
     const double most = drawn->scale->most;
     char text[40];
     snprintf(text, sizeof text, "%.*f", (most < 100) + (most < 10), drawn->value);
@@ -257,15 +251,15 @@ static void end_amplifier(const drawn *drawn, const text_room *room)
 static void draw_electrode(electrode *electrode, const shell_voltage_set *set, int amplifier)
 {
     FILE *file = electrode->part.file;
-    const double rest = 1 - 0.86;
+    const double rest = (1 - 0.86) / 2;
     const drawn drawn = begin_amplifier(file, electrode->part.design, set, amplifier);
     draw_pieces(electrode, false, drawn.colour);
     const text_room room = room_of(electrode);
     draw_pieces(electrode, true, electrode->patches->outlines ? "frame" : "patch");
     if (drawn.is_marked) {
         put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(.86)\">", drawn.outline,
-            draw_tone(set->scale, drawn.value), rest * (electrode->low[0] + electrode->high[0]) / 2,
-            rest * (electrode->low[1] + electrode->high[1]) / 2);
+            draw_tone(set->scale, drawn.value), rest * (electrode->low[0] + electrode->high[0]),
+            rest * (electrode->low[1] + electrode->high[1]));
         draw_pieces(electrode, true, "");
         fputs("</g>", file);
     }
@@ -344,12 +338,12 @@ static void draw_bars(const shell *map, double height, const shell_voltage_set *
     for (int k = 0; k < map->design->amplifiers; k++) {
         const drawn drawn = begin_amplifier(file, map->design, set, k);
         const double share = set->scale->most > 0 ? drawn.value / set->scale->most : 0;
-        for (int outline = 0; outline < 2; outline++)
-            put(file, "<path class=\"%s\" d=\"M%f %fh%fv%fH%fz\"/>",
-                outline ? drawn.outline : drawn.colour, middle, height * k + 1, half * share,
-                height - 2, middle);
-        put(file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%d\" y=\"%f\">%t</text></g>\n",
-            fmin(height, 11), NAMES - 6, height * (k + 0.8), map->design->amplifier_name[k]);
+        const char *const style[2] = {drawn.colour, drawn.outline};
+        for (int i = 0; i < 2; i++)
+            put(file, "<path class=\"%s\" d=\"M%f %fh%fv%fH%fz\"/>", style[i], middle,
+                height * k + 1, half * share, height - 2, middle);
+        draw_name(file, NAMES - 6, height * k, height, map->design->amplifier_name[k]);
+        fputs("</g>\n", file);
     }
     put(file, "<path class=\"grid\" d=\"M%f 0V%f\"/>", middle, height * map->design->amplifiers);
 }
@@ -358,6 +352,7 @@ void shell_voltages(const shell *map, int which, const shell_voltage_set *set)
 {
     const int bars = map->plans > 0 ? 0 : map->design->amplifiers;
     const double bar = fmin(fmax(330.0 / bars, 2), 18);
+    const double height = bars ? bar * bars + 4 : map->view.height + FOOT;
     const design_inputs inputs = design_inputs_of(map->design);
     char title[64], description[80];
     snprintf(title, sizeof title, "%ss of the amplifiers", inputs.title);
@@ -365,8 +360,7 @@ void shell_voltages(const shell *map, int which, const shell_voltage_set *set)
              bars ? "A bar for each amplifier, to the right for positive %ss"
                   : "Every patch in the colour of its %s",
              inputs.name);
-    draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH,
-               bars ? bar * bars + 4 : map->view.height + FOOT, title, description);
+    draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH, height, title, description);
     if (bars)
         draw_bars(map, bar, set);
     else

@@ -53,13 +53,11 @@ void shell_outputs(const shell *shell)
         double at[2];
         if (where->type != WHERE_POINT && where->type != WHERE_PLACE)
             continue;
-        const int node = mesh_point_node(shell->mesh, where);
-        shell_node(shell, node, "dot", 3.5);
-        shell_at(shell, node, at);
+        shell_at(shell, mesh_point_node(shell->mesh, where), at);
+        draw_disc(shell->file, "dot", at, 3.5);
         const bool is_left = at[0] > shell->view.width * 0.65;
-        put(shell->file, "<text class=\"tag%s\" x=\"%f\" y=\"%f\">%t</text>\n",
-            is_left ? " end" : "", at[0] + (is_left ? -8 : 8), at[1] + 14 + 13 * (k % 3),
-            design->output[k].name);
+        draw_text(shell->file, is_left ? "tag end" : "tag", at[0] + (is_left ? -8 : 8),
+                  at[1] + 14 + 13 * (k % 3), "%t", design->output[k].name);
     }
 }
 
@@ -70,10 +68,8 @@ void shell_directions(const shell *shell)
     for (int i = 0; i < 3; i++) {
         const double right = length * shell->view.axis[0][i];
         const double down = -length * shell->view.axis[1][i];
-        put(shell->file,
-            "<path class=\"axis\" d=\"M%f %fl%f %f\"/><text class=\"value\" x=\"%f\" y=\"%f\">%s"
-            "</text>\n",
-            x, y, right, down, x + 1.4 * right, y + 1.4 * down + 4, name[i]);
+        put(shell->file, "<path class=\"axis\" d=\"M%f %fl%f %f\"/>", x, y, right, down);
+        draw_text(shell->file, "value", x + 1.4 * right, y + 1.4 * down + 4, "%s", name[i]);
     }
 }
 
@@ -123,23 +119,19 @@ static void find_foot(const equilibrium *equilibrium, const shell *shell, double
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell)
 {
     const equilibrium *equilibrium = &analysis->equilibrium;
-    double foot[3] = {0, 0, 0}, axis[3] = {0, 0, 0}, along[2][3], unused[3];
-    int least = 0;
+    const double half = 0.2 * equilibrium->contact_face.size;
+    double foot[3] = {0, 0, 0}, axis[3][3], unused[3];
     body->is_given = analysis->is_nonlinear && analysis->design.contact.given;
     if (!body->is_given)
         return;
     find_foot(equilibrium, shell, foot, body->normal);
-    for (int i = 1; i < 3; i++)
-        least = fabs(body->normal[i]) < fabs(body->normal[least]) ? i : least;
-    axis[least] = 0.2 * equilibrium->contact_face.size;
-    vector_cross(body->normal, axis, along[0]);
-    vector_cross(along[0], body->normal, along[1]);
+    view_axes(body->normal, fabs(body->normal[1]) > 0.9 ? 2 : 1, axis);
     for (int k = 0; k < SHELL_NET * SHELL_NET; k++) {
-        const double first = 2.0 * (k / SHELL_NET) / (SHELL_NET - 1) - 1;
-        const double second = 2.0 * (k % SHELL_NET) / (SHELL_NET - 1) - 1;
+        const double right = half * (2.0 * (k / SHELL_NET) / (SHELL_NET - 1) - 1);
+        const double up = half * (2.0 * (k % SHELL_NET) / (SHELL_NET - 1) - 1);
         double *place = body->place[k / SHELL_NET][k % SHELL_NET];
         for (int i = 0; i < 3; i++)
-            place[i] = foot[i] + first * along[0][i] + second * along[1][i];
+            place[i] = foot[i] + right * axis[0][i] + up * axis[1][i];
         pull_to_body(equilibrium, place, unused);
         view_include(&shell->view, place);
     }

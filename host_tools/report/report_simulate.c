@@ -9,8 +9,7 @@ typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    draw_axis time, bin; /* time axes of the diagrams: one in ticks of the control loop, one in bins
-                            (equal time intervals) */
+    draw_axis time; /* axis of the diagrams in ticks of the control loop */
 } simulate_page;
 
 static void write_verdict(const simulate_page *self)
@@ -139,8 +138,9 @@ static void draw_time(const simulate_page *self, double bottom)
     draw_path(file, "rest ghost");
     for (int k = 1; k < self->simulation->phases; k++)
         put(file, "M%f %dV%f", draw_on(&self->time, self->simulation->phase[k].from), TOP, bottom);
-    put(file, "\"/><text class=\"end\" x=\"%d\" y=\"%f\">tick, of %q in all</text>\n", RIGHT,
-        bottom + 28, self->record->ticks / self->page.design->control.rate, "s");
+    draw_path_end(file);
+    draw_text(file, "end", RIGHT, bottom + 28, "tick, of %q in all",
+              self->record->ticks / self->page.design->control.rate, "s");
 }
 
 static void draw_errors(const simulate_page *self)
@@ -148,18 +148,15 @@ static void draw_errors(const simulate_page *self)
     FILE *file = self->page.file;
     const simulation *simulation = self->simulation;
     const simulate_record *record = self->record;
-    const struct {
-        const char *style;
-        const double *value; /* [bins] values of a curve, one for each bin (equal time intervals of
-                                the record) */
-        int bins;
-    } curve[] = {{"rest bold", record->error[LAW_CLAMP], record->bins},
-                 {"wire bold", record->error[LAW_CONTROLLER], record->bins},
-                 {"wire", record->measurement_error, simulation->estimates ? record->bins : 0},
-                 {"rest", record->vibration, simulation->plant.has_inertia ? record->bins : 0}};
+    const int estimated = simulation->estimates ? record->bins : 0;
+    const int vibrating = simulation->plant.has_inertia ? record->bins : 0;
+    const draw_series curve[] = {{"rest bold", NULL, record->error[LAW_CLAMP], record->bins},
+                                 {"wire bold", NULL, record->error[LAW_CONTROLLER], record->bins},
+                                 {"wire", NULL, record->measurement_error, estimated},
+                                 {"rest", NULL, record->vibration, vibrating}};
     draw_axis axis = {HUGE_VAL, 0, BOTTOM, TOP, true, "%p", {1, ""}};
     for (int k = 0; k < 4; k++)
-        draw_widen(&axis, curve[k].value, curve[k].bins);
+        draw_widen(&axis, curve[k].value, curve[k].count);
     for (int k = 0; k < simulation->phases; k++)
         draw_widen(&axis, &simulation->phase[k].optimum, 1);
     axis.high = axis.high > 0 ? axis.high : 1;
@@ -167,12 +164,12 @@ static void draw_errors(const simulate_page *self)
     draw_grid(file, &self->time, &axis, false);
     draw_time(self, BOTTOM);
     for (int k = 0; k < 4; k++)
-        draw_curve(file, curve[k].style, &self->bin, NULL, &axis, curve[k].value, curve[k].bins);
+        draw_curve(file, &self->time, &axis, &curve[k]);
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
         const double ends[2] = {phase->from, phase->until};
         const double optimum[2] = {phase->optimum, phase->optimum};
-        draw_curve(file, "outline", &self->time, ends, &axis, optimum, 2);
+        draw_curve(file, &self->time, &axis, &(draw_series){"outline", ends, optimum, 2});
     }
 }
 
@@ -213,7 +210,8 @@ static void draw_row(const simulate_page *self, int amplifier, const draw_scale 
             if (draw_level(scale, voltage[end * record->amplifiers]) != level ||
                 is_active(record, amplifier, end) != has_line)
                 break;
-        const double from = draw_on(&self->bin, i), to = draw_on(&self->bin, end);
+        const double part = (double)record->ticks / record->bins;
+        const double from = draw_on(&self->time, i * part), to = draw_on(&self->time, end * part);
         put(self->page.file, "<path class=\"%s\" d=\"M%f %fH%fv%fH%fz\"/>",
             draw_class(scale, level), from, y, to, height, from);
         if (has_line)
@@ -237,9 +235,7 @@ static void write_voltages(const simulate_page *self)
     fputs("<g class=\"flat\">\n", file);
     for (int k = 0; k < rows; k++) {
         draw_row(self, k, &scale, TOP + height * k, height);
-        put(file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%d\" y=\"%f\">%t</text>\n",
-            fmin(height, 11), LEFT - 6, TOP + height * (k + 0.8),
-            self->page.design->amplifier_name[k]);
+        draw_name(file, LEFT - 6, TOP + height * k, height, self->page.design->amplifier_name[k]);
     }
     fputs("</g>\n", file);
     draw_time(self, bottom);
@@ -304,8 +300,7 @@ int report_simulate(const report_job *job, const simulation *simulation,
 {
     simulate_page self = {.simulation = simulation,
                           .record = record,
-                          .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}},
-                          .bin = {0, record->bins, LEFT, RIGHT, false, "%n", {1, ""}}};
+                          .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}}};
     const bool failed = page_open(&self.page, job, simulation->nominal) < 0;
     if (!failed)
         (job->is_svg ? write_picture : write_page)(&self);

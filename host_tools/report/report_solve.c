@@ -107,14 +107,12 @@ static void draw_lines(const solve_page *solve, int along)
     draw_grid(page->file, &x, &y, false);
     for (int k = 0; k < design->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
-        draw_curve(page->file, "wire", &x, page->wanted, &y, page->value, count);
-        const int named = (4 - k % 4) * (count - 1) / 4; /* index of the point of the curve beside
-                                                            which the name of the curve is written
+        const int named = (4 - k % 4) * (count - 1) / 4; /* point beside which the name is written
                                                           */
+        draw_curve(page->file, &x, &y, &(draw_series){"wire", page->wanted, page->value, count});
         if (count > 0)
-            put(page->file, "<text class=\"tag\" x=\"%f\" y=\"%f\">%t</text>\n",
-                draw_on(&x, page->wanted[named]) + 4, draw_on(&y, page->value[named]) + 4,
-                design->output[k].name);
+            draw_text(page->file, "tag", draw_on(&x, page->wanted[named]) + 4,
+                      draw_on(&y, page->value[named]) + 4, "%t", design->output[k].name);
     }
     draw_end(page->file, DRAW_CHART);
     page_caption(page, NULL, "Displacement (%t) over the parameter (%t).", y.unit.name,
@@ -291,8 +289,7 @@ static void write_picture(const solve_page *solve)
     page_begin_picture(page, "size of the displacement", width, height + 44);
     draw_deformed(solve);
     draw_legend_at(page->file, &page->scale, 0, height + 12);
-    put(page->file, "<text class=\"end\" x=\"%f\" y=\"%f\">displacement × %n</text>\n", width,
-        height + 38, page->space.factor);
+    draw_text(page->file, "end", width, height + 38, "displacement × %n", page->space.factor);
     page_end_picture(page, width, height + 44);
 }
 
