@@ -56,10 +56,7 @@ static void write_command(const report_job *job)
     }
 }
 
-/*
- * Return a number for the list of numerical checks on a page. A negative value stands for a check
- * that was not made; NAN is then returned, which is printed as a dash.
- */
+/* Return the result of a numerical check, or NAN, printed as a dash, for one that was not made. */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;
@@ -196,10 +193,13 @@ void page_caption(const page *page, const draw_scale *scale, const char *format,
     fputs("</figcaption></figure>\n", page->file);
 }
 
-void page_map(const page *page, const double *value, const draw_scale *scale, const char *title)
+void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
+              const char *note)
 {
+    const draw_scale own = draw_scale_of(true, scale->unit, value, page->mesh->nodes);
     fputs("<figure class=\"map\">\n", page->file);
     shell_map(&page->map, value, scale, title);
+    page_caption(page, scale, "<b>%t</b>: largest %q%s", title, own.most, scale->unit, note);
 }
 
 void page_displace(page *page, const double *u)

@@ -73,10 +73,11 @@ void page_end_picture(const page *page, double width, double height);
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
 
 /*
- * Begin a figure of a report page with a map of values [nodes] in colours; page_caption ends the
- * figure.
+ * Write a figure with a map of values [nodes] in colours. Its caption has the title, the largest
+ * value and the markup `note`.
  */
-void page_map(const page *page, const double *value, const draw_scale *scale, const char *title);
+void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
+              const char *note);
 
 /*
  * Parts of report pages. page_structure writes the tables of the layers and materials and the text

@@ -149,10 +149,8 @@ static void draw_levels(const page *page, const voltages *result)
     draw_scale scale = {true, 0, page->design->units.length};
     draw_extend(&scale, result->aligned_target, page->design->targets);
     draw_extend(&scale, result->shape, page->design->targets);
-    page_map(page, result->aligned_target, &scale, "Target");
-    page_caption(page, &scale, "Target, on one scale with reached:");
-    page_map(page, result->shape, &scale, "Reached");
-    page_caption(page, &scale, "Reached, on one scale with target:");
+    page_map(page, result->aligned_target, &scale, "Target", ". One scale with reached:");
+    page_map(page, result->shape, &scale, "Reached", ". One scale with target:");
 }
 
 static void draw_voltages(const shape_page *shape, const voltages *result)
@@ -190,12 +188,10 @@ static void draw_result(shape_page *shape, const voltages *result)
     } else {
         draw_levels(page, result);
     }
-    page_map(page, page->value, &own, "Misfit, reached minus target");
-    page_caption(
-        page, &own,
-        "Misfit, reached minus target: largest <b>%q</b>%s. Scale of this result:", own.most,
-        own.unit,
-        page->design->targets < page->mesh->nodes ? "; grey where there is no target" : "");
+    page_map(page, page->value, &own, "Misfit, reached minus target",
+             page->design->targets < page->mesh->nodes
+                 ? "; grey where there is no target. Scale of this result:"
+                 : ". Scale of this result:");
     draw_voltages(shape, result);
     fputs("</div>\n</article>\n", page->file);
 }
@@ -210,16 +206,15 @@ static void write_page(shape_page *shape, const modes *modes)
     snprintf(title, sizeof title, "%ss for a wanted shape", page->inputs.title);
     page_begin(page, title, residual);
     write_verdict(shape);
-    put(page->file, "<section>\n<h2>%ss</h2>\n", page->inputs.title);
+    put(page->file, "<h2>%ss</h2>\n", page->inputs.title);
     write_table(shape);
     write_notes(shape);
     page_voltages(page, shape->result, shape->results);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", page->file);
+    fputs("<h2>Shapes</h2>\n", page->file);
     page_keys(page, "<span><i class=\"key stop\"></i>limit active</span><span><i class=\"key "
                     "over\"></i>beyond the scene’s limits</span>");
     for (int k = 0; k < shape->results; k++)
         draw_result(shape, &shape->result[k]);
-    fputs("</section>\n", page->file);
     page_modes(page, modes);
     page_end(page);
 }

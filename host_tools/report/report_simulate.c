@@ -270,18 +270,17 @@ static void write_page(simulate_page *self)
                                .voltage = last->course[LAW_CONTROLLER].voltage};
     page_begin(page, "The controller in closed loop", page->analysis->model.info.residual);
     write_verdict(self);
-    fputs("<section>\n<h2>Over time</h2>\n", page->file);
+    fputs("<h2>Over time</h2>\n", page->file);
     write_plant(self);
     write_certificate(self);
     write_errors(self);
     write_voltages(self);
     page_voltages(page, &voltages, 1);
-    fputs("</section>\n<section>\n<h2>Phases</h2>\n", page->file);
+    fputs("<h2>Phases</h2>\n", page->file);
     write_phases(self);
     write_counts(self);
-    fputs("</section>\n<section>\n<h2>Shape</h2>\n", page->file);
+    fputs("<h2>Shape</h2>\n", page->file);
     write_shape(&self->page, last);
-    fputs("</section>\n", page->file);
     page_end(page);
 }
 

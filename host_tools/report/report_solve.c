@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Report page of `pzs solve` (report.h). */
 #include <math.h>
+#include <string.h>
 #include "../quads/vector.h"
 #include "report_page.h"
 
@@ -99,8 +100,7 @@ static void draw_lines(const solve_page *solve, int along)
     x.unit = put_unit_of(fmax(fabs(x.low), fabs(x.high)),
                          page->mesh->is_angle[along] ? "rad" : design->units.length);
     y.unit = put_unit_of(fmax(-y.low, y.high), design->units.length);
-    put(page->file, "<section>\n<h2>Along lines of %s</h2>\n<figure class=\"chart\">\n",
-        along ? "θ₂" : "θ₁");
+    put(page->file, "<h2>Along lines of %s</h2>\n<figure class=\"chart\">\n", along ? "θ₂" : "θ₁");
     draw_begin(page->file, DRAW_CHART, 720, 274, "Outputs along lines of the mesh",
                "A curve for each output");
     draw_grid(page->file, &x, &y, true);
@@ -117,7 +117,6 @@ static void draw_lines(const solve_page *solve, int along)
     draw_end(page->file, DRAW_CHART);
     page_caption(page, NULL, "Displacement (%t) over the parameter (%t).", y.unit.name,
                  x.unit.name);
-    fputs("</section>\n", page->file);
 }
 
 /*
@@ -171,8 +170,8 @@ static void write_deformed(const solve_page *solve)
 static void write_components(const page *page)
 {
     static const char *const name[3] = {"u₁ along e₁", "u₂ along e₂", "u₃ outwards"};
-    fputs("<section>\n<h2>Displacement of the middle surface</h2>\n<p class=\"soft\">Each on a "
-          "scale of its own.</p>\n<div class=\"row\">\n",
+    fputs("<h2>Displacement of the middle surface</h2>\n<p class=\"soft\">Each on a scale of its "
+          "own.</p>\n<div class=\"row\">\n",
           page->file);
     for (int a = 0; a < 3; a++) {
         for (int n = 0; n < page->mesh->nodes; n++)
@@ -180,11 +179,10 @@ static void write_components(const page *page)
         draw_scale scale = draw_scale_of(true, page->scale.unit, page->value, page->mesh->nodes);
         const bool is_negligible = scale.most < 1e-9 * page->scale.most;
         scale.most = is_negligible ? 0 : scale.most;
-        page_map(page, page->value, &scale, name[a]);
-        page_caption(page, &scale, "<b>%s</b>%s", name[a],
-                     is_negligible ? ", below 10⁻⁹ of the largest displacement" : "");
+        page_map(page, page->value, &scale, name[a],
+                 is_negligible ? ", below 10⁻⁹ of the largest displacement" : "");
     }
-    fputs("</div>\n</section>\n", page->file);
+    fputs("</div>\n", page->file);
 }
 
 static void write_contact_map(const page *page)
@@ -192,21 +190,20 @@ static void write_contact_map(const page *page)
     const pzs_contact_info *info = &page->analysis->equilibrium.contact.info;
     const draw_scale scale =
         draw_scale_of(false, page->pressure, info->pressure, page->mesh->nodes);
-    fputs("<section>\n<h2>Contact pressure</h2>\n", page->file);
-    page_map(page, info->pressure, &scale, "Contact pressure");
-    page_caption(page, &scale,
-                 "%d nodes in contact, largest pressure %q, per undeformed area; the body is at "
-                 "most %q deep between nodes, which is the sag of the elements",
-                 (int)info->nodes, scale.most, scale.unit, info->sag, page->design->units.length);
-    fputs("</section>\n", page->file);
+    put(page->file,
+        "<h2>Contact pressure</h2>\n<p>%d nodes in contact; the body is at most %q deep between "
+        "nodes, which is the sag of the elements.</p>\n",
+        (int)info->nodes, info->sag, page->design->units.length);
+    page_map(page, info->pressure, &scale, "Contact pressure", ", per undeformed area");
 }
 
 /* Write a map of the potentials of each bare face (without electrodes) of the layers. */
 static void write_potentials(const page *page)
 {
     const design *design = page->design;
-    char name[WORDS_FACE];
-    fputs("<section>\n<h2>Faces without electrodes</h2>\n<div class=\"row\">\n", page->file);
+    char title[WORDS_FACE + 12] = "Electric ";
+    char *const name = title + strlen(title);
+    fputs("<h2>Faces without electrodes</h2>\n<div class=\"row\">\n", page->file);
     for (int k = 0; k < 2 * design->layers; k++) {
         if (!words_bare_face(design->layer, k, name))
             continue;
@@ -215,18 +212,9 @@ static void write_potentials(const page *page)
                 bare_faces_potential(&design->bare, page->analysis->input_value, k / 2, k % 2, n);
         const draw_scale scale =
             draw_scale_of(true, design->units.voltage, page->value, page->mesh->nodes);
-        page_map(page, page->value, &scale, name);
-        page_caption(page, &scale, "Electric %t", name);
+        page_map(page, page->value, &scale, title, "");
     }
-    fputs("</div>\n</section>\n", page->file);
-}
-
-/* Write a row of the table of reactions on the report page: a force and its moment. */
-static void write_total(const page *page, const char *name, const total_force *total)
-{
-    const double *force = total->force, *moment = total->moment;
-    put_row(page->file, "%t|%n|%n|%n|%n|%n|%n", name, force[0], force[1], force[2], moment[0],
-            moment[1], moment[2]);
+    fputs("</div>\n", page->file);
 }
 
 /*
@@ -235,21 +223,30 @@ static void write_total(const page *page, const char *name, const total_force *t
  */
 static void write_reactions(const page *page)
 {
-    const reactions *reactions = &page->analysis->reactions;
-    if (reactions->supports == 0)
+    const reactions *all = &page->analysis->reactions;
+    const struct {
+        const char *name;
+        const total_force *total;
+    } sum[] = {{"all supports", &all->held},
+               {"loads", &all->load},
+               {"springs", &all->spring},
+               {"contact", &all->contact},
+               {"sum", &all->sum}};
+    if (all->supports == 0)
         return;
     put_table(
         page->file,
         "Forces of the supports on the shell; moments about the mean position of their nodes. "
         "Below: all forces, with moments about the origin; their sum vanishes at equilibrium.",
         "Support|Force x|y|z|Moment x|y|z");
-    for (int k = 0; k < reactions->supports; k++)
-        write_total(page, reactions->support[k].name, &reactions->support[k].total);
-    write_total(page, "all supports", &reactions->held);
-    write_total(page, "loads", &reactions->load);
-    write_total(page, "springs", &reactions->spring);
-    write_total(page, "contact", &reactions->contact);
-    write_total(page, "sum", &reactions->sum);
+    for (int k = 0; k < all->supports + 5; k++) {
+        const int other = k - all->supports;
+        const total_force *total = other < 0 ? &all->support[k].total : sum[other].total;
+        put_row(page->file, "%t|%n|%n|%n|%n|%n|%n",
+                other < 0 ? all->support[k].name : sum[other].name, total->force[0],
+                total->force[1], total->force[2], total->moment[0], total->moment[1],
+                total->moment[2]);
+    }
     put_table_end(page->file);
 }
 
@@ -264,13 +261,13 @@ static void write_page(const solve_page *solve)
     page_begin(page, title,
                analysis->is_nonlinear ? analysis->equilibrium.solver.info.residual
                                       : analysis->model.info.residual);
-    fputs("<section>\n<h2>Result</h2>\n<div class=\"row\">\n", page->file);
+    fputs("<h2>Result</h2>\n<div class=\"row\">\n", page->file);
     write_deformed(solve);
     fputs("<div>\n", page->file);
     write_outputs(solve);
     write_reactions(page);
     page_voltages(page, &applied, 1);
-    fputs("</div>\n</div>\n</section>\n", page->file);
+    fputs("</div>\n</div>\n", page->file);
     for (int along = 0; along < 2 && !page->mesh->quads; along++)
         draw_lines(solve, along);
     if (solve->body.is_given)

@@ -37,12 +37,12 @@ static void write_load(const page *page, const stress_field *field)
     average_load(field, load, page->value);
     const draw_scale scale =
         draw_scale_of(false, has_strength ? "" : page->pressure, page->value, page->mesh->nodes);
-    page_map(page, page->value, &scale, has_strength ? "Use of the strength" : "Von Mises stress");
-    page_caption(page, &scale, "%s, averaged at the nodes; largest %q",
-                 has_strength
-                     ? "Use of the strength: one over the least reserve factor of the layers"
-                     : "Largest von Mises stress of the layers",
-                 scale.most, scale.unit);
+    if (has_strength)
+        page_map(page, page->value, &scale, "Use of the strength",
+                 ", one over the least reserve factor of the layers, averaged at the nodes");
+    else
+        page_map(page, page->value, &scale, "Von Mises stress",
+                 ", of the layers the largest, averaged at the nodes");
     free(load);
 }
 
@@ -90,12 +90,12 @@ void page_stress(const page *page, const stress_field *field)
     if (!field)
         return;
     stress_summarise(field, &summary);
-    put(page->file, "<section>\n<h2>Stresses</h2>\n<p class=\"soft\">%s</p>\n<div class=\"row\">\n",
+    put(page->file, "<h2>Stresses</h2>\n<p class=\"soft\">%s</p>\n<div class=\"row\">\n",
         field->state.is_nonlinear ? "Second Piola-Kirchhoff stresses and Green-Lagrange strains."
                                   : "Linear in the displacement; 13, 23 and 33 from equilibrium.");
     write_load(page, field);
     fputs("<div>\n", page->file);
     write_components(page, &summary);
     write_layers(page, &summary);
-    fputs("</div>\n</div>\n</section>\n", page->file);
+    fputs("</div>\n</div>\n", page->file);
 }

@@ -54,13 +54,12 @@ static void write_scene(const page *page)
 
 void page_structure(const page *page)
 {
-    fputs("<section>\n<h2>Structure</h2>\n", page->file);
+    fputs("<h2>Structure</h2>\n", page->file);
     if (page->analysis->source->has_structure) {
         write_layers(page);
         write_materials(page);
     }
     write_scene(page);
-    fputs("</section>\n", page->file);
 }
 
 void page_voltages(const page *page, const voltages *result, int results)
@@ -88,7 +87,7 @@ void page_voltages(const page *page, const voltages *result, int results)
  */
 static void write_modes(const page *page, const modes *modes, int limits)
 {
-    put(page->file, "<section>\n<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,
+    put(page->file, "<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,
         page->inputs.unit);
     put_table(page->file,
               "Relative RMS error of each mode of the target alone. At 100\xc2\xa0%% nothing is "
@@ -104,7 +103,6 @@ static void write_modes(const page *page, const modes *modes, int limits)
                 page->inputs.unit, left->clipped, left->optimum, 1.0, left->active_limits);
     }
     put_table_end(page->file);
-    fputs("</section>\n", page->file);
 }
 
 void page_modes(const page *page, const modes *modes)
