@@ -77,67 +77,14 @@ int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 
 /* ---- text ------------------------------------------------------------- */
 
-/*
- * Print the time steps of a nonlinear motion: their number in a tick, and the mean numbers of
- * linear solves and of factorisations of the effective stiffness matrix in a time step.
- */
-static void print_steps(const plant *plant)
-{
-    const shell_motion *motion = &plant->shell_motion;
-    const double steps = motion->steps > 0 ? (double)motion->steps : 1;
-    printf(
-        "  nonlinear motion of %d free dof at large rotation: %.3g time steps a tick; %.2f linear "
-        "solves with %.2f factorisations a step\n",
-        plant->analysis.design.mesh.free_dof,
-        1 / (motion->step_most * plant->analysis.design.control.rate),
-        (double)motion->linear_solves / steps, (double)motion->factorisations / steps);
-    printf("  damping ratios of %zu modes as stated, of faster motions %.3g s times half their "
-           "angular frequency\n",
-           motion->modes, motion->viscosity);
-}
-
-/*
- * Print whether the plant vibrates, and the number of its vibration modes or the reason why it does
- * not.
- */
-static void print_inertia(const plant *plant)
-{
-    if (plant->has_inertia)
-        printf("  plant with inertia: %zu modes from %.4g to %.4g Hz, damping ratio of the first "
-               "%.3g\n",
-               plant->modal.modes, plant->modal.frequency[0] / two_pi,
-               plant->modal.frequency[plant->modal.modes - 1] / two_pi, plant->modal.damping[0]);
-    else
-        printf("  quasi-static plant, no inertia (%s): each shape is an equilibrium\n",
-               plant->reason);
-    if (plant->shell_motion.step_most > 0)
-        print_steps(plant);
-}
-
 static void print_plant(const simulation *simulation)
 {
-    char imperfections[400];
-    const scene_simulate *simulate = &simulation->nominal->design.simulate;
-    const char *unit = simulation->nominal->design.units.length;
-    imperfections_text(&simulation->nominal->design, imperfections, sizeof imperfections);
-    print_inertia(&simulation->plant);
+    char text[SIMULATE_TEXT];
+    simulate_words_inertia(&simulation->plant, text);
+    printf("  %s\n", text);
     print_certificate(&simulation->nominal->certificate);
-    printf("  plant: %s", simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < simulation->nominal->design.materials; i++)
-        printf("%s %s stiffness x %g, d x %g", i ? ";" : ",",
-               simulation->nominal->design.material[i].name,
-               simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
-    printf("\n  imperfections: %s\n  sensors: ", *imperfections ? imperfections : "none");
-    if (simulation->estimates)
-        printf("%d, with the noise of their readings", simulation->estimator.sensors);
-    else
-        printf("%d, noise %g%s%s", simulation->nominal->design.targets, simulate->noise,
-               *unit ? " " : "", unit);
-    printf(", delay %d ticks; amplifiers: steps of %g V, dead band %g V\n", simulate->delay,
-           simulate->step, simulate->dead_band);
-    printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
-           simulate_words_influence(&simulation->nominal->design), simulate->ticks,
-           simulation->nominal->design.control.rate);
+    simulate_words_plant(simulation, text);
+    printf("  %s\n\n", text);
 }
 
 static void print_settled(const simulate_phase *phase)
@@ -179,18 +126,9 @@ static void print_phases(const simulation *simulation)
         print_settled(phase);
         putchar('\n');
     }
-    puts("\n  vibration: root mean square distance from the static equilibrium, in the last ticks");
-    puts("  optimum: best shape within the stroke that voltage limits and hysteresis leave to the "
-         "electrodes");
-    printf("  errors of the shape over %s; settled: ticks until within 5%% of the "
-           "way; step limit: ticks the step limit alone needs\n",
-           simulation->has_target ? "the scene's target"
-                                  : "the shape without voltages, because the target is zero");
-    puts("  clipped: least squares without limits, cut to limits and step limit; regularised: the "
-         "same with the\n"
-         "  one parameter that is best for the scene's target on the controller's model, chosen "
-         "knowing\n"
-         "  the answer");
+    char text[SIMULATE_TEXT];
+    simulate_words_columns(simulation, text);
+    printf("\n  %s\n", text);
 }
 
 /*

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Parts that several report pages have in common: beginning and end of a page, figures, tables, and
- * pictures of the shell in a reached shape, coloured by its misfit (reached minus target
- * displacement).
- */
+/* Parts that several report pages have in common: frame, figures, tables, reached shapes. */
 #ifndef REPORT_PAGE_H
 #define REPORT_PAGE_H
 
@@ -13,8 +9,8 @@
 
 /*
  * A report page in HTML, or its main picture in an SVG file. The members vector, wanted, value
- * and largest belong to the shape that is drawn at present. Lengths are in the length unit
- * of the scene.
+ * and largest belong to the shape that is drawn at present. Lengths are in the length unit of the
+ * scene.
  */
 typedef struct page {
     const report_job *job;
@@ -23,22 +19,16 @@ typedef struct page {
     const mesh *mesh;
     const design *design;
     shell space, map;
-    design_inputs inputs;      /* words for the inputs that the amplifiers supply, and their unit:
-                                  voltages, or temperatures of heaters */
-    char pressure[WORDS_UNIT]; /* unit of pressures and stresses as text; empty if the scene file
-                                  names none */
-    draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
-    double *vector;   /* [nodes][3] displacement vector of each node in the shape that is drawn
-                         (length unit of the scene) */
-    double *wanted; /* [nodes][3] displacement vectors like those in `vector`, but with the value of
-                       the target in the component that the target prescribes; NAN at nodes outside
-                       the target */
-    double *value;  /* [nodes] values that are shown in colours; for a reached shape its misfit,
-                       reached minus target value, NAN outside the target */
-    double *row; /* [targets] work array for the misfit (reached minus target value) of each target
-                    row (controlled displacement) */
-    double largest; /* largest displacement of any node before magnification (length unit of the
-                       scene file) */
+    design_inputs inputs;      /* words for what the amplifiers supply, and its unit */
+    char pressure[WORDS_UNIT]; /* unit of pressures and stresses; empty if the scene names none */
+    draw_scale scale;          /* colours on the surface in all pictures in space */
+    double *vector;            /* [nodes][3] displacements */
+    double *wanted;            /* [nodes][3] the same with the target value in the component that
+                                  the target prescribes; NAN at nodes outside the target */
+    double *value;             /* [nodes] values shown in colours; for a reached shape its misfit,
+                                  reached minus target value, NAN outside the target */
+    double *row;               /* [targets] misfit of each target row, while value is made */
+    double largest;            /* largest displacement of any node before magnification */
 } page;
 
 /*
@@ -66,9 +56,8 @@ void page_begin_picture(const page *page, const char *title, double width, doubl
 void page_end_picture(const page *page, double width, double height);
 
 /*
- * End a figure of a report page with a caption, and with the legend of a colour scale if `scale` is
- * not NULL.
- *   format in  caption with directives of the function put
+ * End a figure of a report page with a caption, whose format has directives of the function put,
+ * and with the legend of a colour scale unless it is NULL.
  */
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
 
@@ -80,12 +69,10 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
               const char *note);
 
 /*
- * Parts of report pages. page_structure writes the tables of the layers and materials and the text
- * of the scene file. page_stress writes the section of the stresses in the layers, a map and
- * tables; nothing if `field` is NULL (no stresses computed). page_voltages writes the table of the
- * voltages, with a row for each amplifier and a column for each result. page_modes is for a target
- * that is given as a list of modes (named target shapes): it writes the relative RMS error that
- * each mode alone leaves, a section for each pair of voltage limits; nothing for other targets.
+ * Parts of report pages: the tables of layers and materials with the text of the scene file; the
+ * section of the stresses, unless there are none (NULL); the table of the voltages, with a row for
+ * each amplifier and a column for each result; for a target that is a list of modes (named target
+ * shapes), a section for each pair of limits with the error that each mode alone leaves.
  */
 void page_structure(const page *page);
 void page_stress(const page *page, const stress_field *field);
@@ -93,19 +80,11 @@ void page_voltages(const page *page, const voltages *result, int results);
 void page_modes(const page *page, const modes *modes);
 
 /*
- * Let a report page draw the displacement vector u [dof] from now on, coloured by the length of the
- * displacement.
+ * Let the page draw from now on the displacement vector u [dof]: page_displace coloured by the
+ * length of the displacement, page_shape by the misfit of the values `reached` [targets] minus
+ * `target` [targets]. page_shape returns the colour scale of the misfit.
  */
 void page_displace(page *page, const double *u);
-
-/*
- * Let a report page draw from now on a shape that voltages reach for a target, coloured by its
- * misfit (reached minus target value).
- *   u               [dof]      in  displacement vector
- *   reached, target [targets]  in  reached value and target value of each target row (controlled
- *                                  displacement)
- * Returns the colour scale of the misfit.
- */
 draw_scale page_shape(page *page, const double *u, const double *reached, const double *target);
 
 /*

@@ -28,7 +28,7 @@ static const char *const raised[10] = {"⁰", "¹", "²", "³", "⁴", "⁵", "�
 static void put_text(FILE *file, const char *text, bool raises_digits)
 {
     static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",
-                                          ['"'] = "&quot;", ['\''] = "&#39;", ['\n'] = " "};
+                                          ['"'] = "&quot;", ['\''] = "&#39;", ['\n'] = "\n"};
     while (*text) {
         const unsigned char first = (unsigned char)*text;
         const int bytes = character_bytes((const unsigned char *)text);

@@ -26,11 +26,9 @@
 void put(FILE *file, const char *format, ...);
 
 /*
- * Write a text with values like the function put. In a table row the format contains several cells,
- * separated by '|'.
- *   cell  in  HTML tag of the first cell, which the caller has opened. The following cells have the
- *       tag td, in a heading row (tag th scope="col") the tag of the first. NULL: the text is no
- *       table row, and '|' is an ordinary character
+ * Write a format like the function put. In a row of a table '|' separates the cells.
+ *   cell  in  HTML tag of the first cell, which the caller has opened; further cells have the tag
+ *       td, in a heading row (tag th scope="col") the same. NULL: the text is no row of a table
  */
 void put_list(FILE *file, const char *format, const char *cell, va_list *more);
 
@@ -42,10 +40,8 @@ void put_row(FILE *file, const char *format, ...);
 
 /*
  * put_table begins an HTML table, and put_table_end ends it. On a narrow page the table can be
- * scrolled on its own. The arguments after `head` are the values of the directives (%n and others,
- * see put) in both texts.
- *   caption  in  caption of the table: HTML text with directives
- *   head     in  heading cells, separated by '|', with directives; "" for no heading
+ * scrolled on its own. The caption and the heading cells, separated by '|' ("" for no heading), are
+ * formats; the values of their directives follow.
  */
 void put_table(FILE *file, const char *caption, const char *head, ...);
 void put_table_end(FILE *file);

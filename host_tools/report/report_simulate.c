@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Report page of `pzs simulate` (report.h). */
 #include <math.h>
-#include "../simulate/imperfections_scene.h"
 #include "../simulate/simulate_words.h"
 #include "report_page.h"
 
@@ -35,26 +34,21 @@ static void write_verdict(const simulate_page *self)
 
 static void write_phases(const simulate_page *self)
 {
-    put_table(
-        self->page.file,
-        "Relative RMS error: root of the weighted squares of the misfit over those "
-        "of the scene’s target. Steady: over the last ticks of the phase. Optimum: the best "
-        "%ss for this plant in the same limits. Clipped: least squares without limits, cut "
-        "to limits and step limit, same plant and sensors. Regularised, clipped: the same with "
-        "the one parameter that is best for the scene’s target on the controller’s model, chosen "
-        "knowing the answer. Settled: ticks until the shape stays "
-        "within 5 %% of its change. Step limit: ticks that the step limit alone needs.",
-        "Tick|~Events|Optimum|Steady|Clipped|Regularised,<br/>clipped|Worst|Settled|Step limit",
-        self->page.inputs.name);
+    char text[SIMULATE_TEXT];
+    simulate_words_columns(self->simulation, text);
+    put_table(self->page.file, "Relative RMS errors; %t",
+              "Tick|~Events|Optimum|Steady|Vibration|Clipped|Regularised,<br/>clipped|Worst|Settled"
+              "|Step limit",
+              text);
     for (int k = 0; k < self->simulation->phases; k++) {
         const simulate_phase *phase = &self->simulation->phase[k];
         const simulate_course *course = phase->course;
-        char name[SIMULATE_PHASE_TEXT];
-        simulate_words_phase(self->simulation, phase, name);
-        put_row(self->page.file, "%d|~%t|%p|%p|%p|%p|%p|%n|%d", phase->from, name, phase->optimum,
-                course[LAW_CONTROLLER].steady, course[LAW_CLAMP].steady,
-                course[LAW_REGULARISED].steady, course[LAW_CONTROLLER].worst,
-                course->settled < 0 ? (double)NAN : course->settled, course->step_limit_ticks);
+        simulate_words_phase(self->simulation, phase, text);
+        put_row(self->page.file, "%d|~%t|%p|%p|%p|%p|%p|%p|%n|%d", phase->from, text,
+                phase->optimum, course[LAW_CONTROLLER].steady, course[LAW_CONTROLLER].vibration,
+                course[LAW_CLAMP].steady, course[LAW_REGULARISED].steady,
+                course[LAW_CONTROLLER].worst, course->settled < 0 ? (double)NAN : course->settled,
+                course->step_limit_ticks);
     }
     put_table_end(self->page.file);
 }
@@ -81,45 +75,20 @@ static void write_counts(const simulate_page *self)
 static void write_plant(const simulate_page *self)
 {
     FILE *file = self->page.file;
-    const design *design = self->page.design;
-    const scene_simulate *simulate = &design->simulate;
-    const simulation *simulation = self->simulation;
-    char imperfections[400];
-    imperfections_text(design, imperfections, sizeof imperfections);
-    put(file, "<p>A %s plant: ", simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < design->materials; i++)
-        put(file, "%t stiffness × %n, d × %n; ", design->material[i].name,
-            simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
-    put(file,
-        "imperfections: %t. Sensors: %d, noise %q, delay %d ticks. Amplifiers: steps of %q, dead "
-        "band %q. The controller’s influence matrix is that %s.</p>\n",
-        *imperfections ? imperfections : "none",
-        simulation->estimates ? simulation->estimator.sensors : design->targets,
-        simulation->estimates ? (double)NAN : simulate->noise, design->units.length,
-        simulate->delay, simulate->step, self->page.inputs.unit, simulate->dead_band,
-        self->page.inputs.unit, simulate_words_influence(design));
-}
-
-static void write_certificate(const simulate_page *self)
-{
-    FILE *file = self->page.file;
     const certificate *certificate = &self->simulation->nominal->certificate;
-    const plant *plant = &self->simulation->plant;
-    char text[CERTIFICATE_TEXT];
+    char text[SIMULATE_TEXT], stability[CERTIFICATE_TEXT];
+    simulate_words_plant(self->simulation, text);
+    put(file, "<p class=\"lines\">%t</p>\n", text);
     if (!certificate->is_made)
         return;
-    certificate_text(certificate, text);
-    if (plant->shell_motion.step_most > 0)
-        put(file, "<p><b>Plant with inertia, nonlinear motion of %d free dof.</b> ",
-            plant->analysis.design.mesh.free_dof);
-    else if (plant->has_inertia)
-        put(file, "<p><b>Plant with inertia, %d modes.</b> ", (int)plant->modal.modes);
-    else
-        put(file, "<p><b>Quasi-static plant: no inertia (%t).</b> ", plant->reason);
+    simulate_words_inertia(&self->simulation->plant, text);
+    certificate_text(certificate, stability);
+    put(file, "<p class=\"lines\">%t. ", text);
     if (certificate->has_modes)
-        put(file, "First natural frequency %q. ", certificate_first(certificate), "Hz");
-    put(file, certificate->has_modes ? "%t</p>\n" : "Vibration is not known: %t</p>\n",
-        certificate->has_modes ? text : certificate->reason);
+        put(file, "First natural frequency %q. %t</p>\n", certificate_first(certificate), "Hz",
+            stability);
+    else
+        put(file, "Vibration is not known: %t</p>\n", certificate->reason);
 }
 
 /*
@@ -272,7 +241,6 @@ static void write_page(simulate_page *self)
     write_verdict(self);
     fputs("<h2>Over time</h2>\n", page->file);
     write_plant(self);
-    write_certificate(self);
     write_errors(self);
     write_voltages(self);
     page_voltages(page, &voltages, 1);

@@ -62,7 +62,7 @@ static const char *const page_style[] = {
     "border-radius:4px;background:var(--ink)}.chart{max-width:760px}pre{overflow-x:auto;",
     "font-size:12px}svg{display:block;width:100%;height:auto}.row svg{max-width:600px}.map svg{",
     "max-width:480px}details+.table{margin-top:20px}@media print{main{max-width:none;padding:0}",
-    ".set{break-inside:avoid}}",
+    ".set{break-inside:avoid}}.lines{white-space:pre-line}",
     NULL};
 
 static const char *const picture_style[] = {

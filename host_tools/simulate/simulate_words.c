@@ -3,6 +3,9 @@
 #include "simulate_words.h"
 #include <stdio.h>
 #include <string.h>
+#include "imperfections_scene.h"
+#include "plant_motion.h"
+#include "../text/append.h"
 #include "../text/words.h"
 
 const char *simulate_words_influence(const design *design)
@@ -133,4 +136,96 @@ void simulate_words_phase(const simulation *simulation, const simulate_phase *ph
                    SIMULATE_PHASE_TEXT - used);
         used += strlen(text + used);
     }
+}
+
+/*
+ * Append the time steps of a nonlinear motion: their number in a tick, and the mean numbers of
+ * linear solves and of factorisations of the effective stiffness matrix in a time step.
+ */
+static void append_steps(const plant *plant, char text[SIMULATE_TEXT])
+{
+    const shell_motion *motion = &plant->shell_motion;
+    const double steps = motion->steps > 0 ? (double)motion->steps : 1;
+    text_append(
+        text, SIMULATE_TEXT,
+        "\n  nonlinear motion of %d free dof at large rotation: %.3g time steps a tick; %.2f linear "
+        "solves with %.2f factorisations a step\n  damping ratios of %zu modes as stated, of faster "
+        "motions %.3g s times half their angular frequency",
+        plant->analysis.design.mesh.free_dof,
+        1 / (motion->step_most * plant->analysis.design.control.rate),
+        (double)motion->linear_solves / steps, (double)motion->factorisations / steps,
+        motion->modes, motion->viscosity);
+}
+
+void simulate_words_inertia(const plant *plant, char text[SIMULATE_TEXT])
+{
+    const double two_pi = 6.283185307179586;
+    const double *frequency = plant->modal.frequency;
+    if (plant->has_inertia)
+        snprintf(text, SIMULATE_TEXT,
+                 "plant with inertia: %zu modes from %.4g to %.4g Hz, damping ratio of the first "
+                 "%.3g",
+                 plant->modal.modes, frequency[0] / two_pi,
+                 frequency[plant->modal.modes - 1] / two_pi, plant->modal.damping[0]);
+    else
+        snprintf(text, SIMULATE_TEXT,
+                 "quasi-static plant, no inertia (%s): each shape is an equilibrium",
+                 plant->reason);
+    if (plant->shell_motion.step_most > 0)
+        append_steps(plant, text);
+}
+
+/* Append the sentence on the sensors of the controller, their noise and delay. */
+static void append_sensors(const simulation *simulation, char text[SIMULATE_TEXT])
+{
+    const design *design = &simulation->nominal->design;
+    const char *unit = design->units.length;
+    if (simulation->estimates)
+        text_append(text, SIMULATE_TEXT, "%d, with the noise of their readings",
+                    simulation->estimator.sensors);
+    else
+        text_append(text, SIMULATE_TEXT, "%d, noise %g%s%s", design->targets,
+                    design->simulate.noise, *unit ? " " : "", unit);
+    text_append(text, SIMULATE_TEXT, ", delay %d ticks", design->simulate.delay);
+}
+
+void simulate_words_plant(const simulation *simulation, char text[SIMULATE_TEXT])
+{
+    const design *design = &simulation->nominal->design;
+    const scene_simulate *simulate = &design->simulate;
+    const char *unit = design_inputs_of(design).unit, *space = *unit ? " " : "";
+    char imperfections[400];
+    imperfections_text(design, imperfections, sizeof imperfections);
+    snprintf(text, SIMULATE_TEXT, "plant: %s",
+             simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
+    for (int i = 0; i < design->materials; i++)
+        text_append(text, SIMULATE_TEXT, "%s %s stiffness x %g, d x %g", i ? ";" : ",",
+                    design->material[i].name, simulate->stiffness ? simulate->stiffness[i] : 1,
+                    simulate->d ? simulate->d[i] : 1);
+    text_append(text, SIMULATE_TEXT,
+                "\n  imperfections: %s\n  sensors: ", *imperfections ? imperfections : "none");
+    append_sensors(simulation, text);
+    text_append(text, SIMULATE_TEXT,
+                "; amplifiers: steps of %g%s%s, dead band %g%s%s\n  controller: tables of the "
+                "scene, influence %s; %d ticks at %g a second",
+                simulate->step, space, unit, simulate->dead_band, space, unit,
+                simulate_words_influence(design), simulate->ticks, design->control.rate);
+}
+
+void simulate_words_columns(const simulation *simulation, char text[SIMULATE_TEXT])
+{
+    snprintf(
+        text, SIMULATE_TEXT,
+        "vibration: root mean square distance from the static equilibrium, in the last ticks;\n"
+        "  optimum: best shape within the stroke that voltage limits and hysteresis leave to "
+        "the electrodes;\n"
+        "  errors of the shape over %s; settled: ticks until within 5%% of the way; step "
+        "limit: ticks the step limit alone needs;\n"
+        "  clipped: least squares without limits, cut to limits and step limit; regularised: "
+        "the same with the\n"
+        "  one parameter that is best for the scene's target on the controller's model, "
+        "chosen knowing\n"
+        "  the answer",
+        simulation->has_target ? "the scene's target"
+                               : "the shape without voltages, because the target is zero");
 }

@@ -11,6 +11,9 @@
  */
 enum { SIMULATE_PHASE_TEXT = 160 };
 
+/* Size of the longer texts below, with the terminating zero (characters). */
+enum { SIMULATE_TEXT = 2000 };
+
 /*
  * Return a text that names the shape (undeformed or deformed) at which the influence matrix of the
  * simulated controller is computed.
@@ -23,5 +26,15 @@ const char *simulate_words_influence(const design *design);
  */
 void simulate_words_phase(const simulation *simulation, const simulate_phase *phase,
                           char text[SIMULATE_PHASE_TEXT]);
+
+/*
+ * Write texts of several lines, indented by two spaces but for the first. simulate_words_inertia
+ * says whether the plant vibrates, with the number of its vibration modes and the time steps of a
+ * nonlinear motion, or the reason why it does not; simulate_words_plant describes plant, sensors,
+ * amplifiers and controller; simulate_words_columns explains the columns of the table of phases.
+ */
+void simulate_words_inertia(const plant *plant, char text[SIMULATE_TEXT]);
+void simulate_words_plant(const simulation *simulation, char text[SIMULATE_TEXT]);
+void simulate_words_columns(const simulation *simulation, char text[SIMULATE_TEXT]);
 
 #endif
