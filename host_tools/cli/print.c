@@ -16,7 +16,7 @@
 #include "print_stress.h"
 #include "print_vibration.h"
 #include "../model/compact_cost.h"
-#include "../model/design_rows.h"
+#include "../model/voltages_words.h"
 #include "../model/wiring_test.h"
 #include "../tables/detection.h"
 #include "../tables/loop_blocks.h"
@@ -726,45 +726,6 @@ static void print_reached(const shape_run *run)
 }
 
 /*
- * Print how many amplifiers have narrower voltage limits than the printed table of results states,
- * and how many are held at one voltage.
- */
-static void print_narrower(const voltages *result, int amplifiers)
-{
-    if (result->narrowed + result->held > 0)
-        printf("\n  of %d amplifiers, with narrower limits than the table says (own limits, "
-               "field_limit): %d; held: %d\n",
-               amplifiers, result->narrowed, result->held);
-}
-
-/*
- * Print how many controlled displacements (target rows) lie on constrained dof and differ from the
- * wanted value, which the shape error does not include. Then print the names of the free functions
- * (shapes that may be added to the target at no cost).
- */
-static void print_target_rows(const design *design, const voltages *result)
-{
-    const char *comma = "";
-    if (result->fixed_off > 0)
-        printf("\n  %d of %d target rows lie on constrained dof and cannot move, %d of them away "
-               "from the target;\n"
-               "  the shape error does not count them, with them it would be %.3f%%\n",
-               design->fixed_rows, design->targets, result->fixed_off, 100 * result->error_all);
-    if (design->free_functions > 0)
-        printf("\n  free functions, taken out of target and error: ");
-    for (int k = 0; k < design->free_functions; k++, comma = ", ")
-        printf("%s%s", comma, design->goal.free[k].name);
-    if (design->free_functions > 0)
-        putchar('\n');
-    const double gap = design_target_gap(design);
-    if (gap > 0)
-        printf("\n  target through the points of %s: a node is at most %.3g times their usual "
-               "spacing from the nearest%s\n",
-               expr_text(design->goal.value), gap,
-               gap > 2 ? "; it is EXTRAPOLATED there, give more points" : "");
-}
-
-/*
  * Print the displacements of the scene's outputs that have several nodes, under the optimal
  * voltages `best`. Then print the names of the outputs that only `pzs solve` computes.
  */
@@ -785,28 +746,6 @@ static void print_reached_nodes(const analysis *analysis, const voltages *best, 
                    design->output[k].name);
     if (left)
         putchar('\n');
-}
-
-/* Print which limits of sums and differences of voltages are active at the optimal voltages. */
-static void print_rows(const design *design, const voltages *best)
-{
-    enum { MOST_NAMED = 8 };
-    int named = 0;
-    if (design->limits.rows == 0)
-        return;
-    printf("\n  limits between amplifiers (difference, sum%s): %d of %d bind",
-           design->limits.absolute_rows > 0 ? ", absolute sum" : "", best->active_rows,
-           design->limits.rows);
-    for (int k = 0; k < design->limits.rows; k++) {
-        char name[4 * SCENE_LABEL];
-        if (!design_row_binds(design, k, best->voltage) || named++ >= MOST_NAMED)
-            continue;
-        design_row_name(design, k, name, sizeof name);
-        printf("%s%s", named == 1 ? ": " : ", ", name);
-    }
-    puts(named > MOST_NAMED ? ", ..." : "");
-    puts("  clipped voltages are moved towards voltages inside all limits until they keep these "
-         "limits");
 }
 
 /* Return whether the loads of the scene change the shape at the target nodes without voltages. */
@@ -849,9 +788,9 @@ void print_shape(const shape_run *run)
     }
     puts("\n  regularised, then clipped: with the one parameter that leaves the smallest error, "
          "chosen knowing the answer");
-    print_narrower(&run->results[1], design->amplifiers);
-    print_rows(design, &run->results[1]);
-    print_target_rows(design, &run->results[1]);
+    char text[VOLTAGES_TEXT];
+    voltages_words(design, &run->results[1], text);
+    fputs(text, stdout);
     print_reached(run);
     double *value = calloc((size_t)design->structure.output.count + 1, sizeof *value);
     if (value)

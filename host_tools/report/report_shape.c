@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Report page of `pzs shape` (report.h). */
 #include <math.h>
+#include <string.h>
+#include "../model/voltages_words.h"
 #include "report_page.h"
 
 /* Report page of `pzs shape`. All results have one colour scale of the misfit, page.scale. */
@@ -85,10 +87,6 @@ static void write_verdict(const shape_page *shape)
         "amplifiers.</p>\n",
         best->error, best->name, best->limit, shape->voltage.unit, best->active_limits,
         best->amplifiers);
-    if (shape->page.design->limits.rows > 0)
-        put(shape->page.file,
-            "<p>Limits between amplifiers (difference, sum, absolute sum): %d of %d active.</p>\n",
-            best->active_rows, shape->page.design->limits.rows);
 }
 
 static void write_row(const shape_page *shape, const voltages *result, double worst)
@@ -122,26 +120,6 @@ static void write_table(const shape_page *shape)
     for (int k = 0; k < shape->results; k++)
         write_row(shape, &shape->result[k], worst);
     put_table_end(shape->page.file);
-}
-
-static void write_notes(const shape_page *shape)
-{
-    FILE *file = shape->page.file;
-    const design *design = shape->page.design;
-    const voltages *result = main_result(shape);
-    if (result->narrowed + result->held > 0)
-        put(file,
-            "<p>Of %d amplifiers, with narrower limits than the table says (own limits, "
-            "field_limit): %d; held: %d.</p>\n",
-            design->amplifiers, result->narrowed, result->held);
-    if (result->fixed_off > 0)
-        put(file,
-            "<p>%d of %d target rows lie on constrained dof and cannot move, %d of them "
-            "away from the target; the error does not count them, with them it would be %p.</p>\n",
-            design->fixed_rows, design->targets, result->fixed_off, result->error_all);
-    for (int k = 0; k < design->free_functions; k++)
-        put(file, "%s%t%s", k ? ", " : "<p>Free functions, taken out of target, RMS and error: ",
-            design->goal.free[k].name, k + 1 == design->free_functions ? ".</p>\n" : "");
 }
 
 static void draw_levels(const page *page, const voltages *result)
@@ -200,7 +178,7 @@ static void write_page(shape_page *shape, const modes *modes)
 {
     const page *page = &shape->page;
     double residual = 0;
-    char title[64];
+    char title[64], notes[VOLTAGES_TEXT];
     for (int k = 0; k < shape->results; k++)
         residual = fmax(residual, shape->result[k].residual);
     snprintf(title, sizeof title, "%ss for a wanted shape", page->inputs.title);
@@ -208,7 +186,9 @@ static void write_page(shape_page *shape, const modes *modes)
     write_verdict(shape);
     put(page->file, "<h2>%ss</h2>\n", page->inputs.title);
     write_table(shape);
-    write_notes(shape);
+    voltages_words(page->design, main_result(shape), notes);
+    if (*notes)
+        put(page->file, "<p class=\"lines\">%t</p>\n", notes + strspn(notes, " \n"));
     page_voltages(page, shape->result, shape->results);
     fputs("<h2>Shapes</h2>\n", page->file);
     page_keys(page, "<span><i class=\"key stop\"></i>limit active</span><span><i class=\"key "

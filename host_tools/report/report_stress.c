@@ -2,39 +2,26 @@
 /* Section of the stresses on a report page (report_page.h). */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+#include "../model/stress_points.h"
 #include "../model/stress_summary.h"
 #include "../text/words.h"
 #include "report_page.h"
 
 /*
- * Compute values at the nodes from values of the elements: the mean over the elements at each node,
- * weighted with their areas.
- *   load  [elements] in   von Mises stress, or 1 over the reserve factor
- *   value [nodes]    out  means at the nodes
+ * Write a map of the loads of the elements, averaged at the nodes; of several averages at a node,
+ * as at a fold, the largest.
+ *   load [5 elements] work array
  */
-static void average_load(const stress_field *field, const double *load, double *value)
+static void draw_load(const page *page, const stress_field *field, const stress_points *points,
+                      double *load)
 {
-    const mesh *mesh = &field->state.design->mesh;
-    for (int node = 0; node < mesh->nodes; node++) {
-        double area = 0;
-        value[node] = 0;
-        for (int i = field->node_start[node]; i < field->node_start[node + 1]; i++) {
-            const int element = field->node_element[i];
-            const double own = mesh->place[mesh->element_type[element]].area;
-            value[node] += own * load[element];
-            area += own;
-        }
-        value[node] /= area > 0 ? area : 1;
-    }
-}
-
-static void write_load(const page *page, const stress_field *field)
-{
-    double *load = calloc((size_t)field->elements + 1, sizeof *load);
-    if (!load)
-        return;
+    double *mean = load + field->elements;
     const bool has_strength = stress_load(field, load);
-    average_load(field, load, page->value);
+    stress_points_average(points, field, load, 1, mean);
+    memset(page->value, 0, (size_t)page->mesh->nodes * sizeof *page->value);
+    for (int k = 0; k < points->count; k++)
+        page->value[points->node[k]] = fmax(page->value[points->node[k]], mean[k]);
     const draw_scale scale =
         draw_scale_of(false, has_strength ? "" : page->pressure, page->value, page->mesh->nodes);
     if (has_strength)
@@ -43,6 +30,15 @@ static void write_load(const page *page, const stress_field *field)
     else
         page_map(page, page->value, &scale, "Von Mises stress",
                  ", of the layers the largest, averaged at the nodes");
+}
+
+static void write_load(const page *page, const stress_field *field)
+{
+    stress_points points;
+    double *load = calloc(5 * (size_t)field->elements + 1, sizeof *load);
+    if (stress_points_make(&points, field) == 0 && load)
+        draw_load(page, field, &points, load);
+    stress_points_free(&points);
     free(load);
 }
 

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Texts on what voltages for a target obey and leave out, for reports and terminal output. */
+#ifndef VOLTAGES_WORDS_H
+#define VOLTAGES_WORDS_H
+
+#include "voltages.h"
+
+/* Size of the text of voltages_words, with the terminating zero (characters). */
+enum { VOLTAGES_TEXT = 4000 };
+
+/*
+ * Write a text of no or several lines, which are indented by two spaces and follow an empty line:
+ * how many amplifiers have narrower limits than the common ones, which limits between amplifiers
+ * are active, how many controlled displacements (target rows) cannot move, and the free functions
+ * of the target.
+ */
+void voltages_words(const design *design, const voltages *result, char text[VOLTAGES_TEXT]);
+
+#endif
