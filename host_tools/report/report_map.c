@@ -44,23 +44,16 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
 }
 
 /*
- * Whether patches of two actuators overlap in a map of the surface: they lie in the same element,
- * on any layers. Patches of arbitrary outline may share an element with patches of the same layer
- * without overlapping; this pair of patches counts as not overlapping.
+ * Whether patches of two actuators may overlap in a map of the surface: they are on different
+ * layers, or are the same.
  */
 static bool do_overlap(const design *design, const scene_actuator *one, const scene_actuator *other)
 {
-    const mesh *mesh = &design->mesh;
-    const scene_patches *patches = design->patches;
     for (int k = 0; k < one->drives * other->drives; k++) {
-        const scene_patches *first = &patches[one->drive[k / other->drives].patches];
-        const scene_patches *second = &patches[other->drive[k % other->drives].patches];
-        if ((first->outlines || second->outlines) && first->layer == second->layer)
-            continue;
-        for (int e = 0; e < mesh->elements; e++)
-            if (design_patches_in(mesh, e, first, NULL) > 0 &&
-                design_patches_in(mesh, e, second, NULL) > 0)
-                return true;
+        const int first = one->drive[k / other->drives].patches;
+        const int second = other->drive[k % other->drives].patches;
+        if (first == second || design->patches[first].layer != design->patches[second].layer)
+            return true;
     }
     return false;
 }
