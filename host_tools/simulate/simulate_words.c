@@ -148,9 +148,9 @@ static void append_steps(const plant *plant, char text[SIMULATE_TEXT])
     const double steps = motion->steps > 0 ? (double)motion->steps : 1;
     text_append(
         text, SIMULATE_TEXT,
-        "\n  nonlinear motion of %d free dof at large rotation: %.3g time steps a tick; %.2f linear "
-        "solves with %.2f factorisations a step\n  damping ratios of %zu modes as stated, of faster "
-        "motions %.3g s times half their angular frequency",
+        "\n  nonlinear motion of %d free dof at large rotation: %.3g time steps a tick; %.2f linear"
+        " solves with %.2f factorisations a step\n  damping ratios of %zu modes as stated, of "
+        "faster motions %.3g s times half their angular frequency",
         plant->analysis.design.mesh.free_dof,
         1 / (motion->step_most * plant->analysis.design.control.rate),
         (double)motion->linear_solves / steps, (double)motion->factorisations / steps,
