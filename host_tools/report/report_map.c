@@ -76,12 +76,10 @@ void shell_find_plans(shell *map)
 
 /* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
 typedef struct electrode {
-    shell part; /* copy of the drawn mesh; for an electrode that consists of whole elements, the
-                   copy has only these elements */
+    shell part; /* the drawn mesh, or of it the whole elements that the electrode covers */
     const scene_patches *patches;
     int index; /* index of the electrode in its grid of patches or in its list of outlines */
-    double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) of the
-                                     electrode in the picture, known after drawing */
+    double low[2], high[2], area; /* bounding box and area in pixels, known after drawing */
 } electrode;
 
 /*
@@ -194,11 +192,9 @@ typedef struct drawn {
     FILE *file;
     const draw_scale *scale;
     double value;        /* voltage, or temperature of heaters */
-    const char *colour;  /* style class of the value in the colour scale; "none" if it has another
-                            unit than the scale, as a temperature beside voltages */
-    const char *outline; /* style class: "patch" for a voltage within its limits, "limit" at an
-                            active limit, "beyond" beyond the limits of the scene */
-    bool is_marked;      /* whether the voltage is at an active limit or beyond the limits */
+    const char *colour;  /* style class; "none" for a temperature beside voltages */
+    const char *outline; /* style class for a voltage within, at or beyond its limits */
+    bool is_marked;      /* whether the voltage is at or beyond a limit */
 } drawn;
 
 /* Begin the SVG group of an amplifier, whose title is the name and voltage of the amplifier. */

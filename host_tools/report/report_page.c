@@ -212,12 +212,12 @@ void page_displace(page *page, const double *u)
     }
 }
 
-draw_scale page_shape(page *page, const double *u, const double *reached, const double *target)
+draw_scale page_shape(page *page, const voltages *result, const double *target)
 {
     const design *design = page->design;
     const scene_direction direction = {.component = design->goal.what.component};
-    page_displace(page, u);
-    (void)design_misfit(design, reached, target, page->row);
+    page_displace(page, result->displacement);
+    (void)design_misfit(design, result->shape, target, page->row);
     for (int i = 0; i < 3 * page->mesh->nodes; i++)
         page->value[i / 3] = page->wanted[i] = (double)NAN;
     for (int t = 0; t < design->targets; t++) {
@@ -229,6 +229,14 @@ draw_scale page_shape(page *page, const double *u, const double *reached, const 
             page->wanted[3 * node + i] = page->vector[3 * node + i] - page->row[t] * along[i];
     }
     return draw_scale_of(true, design->units.length, page->row, design->targets);
+}
+
+void page_include(page *page, bool has_target)
+{
+    shell_include(&page->space);
+    page->space.vector = has_target ? page->wanted : page->vector;
+    shell_include(&page->space);
+    page->space.vector = page->vector;
 }
 
 void page_draw_shape(const page *page, const draw_scale *scale)
@@ -255,7 +263,6 @@ void page_draw_shape(const page *page, const draw_scale *scale)
 void page_keys(const page *page, const char *more)
 {
     static const char *const keys =
-        "<span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>undeformed edges"
-        "</span><span><i class=\"key pins\"></i>support</span>";
+        PAGE_KEY("line", "target") PAGE_KEY("dash", "undeformed edges") PAGE_KEY("pins", "support");
     put(page->file, "<p class=\"keys\">%s%s</p>\n", page->mesh->elements > 0 ? keys : "", more);
 }

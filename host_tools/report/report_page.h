@@ -80,12 +80,17 @@ void page_voltages(const page *page, const voltages *result, int results);
 void page_modes(const page *page, const modes *modes);
 
 /*
- * Let the page draw from now on the displacement vector u [dof]: page_displace coloured by the
- * length of the displacement, page_shape by the misfit of the values `reached` [targets] minus
- * `target` [targets]. page_shape returns the colour scale of the misfit.
+ * Let the page draw from now on the displacement vector u [dof], coloured by the length of the
+ * displacement (page_displace), or the shape of a result, coloured by its misfit, reached minus
+ * target [targets] (page_shape, which returns the colour scale of the misfit). page_include
+ * includes the shape in the view in space, and if has_target is true also the target.
  */
 void page_displace(page *page, const double *u);
-draw_scale page_shape(page *page, const double *u, const double *reached, const double *target);
+draw_scale page_shape(page *page, const voltages *result, const double *target);
+void page_include(page *page, bool has_target);
+
+/* The lines and marks that a picture explains: style class of the mark, words. */
+#define PAGE_KEY(mark, words) "<span><i class=\"key " mark "\"></i>" words "</span>"
 
 /*
  * Draw the reached shape in space, coloured by its misfit (reached minus target value), and the

@@ -8,8 +8,7 @@
 /* Report page of `pzs shape`. All results have one colour scale of the misfit, page.scale. */
 typedef struct shape_page {
     page page;
-    const voltages *result; /* [results] voltages and shapes to show, one result for each pair of
-                               voltage limits */
+    const voltages *result; /* [results] one for each pair of voltage limits */
     int results;
     draw_scale voltage;
 } shape_page;
@@ -19,26 +18,12 @@ static bool is_limited(const voltages *result)
     return isfinite(result->limit[0]) || isfinite(result->limit[1]);
 }
 
-/*
- * Return the largest absolute input in one set of voltages (V), or of temperatures where the
- * amplifiers supply heaters (K).
- */
+/* Return the largest input in one set of voltages, or of temperatures of heaters, by magnitude. */
 static double largest_voltage(const shape_page *shape, const voltages *result)
 {
     draw_scale scale = {.unit = shape->voltage.unit};
     shell_extend(&scale, shape->page.design, result->voltage);
     return scale.most;
-}
-
-/*
- * Store in the page the shape that one set of voltages reaches; the following pictures show it,
- * coloured by its misfit (reached minus target displacement). Returns a colour scale for this
- * misfit.
- */
-static draw_scale take_result(shape_page *shape, const voltages *result)
-{
-    return page_shape(&shape->page, result->displacement, result->shape,
-                      shape->page.design->target);
 }
 
 /* Choose colour scales, magnification and view, which all results on the page have in common. */
@@ -50,7 +35,7 @@ static void fit_page(shape_page *shape)
     shape->voltage = (draw_scale){true, 0, page->inputs.unit};
     draw_extend(&displacement, page->design->target, page->design->targets);
     for (int k = 0; k < shape->results; k++) {
-        const draw_scale misfit = take_result(shape, &shape->result[k]);
+        const draw_scale misfit = page_shape(page, &shape->result[k], page->design->target);
         draw_extend(&displacement, &page->largest, 1);
         draw_extend(&page->scale, &misfit.most, 1);
         shell_extend(&shape->voltage, page->design, shape->result[k].voltage);
@@ -58,11 +43,8 @@ static void fit_page(shape_page *shape)
     if (!page->analysis->is_nonlinear)
         page->space.factor = view_magnification(page->mesh, displacement.most, 0.2);
     for (int k = 0; k < shape->results; k++) {
-        (void)take_result(shape, &shape->result[k]);
-        shell_include(&page->space);
-        page->space.vector = page->wanted;
-        shell_include(&page->space);
-        page->space.vector = page->vector;
+        (void)page_shape(page, &shape->result[k], page->design->target);
+        page_include(page, true);
     }
     view_fit(&page->space.view, 420, 420, 180);
 }
@@ -150,7 +132,7 @@ static void draw_voltages(const shape_page *shape, const voltages *result)
 static void draw_result(shape_page *shape, const voltages *result)
 {
     page *page = &shape->page;
-    const draw_scale own = take_result(shape, result);
+    const draw_scale own = page_shape(&shape->page, result, shape->page.design->target);
     put(page->file,
         is_limited(result) ? "<article class=\"set\">\n<h3>%t, %l"
                            : "<article class=\"set\">\n<h3>%t",
@@ -191,8 +173,7 @@ static void write_page(shape_page *shape, const modes *modes)
         put(page->file, "<p class=\"lines\">%t</p>\n", notes + strspn(notes, " \n"));
     page_voltages(page, shape->result, shape->results);
     fputs("<h2>Shapes</h2>\n", page->file);
-    page_keys(page, "<span><i class=\"key stop\"></i>limit active</span><span><i class=\"key "
-                    "over\"></i>beyond the scene’s limits</span>");
+    page_keys(page, PAGE_KEY("stop", "limit active") PAGE_KEY("over", "beyond the scene’s limits"));
     for (int k = 0; k < shape->results; k++)
         draw_result(shape, &shape->result[k]);
     page_modes(page, modes);
@@ -205,7 +186,7 @@ static void write_picture(shape_page *shape)
     const double width = 760, height = fmax(page->space.view.height, 350) + 44;
     const voltages *result = main_result(shape);
     char title[160];
-    const draw_scale own = take_result(shape, result);
+    const draw_scale own = page_shape(&shape->page, result, shape->page.design->target);
     snprintf(title, sizeof title,
              "%.60s: relative RMS error %.3g %%. Colour: misfit, lines: target", result->name,
              100 * result->error);

@@ -153,10 +153,11 @@ static void write_errors(const simulate_page *self)
     draw_end(self->page.file, DRAW_CHART);
     page_caption(
         &self->page, NULL,
-        "<span class=\"keys\"><span><i class=\"key\"></i>controller</span>"
-        "<span><i class=\"key gone\"></i>clipped</span><span><i class=\"key dash\"></i>optimum of "
-        "the plant</span></span> Relative RMS error, logarithmic, the largest of every %d ticks; "
-        "thin: error of the estimate; thin grey: vibration, the distance from the equilibrium.",
+        "<span class=\"keys\">%s</span> Relative RMS error, logarithmic, the largest of every %d "
+        "ticks; thin: error of the estimate; thin grey: vibration, the distance from the "
+        "equilibrium.",
+        PAGE_KEY("line", "controller") PAGE_KEY("gone", "clipped")
+            PAGE_KEY("dash", "optimum of the plant"),
         (record->ticks + record->bins - 1) / record->bins);
 }
 
@@ -215,12 +216,11 @@ static void write_voltages(const simulate_page *self)
                  self->page.inputs.title);
 }
 
-static void write_shape(page *page, const simulate_phase *last)
+static void write_shape(page *page, const simulate_phase *last, const voltages *result)
 {
-    const simulate_course *course = &last->course[LAW_CONTROLLER];
-    page->scale = page_shape(page, course->displacement, course->shape, last->target);
+    page->scale = page_shape(page, result, last->target);
     page->space.factor = view_magnification(page->mesh, page->largest, 0.3);
-    shell_include(&page->space);
+    page_include(page, false);
     view_fit(&page->space.view, 600, 400, 180);
     page_keys(page, "");
     fputs("<figure class=\"chart\">\n", page->file);
@@ -228,27 +228,30 @@ static void write_shape(page *page, const simulate_phase *last)
     page_caption(page, &page->scale,
                  "Reached shape and <b>target</b> at the last tick, displacement <b>× %n</b>, "
                  "relative RMS error <b>%p</b>. Misfit, reached minus target:",
-                 page->space.factor, course->steady);
+                 page->space.factor, last->course[LAW_CONTROLLER].steady);
 }
 
 static void write_page(simulate_page *self)
 {
     const page *page = &self->page;
     const simulate_phase *last = &self->simulation->phase[self->simulation->phases - 1];
-    const voltages voltages = {.name = "At the last tick",
-                               .voltage = last->course[LAW_CONTROLLER].voltage};
+    const simulate_course *course = &last->course[LAW_CONTROLLER];
+    const voltages result = {.name = "At the last tick",
+                             .voltage = course->voltage,
+                             .displacement = course->displacement,
+                             .shape = course->shape};
     page_begin(page, "The controller in closed loop", page->analysis->model.info.residual);
     write_verdict(self);
     fputs("<h2>Over time</h2>\n", page->file);
     write_plant(self);
     write_errors(self);
     write_voltages(self);
-    page_voltages(page, &voltages, 1);
+    page_voltages(page, &result, 1);
     fputs("<h2>Phases</h2>\n", page->file);
     write_phases(self);
     write_counts(self);
     fputs("<h2>Shape</h2>\n", page->file);
-    write_shape(&self->page, last);
+    write_shape(&self->page, last, &result);
     page_end(page);
 }
 

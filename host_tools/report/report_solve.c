@@ -8,8 +8,7 @@
 typedef struct solve_page {
     page page;
     const double *output;       /* values of all outputs of the scene, output after output */
-    const stress_field *stress; /* recovered stresses of the structure, for the maps and tables on
-                                   the page; NULL: the page has none */
+    const stress_field *stress; /* NULL: none */
     shell_body body;
 } solve_page;
 
@@ -21,27 +20,26 @@ static double value_of(const solve_page *solve, int k, int i)
 /* Write the table row of an output: its value, or the range of its values if it has several. */
 static void write_output(const solve_page *solve, int k)
 {
-    const scene_output *output = &solve->page.design->output[k];
-    const double reference = output->reference, ratio = value_of(solve, k, 0) / reference;
-    const int count = analysis_outputs(solve->page.analysis, k);
-    draw_axis range = {.low = HUGE_VAL, .high = -HUGE_VAL};
-    double mean = 0, most = isfinite(reference) ? fabs(reference) : 0;
+    const page *page = &solve->page;
+    const scene_output *output = &page->design->output[k];
+    const int count = analysis_outputs(page->analysis, k);
+    const double reference = output->reference, first = value_of(solve, k, 0);
+    double low = first, high = first, mean = 0;
     char unit[WORDS_UNIT];
-    words_unit(&solve->page.design->units, words_of_output(output), unit);
     for (int i = 0; i < count; i++) {
-        const double value = value_of(solve, k, i);
-        draw_widen(&range, &value, 1);
-        most = fmax(most, fabs(value));
-        mean += value / count;
+        low = fmin(low, value_of(solve, k, i));
+        high = fmax(high, value_of(solve, k, i));
+        mean += value_of(solve, k, i) / count;
     }
+    const double most = fmax(fmax(-low, high), isfinite(reference) ? fabs(reference) : 0);
+    words_unit(&page->design->units, words_of_output(output), unit);
     if (count == 1)
-        put_row(solve->page.file, "%t|%a|%a|%n", output->name, mean, most, unit, reference, most,
-                unit, ratio);
+        put_row(page->file, "%t|%a|%a|%n", output->name, mean, most, unit, reference, most, unit,
+                first / reference);
     else
-        put_row(solve->page.file,
-                "%t|%a to %a<br><span class=\"soft\">%d values, mean %a</span>|%a|%n", output->name,
-                range.low, most, unit, range.high, most, unit, count, mean, most, unit, reference,
-                most, unit, ratio);
+        put_row(page->file, "%t|%a to %a<br><span class=\"soft\">%d values, mean %a</span>|%a|%n",
+                output->name, low, most, unit, high, most, unit, count, mean, most, unit, reference,
+                most, unit, first / reference);
 }
 
 static void write_outputs(const solve_page *solve)
@@ -107,8 +105,7 @@ static void draw_lines(const solve_page *solve, int along)
     draw_grid(page->file, &x, &y, false);
     for (int k = 0; k < design->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
-        const int named = (4 - k % 4) * (count - 1) / 4; /* point beside which the name is written
-                                                          */
+        const int named = (4 - k % 4) * (count - 1) / 4; /* where the name is written */
         draw_curve(page->file, &x, &y, &(draw_series){"wire", page->wanted, page->value, count});
         if (count > 0)
             draw_text(page->file, "tag", draw_on(&x, page->wanted[named]) + 4,
@@ -119,16 +116,14 @@ static void draw_lines(const solve_page *solve, int along)
                  x.unit.name);
 }
 
-/*
- * Choose scale, magnification and view of the deformed shape; nonlinear shapes are not magnified.
- */
+/* Choose scale, magnification and view of the deformed shape; only linear ones are magnified. */
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;
     page->scale = (draw_scale){false, page->largest, page->design->units.length};
     if (!page->analysis->is_nonlinear)
         page->space.factor = view_magnification(page->mesh, page->scale.most, 0.1);
-    shell_include(&page->space);
+    page_include(page, false);
     shell_find_body(&solve->body, page->analysis, &page->space);
     view_fit(&page->space.view, 600, 560, 180);
 }
@@ -157,12 +152,9 @@ static void write_deformed(const solve_page *solve)
                "The shape is coloured by the size of the displacement, over the undeformed mesh");
     draw_deformed(solve);
     draw_end(page->file, DRAW_IMAGE);
-    put(page->file,
-        "<p class=\"keys\"><span><i class=\"key gone\"></i>undeformed</span><span><i class=\"key "
-        "pins\"></i>support</span><span><i class=\"key load\"></i>point load</span>%s</p>",
-        solve->body.is_given
-            ? "<span><i class=\"key solid\"></i>rigid body, the part near the shell</span>"
-            : "");
+    put(page->file, "<p class=\"keys\">%s%s</p>",
+        PAGE_KEY("gone", "undeformed") PAGE_KEY("pins", "support") PAGE_KEY("load", "point load"),
+        solve->body.is_given ? PAGE_KEY("solid", "rigid body, the part near the shell") : "");
     page_caption(page, &page->scale, "Size of the displacement, drawn <b>× %n</b>; largest %q",
                  page->space.factor, page->scale.most, page->scale.unit);
 }
