@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Beginning and end of report pages and picture files, and pictures of the shell in a reached
- * shape, coloured by its misfit (reached minus target displacement).
- */
+/* Frame of report pages and picture files, and pictures of a reached shape (report_page.h). */
 #include "report_page.h"
 #include <math.h>
 #include <stdlib.h>
@@ -56,12 +53,6 @@ static void write_command(const report_job *job)
     }
 }
 
-/* Return the result of a numerical check, or NAN, printed as a dash, for one that was not made. */
-static double checked(double value)
-{
-    return value < 0 ? (double)NAN : value;
-}
-
 static void write_structure_facts(const page *page, double residual)
 {
     const mesh *mesh = page->mesh;
@@ -73,20 +64,20 @@ static void write_structure_facts(const page *page, double residual)
         mesh->elements, mesh->types, mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh),
         mesh->formulation.cartesian ? "Cartesian" : "local",
         mesh->formulation.metric ? "exact" : "flat", (int)mesh->dof_per_node,
-        mesh->laminate.thickness, page->design->units.length,
-        checked(page->analysis->model.info.condition), checked(residual));
+        mesh->laminate.thickness, page->design->units.length, page->analysis->model.info.condition,
+        residual);
     if (page->analysis->is_nonlinear)
         put(page->file,
             FACT("Load steps", "%d, %d linear solves")
-                FACT("Equilibrium", "<b class=\"%s\">%s</b>, %d negative pivots")
+                FACT("Equilibrium", "<b%s</b>, %d negative pivots")
                     FACT("Load factor reached", "%n"),
-            (int)info->load_steps, (int)info->linear_solves, info->negative_pivots ? "warn" : "",
-            info->negative_pivots ? "unstable" : "stable", (int)info->negative_pivots,
-            info->load_factor);
+            (int)info->load_steps, (int)info->linear_solves,
+            info->negative_pivots ? " class=\"warn\">unstable" : ">stable",
+            (int)info->negative_pivots, info->load_factor);
     else
         put(page->file,
             FACT("Solver error estimate, energy norm; without the discretisation error", "%r"),
-            checked(page->analysis->model.info.error_estimate));
+            page->analysis->model.info.error_estimate);
 }
 
 static void write_facts(const page *page, double residual)
@@ -152,33 +143,34 @@ void page_end(const page *page)
     fputs("</code></footer>\n</main>\n</body>\n</html>\n", page->file);
 }
 
-enum { PICTURE_EDGE = 20, PICTURE_HEAD = 52, PICTURE_FOOT = 26 };
+/* Space around the drawing in a picture file, in pixels: at both sides, above and below. */
+enum { EDGE = 20, HEAD = 52, FOOT = 26 };
 
 void page_begin_picture(const page *page, const char *title, double width, double height)
 {
     const design *design = page->design;
-    const double all[2] = {width + 2 * PICTURE_EDGE, height + PICTURE_HEAD + PICTURE_FOOT};
+    const double wide = width + 2 * EDGE, tall = height + HEAD + FOOT;
     put(page->file,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
-        "width=\"%f\" height=\"%f\" viewBox=\"0 0 %f %f\" role=\"img\">\n<title>%t: %t</title>"
+        "width=\"%f\" height=\"%f\" viewBox=\"%d %d %f %f\" role=\"img\">\n<title>%t: %t</title>"
         "<desc>%t Target: %t. Command: ",
-        all[0], all[1], all[0], all[1], design->name, title, design->about ? design->about : "",
+        wide, tall, -EDGE, -HEAD, wide, tall, design->name, title,
+        design->about ? design->about : "",
         design->goal.given ? expr_text(design->goal.value) : "none");
     write_command(page->job);
     fputs("</desc>\n", page->file);
     draw_picture_style(page->file);
     put(page->file,
-        "<rect class=\"back\" x=\".5\" y=\".5\" width=\"%f\" height=\"%f\" rx=\"8\"/>\n"
-        "<text class=\"title\" x=\"%d\" y=\"26\">%t</text><text x=\"%d\" y=\"43\">%t</text>\n"
-        "<g transform=\"translate(%d %d)\">\n",
-        all[0] - 1, all[1] - 1, PICTURE_EDGE, design->name, PICTURE_EDGE, title, PICTURE_EDGE,
-        PICTURE_HEAD);
+        "<rect class=\"back\" x=\"%f\" y=\"%f\" width=\"%f\" height=\"%f\" rx=\"8\"/>\n",
+        0.5 - EDGE, 0.5 - HEAD, wide - 1, tall - 1);
+    draw_text(page->file, "title", 0, 26 - HEAD, "%t", design->name);
+    draw_text(page->file, "", 0, 43 - HEAD, "%t", title);
 }
 
 void page_end_picture(const page *page, double width, double height)
 {
-    put(page->file, "</g>\n<text class=\"end\" x=\"%f\" y=\"%f\">" PROGRAM "</text>\n</svg>\n",
-        PICTURE_EDGE + width, height + PICTURE_HEAD + PICTURE_FOOT - 9);
+    draw_text(page->file, "end", width, height + FOOT - 9, PROGRAM);
+    fputs("</svg>\n", page->file);
 }
 
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...)

@@ -127,7 +127,7 @@ static void put_value(FILE *file, char directive, double value, va_list *more)
         break;
     case 'f': fprintf(file, "%.1f", isfinite(value) ? value : 0); break;
     case 'n': put_number(file, value, 4); break;
-    case 'r': put_number(file, value, 2); break;
+    case 'r': put_number(file, value < 0 ? (double)NAN : value, 2); break;
     default: put_number(file, 100 * value, 3); fputs(isnan(value) ? "" : "\xc2\xa0%", file);
     }
 }

@@ -14,7 +14,8 @@
  *   %d  int
  *   %f  double                coordinate in a picture, with one decimal
  *   %n  double                number with four significant digits; a dash for NaN
- *   %r  double                the same with two digits, for condition numbers and residuals
+ *   %r  double                condition number or residual, with two digits; a dash if it is
+ *                             negative, which stands for a check that was not made
  *   %p  double                fraction, written in percent
  *   %b  double, double        fraction in percent, with a bar; fraction at which the bar is full
  *   %q  double, const char *  quantity and its unit; lengths in the most readable unit
