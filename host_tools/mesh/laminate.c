@@ -299,8 +299,8 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
 /*
  * Compute the stiffness of a ply at height z for strains along the directions of the element, which
  * need not be perpendicular (Voigt order 11 22 33 23 13 12). For an element along lines of
- * curvature the result is the stiffness in the axes of the shell: lengths at height z then enter by
- * the factors of metric_at, with which the caller divides the strains.
+ * curvature the result is the stiffness in the axes of the shell. The caller then divides the
+ * strains by the factors of metric_at, because lengths depend on the height.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -1122,11 +1122,12 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 /*
  * Return a correction of an electrode's charge per area (C/m2) under a voltage of 1 V or a
  * temperature of 1 K. The element options `shear` and `rho` make an element softer in transverse
- * shear than its material. Prescribed resultants are adapted to this softer element, so that an
+ * shear than its material. Its stress resultants at zero strains are adapted to this, so that an
  * unloaded element deforms as its material does (keep_free_strains). With the correction its charge
  * is that of the material, too. The correction is e1^T (D - D') e2. Here e1 and e2 are the strains
- * that `first` and `second` cause in an unloaded element. D is the stiffness for shear strains that
- * are uniform through the thickness, and D' the stiffness of the softer element.
+ * of an unloaded element under the voltage or temperature `first` and `second`. D is the stiffness
+ * for shear strains that are uniform through the thickness, and D' the stiffness of the softer
+ * element.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -1162,10 +1163,11 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * The result (C/V or C/K) is the area of the element times up to four terms. The first is the
- * integral over the ply of the product of both fields with the charge per unit of them
- * (field_density). For uniform fields, a correction is added for element options that change the
- * transverse shear stiffness (shear_charge).
+ * The result is C/V for two electric fields, and C/K for an electric field and a temperature. It is
+ * the area of the element times a sum of up to four terms. The first is the integral over the ply
+ * of f1 f2 d, with the two fields f1 and f2 and minus the derivative d of the enthalpy density with
+ * respect to both (field_density). For uniform fields, a correction is added for element options
+ * that change the transverse shear stiffness (shear_charge).
  * With the element option lin33 every ply thickens freely. Two terms of elastic energy are added,
  * because each ply thickens differently from the mean of all plies. One is the integral over the
  * ply of c_33 t_1 t_2, with the normal stiffness c_33 of the ply and its free thickness strains t_1
@@ -1200,9 +1202,9 @@ double laminate_capacitance(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * The charge of an electrode per unit of a voltage or temperature is minus a mixed second
- * derivative of the electric enthalpy of all plies: once by the voltage of the electrode, and once
- * by the voltage or temperature that causes the charge.
+ * The charge of an electrode per unit of a voltage or temperature is minus a mixed derivative of
+ * the electric enthalpy of all plies: with respect to the voltage of the electrode and to that
+ * voltage or temperature.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)

@@ -180,12 +180,13 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
 
 /*
- * Return minus the mixed second derivative of the electric enthalpy of an element with respect to
- * two loads, at constant strains. For two electric fields the result is a capacitance (C/V). For an
- * electric field and a temperature it is a charge per kelvin (C/K).
+ * Return minus the mixed second derivative of the electric enthalpy of an element, at constant
+ * strains, with respect to two causes: electric fields or a temperature. For two electric fields
+ * the result is a capacitance (C/V). For an electric field and a temperature it is a charge per
+ * kelvin (C/K).
  *   first      in  electric field in a ply
  *   second     in  electric field in the same or another ply, or a temperature
- *   is_uniform in  true: both loads are constant over the element. false: both vary over the
+ *   is_uniform in  true: both causes are constant over the element. false: both vary over the
  *       element and have the mean 0. They then have no effect on strains that are constant over the
  *       element, and the result has no correction for the transverse shear stiffness
  */

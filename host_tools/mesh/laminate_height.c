@@ -61,10 +61,10 @@ static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double 
 }
 
 /*
- * In a curved shell an in-plane strain at height z is e + z k + z^2 m, and m = with_slope k -
- * with_mean e, each a vector of the strains 11, 22 and 12. Express m by the two numbers that an
- * element has for each strain: the mean of both faces, and the difference between them. The element
- * replaces z^2 by a straight line a + b z/thickness, so that its mean is e + a m, and its
+ * In a curved shell an in-plane strain at height z is e + z k + z^2 m. The coefficients satisfy m =
+ * with_slope k - with_mean e, as vectors of the strains 11, 22 and 12. Express m by the two numbers
+ * that an element has for each strain: the mean of both faces, and the difference between them. The
+ * element replaces z^2 by a straight line a + b z/thickness, so that its mean is e + a m, and its
  * difference is thickness k + b m. This gives
  *   (1 + with_slope b/thickness - with_mean a) m
  *     = with_slope difference/thickness - with_mean mean.

@@ -68,9 +68,10 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Remove from a support at a node what other supports of this node hold already. The components of
- * its direction along their axes are subtracted, and from its prescribed displacement the
- * displacements along these axes times the components.
+ * Remove from a support at a node what other supports of this node hold already. They hold the
+ * displacements along some orthogonal axes. With the component c of the support's direction along
+ * an axis, c times the axis is subtracted from the direction, and c times the displacement
+ * prescribed along the axis from that of the support.
  *   rest  in/out  in: direction of the support (unit vector) and its prescribed displacement. out:
  *       the remaining direction as a unit vector, orthogonal to the axes. `value` is the
  *       displacement along it times the returned sine

@@ -186,9 +186,9 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve a linear system with as many equations as unknowns by elimination. If its rank r is below
- * eight, the last 8 - r unknowns in the order of the pivots are set to 0, and the last 8 - r
- * equations must be satisfied up to rounding errors. An unknown that is as small as a rounding
+ * Solve a linear system of eight equations with eight unknowns by elimination. If its rank r is
+ * below eight, the last 8 - r unknowns in the order of the pivots are set to 0. The last 8 - r
+ * equations must then be satisfied up to rounding errors. An unknown that is as small as a rounding
  * error is set to 0.
  *   factors [8] out  unknowns: factors c_k of the warping correction (warp.h)
  * Returns 0, or -1 if an equation is not satisfied or a number is not finite.

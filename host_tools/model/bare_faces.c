@@ -43,9 +43,10 @@ static bool face_is_bare(const bare_faces *bare, int layer, int face)
  * only up to a constant.
  */
 typedef struct slot_sets {
-    bool *used, *grounded; /* [slots] used: whether the node on this interface has an electric
-                              potential. grounded: only valid at the root of a set of connected
-                              nodes: whether a layer of the set has an electrode at 0 V */
+    bool *used, *grounded; /* [slots] one entry for each node on an interface between layers. used:
+                              whether the node has an electric potential. grounded: whether a set of
+                              connected nodes contains a layer with an electrode at 0 V; valid only
+                              at the root of the set */
     size_t *parent; /* [slots] parent of each node on an interface between layers, in the tree of
                        its set of connected nodes; the root of a tree is its own parent */
 } slot_sets;

@@ -79,11 +79,11 @@ typedef struct design {
     pzs_structure structure; /* linear structure. Its inputs are, in this order: amplifiers, loads,
                                 extra inputs, electrodes of sensors, potentials of bare faces
                                 (without electrodes). Its outputs are the target nodes, then the
-                                named outputs. Extra inputs exist under nonlinear kinematics, where
-                                the equilibrium solver computes their forces, so that their columns
-                                of linear nodal forces are empty: one for each follower load in the
-                                order of loads, one for prescribed displacements, one for the motion
-                                of a contact's body. */
+                                named outputs. Extra inputs exist under nonlinear kinematics: one
+                                for each follower load in the order of loads, one for prescribed
+                                displacements, one for the motion of a contact's body. Their columns
+                                of linear nodal forces are empty, because the equilibrium solver
+                                computes their forces. */
     pzs_electrodes electrodes; /* electrodes of the amplifiers and of the sensors, and potentials of
                                   bare faces (without electrodes); empty unless the scene has
                                   sensors or bare faces or asks for charges */

@@ -28,11 +28,11 @@ typedef struct estimator {
                          under the disturbances (loads and voltage errors), before estimation */
     double remaining; /* expected root mean square of the error of the estimated shape, weighted
                          with the target weights */
-    double worst_disturbed; /* Both belong to the shape in which the estimation error is largest
-                               (member `worst`). worst_disturbed: expected root mean square of the
-                               displacements along this shape under the disturbances (loads and
-                               voltage errors). worst_remaining: expected root mean square of the
-                               estimation error along it. */
+    double worst_disturbed; /* worst_disturbed, worst_remaining: numbers of the shape in which the
+                               estimation error is largest (member `worst`). worst_disturbed:
+                               expected root mean square of the displacements along this shape under
+                               the disturbances (loads and voltage errors). worst_remaining:
+                               expected root mean square of the estimation error along it. */
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */

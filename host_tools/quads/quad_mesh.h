@@ -18,9 +18,8 @@ enum { QUAD_DOF = 7 };
 enum { QUAD_LOOSE = 4 };
 typedef struct quad_loose {
     size_t count;
-    int64_t label[QUAD_LOOSE]; /* numbers, in the mesh file, of the QUAD_LOOSE nodes with the
-                                  smallest numbers among those that belong to no element (all of
-                                  them if there are fewer), ascending */
+    int64_t label[QUAD_LOOSE]; /* smallest numbers, in the mesh file, of nodes that belong to no
+                                  element, ascending; at most QUAD_LOOSE of them */
 } quad_loose;
 
 /*

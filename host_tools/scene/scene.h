@@ -101,8 +101,8 @@ typedef struct scene_element {
                    with alternating signs (warp.h); 1: bending of curved shells converges faster; 0:
                    no such term */
     double rho; /* factor (dimensionless) of a flexibility that is added to the transverse shears of
-                   an element, so that elements much longer than thick bend easily enough: rho times
-                   bending flexibility 12/(E h^3) times length^2/12 */
+                   an element: bending flexibility 12/(E h^3) times L^2/12, with the length L of the
+                   element. Without it, elements much longer than thick bend too little */
     bool hr, lin33;   /* hr: how an element treats strains in its linear and bilinear strain
                          modes. Each of these modes contains only some of the ten strains. true
                          (Hellinger-Reissner): the stress resultants of all other strains are 0
@@ -967,10 +967,10 @@ typedef struct scene_short_list {
 typedef struct scene_hysteresis {
     bool given;
     double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
-    scene_short_list slope; /* The hysteresis model is the sum of a piecewise linear function of the
-                               voltage and of play operators, which have memory. [4] slopes of this
-                               function in the four quarters of the voltage range from the lowest on
-                               (dimensionless) */
+    scene_short_list slope; /* [4] slopes of a piecewise linear function of the voltage in the four
+                               quarters of the voltage range, from the lowest on (dimensionless).
+                               The hysteresis model is the sum of this function, which has no
+                               memory, and of play operators */
     scene_short_list slack; /* [plays] slack of each play operator: change of the voltage after a
                                reversal before the operator follows; ascending (V) */
     scene_short_list above; /* [plays] weight of each play operator while its output is above the

@@ -153,7 +153,7 @@ typedef struct loop {
                                       limits; number of voltages that are not finite */
     int beyond_rows; /* number of limits on differences or sums of voltages that were violated in
                         the last tick. A limit counts once if the commanded voltages violate it, and
-                        once if the output voltages do */
+                        once more if the output voltages do */
 } loop;
 
 /*

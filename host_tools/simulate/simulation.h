@@ -117,7 +117,7 @@ typedef struct simulate_count {
                            amplifiers, that violate a voltage limit or the step limit */
     long beyond_rows;   /* number of violated limits on differences or sums of voltages, added
                            over all ticks. In a tick a limit counts once if the commanded
-                           voltages violate it, and once if the output voltages do */
+                           voltages violate it, and once more if the output voltages do */
     long not_finite;    /* number of commanded or output voltages that are not finite */
     long iterations;    /* number of iterations of the optimiser in all ticks of the simulation */
     int iterations_most;
