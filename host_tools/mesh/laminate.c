@@ -385,9 +385,11 @@ void laminate_heights_of(const laminate *laminate, const scene_element *element,
     memset(heights, 0, sizeof *heights);
     heights->middle = (laminate->z[0] + laminate->z[1]) / 2;
     heights->thickness = laminate->thickness;
+    if (element->quadratic == SQUARES_OMITTED)
+        return;
     for (int row = 0; row < HEIGHT_ROWS; row++)
         heights->line[0][row] = laminate->thickness * laminate->thickness / 4;
-    if (!element->quadratic)
+    if (element->quadratic == SQUARES_OF_FACES)
         return;
     for (int layer = 0; layer < laminate->plies; layer++)
         if (place->present_plies >> layer & 1u) {

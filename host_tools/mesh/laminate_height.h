@@ -8,8 +8,9 @@
  * With the element option `quadratic` it is the line that deviates least from z^2, as a mean over
  * the thickness weighted with the stiffness of the plies in the direction of the strain: membrane
  * force and bending moment are then the integrals of the stresses. One homogeneous ply has a =
- * thickness^2/12 and stiff faces on a soft core have a = thickness^2/4. Without this option a =
- * thickness^2/4 and b = 0, which is exact at the faces.
+ * thickness^2/12 and stiff faces on a soft core have a = thickness^2/4. With `quadratic: off` a =
+ * thickness^2/4 and b = 0, which is exact at the faces. With `quadratic: omitted` a = b = 0, and
+ * the in-plane strains are e + z k.
  */
 #ifndef LAMINATE_HEIGHT_H
 #define LAMINATE_HEIGHT_H

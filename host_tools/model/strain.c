@@ -119,7 +119,7 @@ void strain_at_height(const mesh *mesh, int element, const double strain[STRAIN_
     for (int i = 0; i < 6; i++) {
         if (mean[i] >= 0)
             natural[i] = strain[mean[i]] + height / heights.thickness * strain[mean[i] + 1];
-        if (quadratic[i] >= 0 && mesh->formulation.quadratic)
+        if (quadratic[i] >= 0 && mesh->formulation.quadratic == SQUARES_FITTED)
             natural[i] += laminate_height_excess(&heights, height, quadratic[i]) *
                           strain[STRAIN_QUADRATIC + quadratic[i]];
     }

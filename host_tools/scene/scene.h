@@ -89,6 +89,17 @@ typedef struct scene_equilibrium {
 } scene_equilibrium;
 
 /*
+ * What replaces the squared height in the part of the in-plane strains that is quadratic in the
+ * height.
+ */
+typedef enum scene_squares {
+    SQUARES_OF_FACES, /* straight line with the same values at the two faces */
+    SQUARES_FITTED,   /* straight line that deviates least from it, with the stiffness of the plies
+                         as weight */
+    SQUARES_OMITTED   /* zero: in-plane strains are linear in the height */
+} scene_squares;
+
+/*
  * Formulation of the finite element, selected in the scene file by `element: published`, `element:
  * improved`, or a map of single options.
  */
@@ -118,10 +129,8 @@ typedef struct scene_element {
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
                                its layers; false: from a shear strain that is constant through the
                                thickness */
-    bool quadratic; /* how a straight line over the height replaces the part of the in-plane strains
-                       that is quadratic in the height. true: the line deviates least from this
-                       part, with the stiffness of the plies as weight; false: the line has the same
-                       values at the two faces */
+    int quadratic; /* a scene_squares: what replaces the part of the in-plane strains that is
+                      quadratic in the height */
 } scene_element;
 
 typedef struct scene_line { /* Mesh lines along which one surface coordinate, theta1 or theta2, is

@@ -10,8 +10,8 @@
 
 /* ---- element ---- */
 
-const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7, 0, 1};
-static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7, 0, 0};
+const scene_element element_improved = {1, 1, 0.09, 1, 1, 1, 1, 7, 0, SQUARES_FITTED};
+static const scene_element element_published = {0, 0, 0, 0, 0, 0, 0, 7, 0, SQUARES_OF_FACES};
 
 static const choice presets[] = {{"improved", 0}, {"published", 1}, {NULL, 0}};
 static const form preset_form = {.type = FORM_WORD, .words = presets};
@@ -29,6 +29,12 @@ static int read_preset(reader *reader, int node, void *to, const void *rule)
 static const choice strain_kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL, 0}};
 static const choice shears[] = {{"uniform", 0}, {"equilibrium", 1}, {NULL, 0}};
 static const choice areas[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
+static const choice squares[] = {
+    {"true", SQUARES_FITTED},     {"on", SQUARES_FITTED},
+    {"yes", SQUARES_FITTED},      {"false", SQUARES_OF_FACES},
+    {"off", SQUARES_OF_FACES},    {"no", SQUARES_OF_FACES},
+    {"omitted", SQUARES_OMITTED}, {NULL, 0},
+};
 
 /*
  * The key `preset` is the first row of the table of the section `element` and is read first,
@@ -56,9 +62,10 @@ static const field element_fields[] = {
      .help = "Exact variation of the surface metric through the thickness."},
     {"area", read_either, offsetof(scene_element, exact_area), areas,
      .help = "Exact element area, or the area from the metric at the element centre."},
-    {"quadratic", read_flag, offsetof(scene_element, quadratic),
+    {"quadratic", read_choice, offsetof(scene_element, quadratic), squares,
      .help = "Average the part of the in-plane strains that is quadratic in the height over the "
-             "stiffness of the plies, instead of taking it at the two faces."},
+             "stiffness of the plies (true), take it at the two faces (false), or leave it out "
+             "(omitted), as elements whose strains are linear in the height do."},
     {.key = NULL}};
 
 static const form element_map_form = {.type = FORM_MAP, .fields = element_fields};

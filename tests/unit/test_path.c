@@ -459,6 +459,44 @@ static void test_ramp(void **state)
     }
 }
 
+/* ---- squared height ---- */
+
+/*
+ * Law: a strip of thickness h that its voltage rolls up to the curvature K = r,1 . d,1 (r: place,
+ * d: director) without a membrane force stretches by the factor l with l^2 = 1 - a (K/l)^2. a
+ * replaces the squared height: h^2/12 where it is fitted, h^2/4 where it is taken at the faces, 0
+ * where it is omitted. Each of n elements is a chord of l L, between directors at the angle phi
+ * with 2 sin(phi/2) = L K/l.
+ */
+static void test_squared_height(void **state)
+{
+    (void)state;
+    enum { ELEMENTS = 20 };
+    static const struct {
+        const char *option;
+        double part; /* of h^2 */
+    } rows[] = {{"on", 1. / 12}, {"off", 1. / 4}, {"omitted", 0}};
+    const double bend = acos(-1.0) / 10, thickness = 1, length = 10. / ELEMENTS;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char changes[300];
+        scene_run r;
+        snprintf(changes, sizeof changes,
+                 "mesh.theta1.elements=%d;layers.0.thickness=0.5;layers.1.thickness=0.5;"
+                 "actuators.v.applied=4*0.5^2*(pi/10)/(3*1e-6);equilibrium={tolerance: 1e-10};"
+                 "element={quadratic: %s}",
+                 ELEMENTS, rows[i].option);
+        solve_run(&r, "roll-up", changes);
+        const double a = rows[i].part * thickness * thickness,
+                     stretch = sqrt(0.5 + sqrt(0.25 - a * bend * bend)),
+                     phi = 2 * asin(length * bend / stretch / 2), half = ELEMENTS * phi / 2,
+                     rise = stretch * length * sin(half) * sin(half) / sin(phi / 2);
+        print_message("quadratic: %s: tip rises by %.9f, expected %.9f\n", rows[i].option,
+                      scene_run_value(&r, 1), rise);
+        assert_true(fabs(scene_run_value(&r, 1) / rise - 1) < 1e-9);
+        scene_run_close(&r);
+    }
+}
+
 /* ---- linear or not ---------------------------------------------------- */
 
 /* Law: kinematics auto takes the linear displacement where it is within the scene's tolerance of
@@ -802,6 +840,7 @@ int main(void)
         cmocka_unit_test(test_contact_stiffness_of_rubber),
         cmocka_unit_test(test_body_by_formula),
         cmocka_unit_test(test_ramp),
+        cmocka_unit_test(test_squared_height),
         cmocka_unit_test(test_auto),
         cmocka_unit_test(test_default_dof),
         cmocka_unit_test(test_thickness_locking),
