@@ -22,9 +22,10 @@
 #include "../../host_tools/model/plausible.h"
 #include "../../host_tools/simulate/certify.h"
 #include "../../host_tools/simulate/plant.h"
+#include "../../host_tools/simulate/storm_state.h"
 #include "../rigs/scene_assert.h"
 
-enum { PATH = 128, MODES = 8 };
+enum { PATH = 128, MODES = 8, MOST_TARGETS = 64 };
 
 /* Folder in the temporary directory that holds the files which this test writes. */
 static char folder[PATH];
@@ -77,6 +78,13 @@ static const char plate_changes[] =
     "patches=[{name: up, layer: upper, grid: [2, 2]}, {name: low, layer: lower, grid: [2, 2]}];"
     "dynamics={modes: 8, damping: [0.01, 0.012, 0.008, 0.01, 0.006, 0.01, 0.02, 0.01]};"
     "simulate={ticks: 10, plant: {modes: 8}}";
+
+/* The same plate with a row of four pairs of patches. */
+#define ROW_OF_PATCHES                                                                             \
+    "mesh.theta1.elements=4;mesh.theta2.elements=4;"                                               \
+    "patches=[{name: up, layer: upper, grid: [4, 1]}, {name: low, layer: lower, grid: [4, 1]}];"   \
+    "dynamics={modes: 8, damping: [0.01, 0.012, 0.008, 0.01, 0.006, 0.01, 0.02, 0.01]};"           \
+    "simulate={ticks: 10, plant: {modes: 8}}"
 
 static void write_matrix(const analysis *a)
 {
@@ -250,11 +258,6 @@ static void test_same_certificate(void **state)
  */
 static void test_dropped_entries(void **state)
 {
-    static const char row_of_patches[] =
-        "mesh.theta1.elements=4;mesh.theta2.elements=4;"
-        "patches=[{name: up, layer: upper, grid: [4, 1]}, {name: low, layer: lower, grid: [4, 1]}];"
-        "dynamics={modes: 8, damping: [0.01, 0.012, 0.008, 0.01, 0.006, 0.01, 0.02, 0.01]};"
-        "simulate={ticks: 10, plant: {modes: 8}}";
     static const struct {
         const char *whole, *cut;
         bool passes; /* whether the loop that leaves out entries passes its storms */
@@ -264,7 +267,7 @@ static void test_dropped_entries(void **state)
     };
     scene_run plate, measured;
     (void)state;
-    open_pair(&plate, &measured, row_of_patches, 0);
+    open_pair(&plate, &measured, ROW_OF_PATCHES, 0);
     scene_run_close(&measured);
     scene_run_close(&plate);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -281,6 +284,72 @@ static void test_dropped_entries(void **state)
         scene_run_close(&cut);
         scene_run_close(&whole);
     }
+}
+
+/*
+ * Distance from the target, apart from its free functions, of the static shape of the structure of
+ * a storm under given voltages.
+ */
+static double distance_at(const storm *storm, const double *voltage)
+{
+    const storm_rig *rig = storm->rig;
+    double shape[MOST_TARGETS];
+    assert_true(rig->targets <= MOST_TARGETS);
+    for (size_t i = 0; i < rig->targets; i++) {
+        shape[i] = 0;
+        for (size_t k = 0; k < rig->amplifiers; k++)
+            shape[i] += storm->plant->gain * rig->influence[i * rig->amplifiers + k] * voltage[k];
+    }
+    return storm_distance(storm, shape, storm->last_target);
+}
+
+/*
+ * Law: the best shape of a storm is nearest to the target of all shapes that the structure's whole
+ * influence matrix allows within the limits, apart from the free functions of the target, also
+ * where the controller leaves out entries. The distance is convex in the voltages, so that it is
+ * least where no single voltage that moves by 1e-5 of its range makes it smaller.
+ */
+static void test_best_shape(void **state)
+{
+    const estimator none = {0};
+    const damper unused = {0};
+    const storm_plant plant = {.gain = 0.8, .frequency = 1, .step_limit = 1, .seed = 1};
+    scene_run plate, measured, run;
+    loop_blocks blocks;
+    storm_rig rig;
+    storm storm;
+    int inside = 0;
+    (void)state;
+    open_pair(&plate, &measured, ROW_OF_PATCHES ";target.value=5e-3*x*(x+y)", 0);
+    scene_run_close(&measured);
+    scene_run_close(&plate);
+    open_run(&run, path_of("scene.yaml"), "target.free=[piston];influence.drop_below=0.3");
+    prepare(&run);
+    const design *design = &run.analysis.design;
+    assert_true(design->dropped.entries > 0 && design->free_functions == 1);
+    loop_blocks_fill(&blocks, design, &none, &unused);
+    assert_int_equal(storm_open(&rig, &run.analysis, NULL, run.error), 0);
+    storm_use(&rig, blocks.block, blocks.count, 0);
+    assert_int_equal(storm_begin(&storm, &rig, &plant, run.error), 0);
+    double *best = storm.previous_voltage;
+    const double least = distance_at(&storm, best);
+    assert_true(fabs(storm_distance(&storm, storm.best_shape, storm.last_target) - least) <=
+                64 * DBL_EPSILON * (storm_distance(&storm, storm.best_shape, NULL) + rig.scale));
+    for (size_t k = 0; k < rig.amplifiers; k++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const double voltage = best[k],
+                         moved = voltage + sign * 1e-5 * (rig.upper[k] - rig.lower[k]);
+            best[k] = moved;
+            if (moved > rig.lower[k] && moved < rig.upper[k]) {
+                assert_true(distance_at(&storm, best) > least);
+                inside++;
+            }
+            best[k] = voltage;
+        }
+    assert_true(inside > (int)rig.amplifiers);
+    storm_end(&storm);
+    storm_close(&rig);
+    scene_run_close(&run);
 }
 
 /*
@@ -556,10 +625,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_tick),       cmocka_unit_test(test_same_certificate),
-        cmocka_unit_test(test_dropped_entries), cmocka_unit_test(test_plant),
-        cmocka_unit_test(test_fitted),          cmocka_unit_test(test_shares),
-        cmocka_unit_test(test_fitted_plate),    cmocka_unit_test(test_without_modes),
-        cmocka_unit_test(test_wrong),           cmocka_unit_test(test_double_modes),
+        cmocka_unit_test(test_dropped_entries), cmocka_unit_test(test_best_shape),
+        cmocka_unit_test(test_plant),           cmocka_unit_test(test_fitted),
+        cmocka_unit_test(test_shares),          cmocka_unit_test(test_fitted_plate),
+        cmocka_unit_test(test_without_modes),   cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_double_modes),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
