@@ -284,6 +284,54 @@ static void test_load_jumps(void **state)
     }
 }
 
+/*
+ * Run one pulse of a dead electrode, in which a load jumps up and down with the pulse and
+ * enlarges the response of the electrode with which it is compared.
+ *   gain in  response of that electrode relative to the model
+ */
+static int run_enlarged_pulse(strip *s, double gain)
+{
+    bool is_tested[INPUTS];
+    double start[INPUTS];
+    int found = 0;
+    for (size_t k = 0; k < INPUTS; k++) {
+        is_tested[k] = s->loop.info.electrode[k] == PZS_ELECTRODE_TESTED;
+        start[k] = s->acting[k];
+    }
+    for (int tick = 0; tick < PULSE + DELAY + 1; tick++) {
+        memset(s->load, 0, sizeof s->load);
+        for (size_t k = 0; k < INPUTS; k++)
+            if (is_tested[k])
+                add_load(s, k, (gain - 1) * (s->acting[k] - start[k]));
+        found += run_tick(s, true) == PZS_W_ELECTRODE;
+    }
+    memset(s->load, 0, sizeof s->load);
+    return found;
+}
+
+/*
+ * Law: one pulse without any response of the suspected electrode proves its fault where the
+ * electrode with which it is compared responds 0.75 to 1.45 times as much as the model. No healthy
+ * structure responds more: a load has jumped then, and the healthy electrode is not held.
+ */
+static void test_one_pulse(void **state)
+{
+    static const struct {
+        double gain;
+        int found;
+    } cases[] = {{0.7, 0}, {0.8, 1}, {1, 1}, {1.4, 1}, {1.5, 0}, {1.7, 0}, {3, 0}};
+    static strip s;
+    (void)state;
+    for (size_t k = 0; k < INPUTS * sizeof cases / sizeof *cases; k++) {
+        const size_t j = k % INPUTS;
+        doubt(&s, j);
+        assert_int_equal(run_enlarged_pulse(&s, cases[k / INPUTS].gain), cases[k / INPUTS].found);
+        s.fault[j] = PZS_FAULT_NONE;
+        assert_int_equal(run_ticks(&s, 2 * PROOF), 0);
+        assert_int_equal(s.loop.info.electrode[j] == PZS_ELECTRODE_HELD, cases[k / INPUTS].found);
+    }
+}
+
 /* A target that moves interrupts a proof, which gives all electrodes free and is made later. */
 static void test_interruption(void **state)
 {
@@ -409,8 +457,8 @@ int main(void)
         cmocka_unit_test(test_named),        cmocka_unit_test(test_healthy),
         cmocka_unit_test(test_interruption), cmocka_unit_test(test_program),
         cmocka_unit_test(test_missing),      cmocka_unit_test(test_load_jumps),
-        cmocka_unit_test(test_start),        cmocka_unit_test(test_bad_tables),
-        cmocka_unit_test(test_few_sensors),
+        cmocka_unit_test(test_one_pulse),    cmocka_unit_test(test_start),
+        cmocka_unit_test(test_bad_tables),   cmocka_unit_test(test_few_sensors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
