@@ -16,8 +16,8 @@
 enum {
     PLANTS = 5, /* number of structures on which storms (simulations with fast jumps of the target)
                    are run: the model and four that differ from it */
-    ENOUGH = 3, /* number of failures (simulations with fast target jumps that do not settle) after
-                   which no further simulation is run */
+    ENOUGH = 3, /* largest number of failures (simulations with fast target jumps that do not
+                   settle) after which no further simulation is run */
     SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps
                  */
     STORMS = PLANTS * 2 * SEEDS,
@@ -296,6 +296,7 @@ static storm_plant plant_of(int i, int older)
 typedef struct storms {
     certificate_loop *loop;
     int count;
+    int enough; /* number of failures after which no further storm is run */
 } storms;
 
 static bool visit_storm(void *context, const storm_task *task, const storm_result *result)
@@ -311,17 +312,19 @@ static bool visit_storm(void *context, const storm_task *task, const storm_resul
         loop->worst_frequency = task->plant.frequency;
         loop->worst_step = task->plant.step_limit;
     }
-    return loop->failed < ENOUGH;
+    return loop->failed < storms->enough;
 }
 
 /*
  * Run the first `count` storms (simulations with fast jumps of the target, which differ in
- * structure, limits and targets). The storms end early where so many have failed to settle that the
- * loop is rejected. Returns 0, or -1 with error filled.
+ * structure, limits and targets).
+ *   enough  in  number of storms that fail to settle after which the others are left out
+ * Returns 0, or -1 with error filled.
  */
-static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, char *error)
+static int run_storms(const storm_rig *rig, int count, int enough, certificate_loop *loop,
+                      char *error)
 {
-    storms storms = {.loop = loop, .count = count};
+    storms storms = {.loop = loop, .count = count, .enough = enough};
     storm_task task[STORMS];
     for (int i = 0; i < count; i++)
         task[i] = (storm_task){.plant = plant_of(i, 0)};
@@ -334,9 +337,10 @@ static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, c
  * frequencies than this one. If the vibrations decay on all of them, a third of the storms
  * (simulations with fast jumps of the target) are run: those with the first of three random
  * sequences of targets. If the structure has no such equilibrium, only the reason is stored.
+ *   enough  in  number of storms that fail to settle after which the others are left out
  * Returns 0, or -1 with error filled.
  */
-static int certify_target(const trial *trial, certificate_target *target, char *error)
+static int certify_target(const trial *trial, int enough, certificate_target *target, char *error)
 {
     certificate_loop loop;
     bool is_stable = false;
@@ -346,7 +350,7 @@ static int certify_target(const trial *trial, certificate_target *target, char *
         return 0;
     const storm_rig *rig = &trial->at_target;
     if (measure_growth(rig, &loop, &is_stable, error) < 0 ||
-        (is_stable && run_storms(rig, STORMS / SEEDS, &loop, error) < 0))
+        (is_stable && run_storms(rig, STORMS / SEEDS, enough, &loop, error) < 0))
         return -1;
     target->is_made = true;
     target->amplitude = trial->deformed.amplitude;
@@ -480,8 +484,20 @@ static int measure_load_step(trial *trial, int choice, double *periods, char *er
 }
 
 /*
+ * Number of storms (simulations with fast jumps of the target) that may fail to settle with the
+ * next choice of settings until it is known to be no better than the best one so far.
+ */
+static int enough_failures(const certificate_loop *best)
+{
+    const int failed = best->is_stable ? 0 : best->failed + best->target.failed;
+    if (!best->is_made || failed > ENOUGH)
+        return ENOUGH;
+    return failed > 0 ? failed : 1;
+}
+
+/*
  * Test the stability of the control loop with one choice of settings of the vibration damper by
- * simulations.
+ * simulations. They end where the loop is no better than the best one so far.
  *   older   in   1: the loop is known to tolerate readings that are one tick older; otherwise 0
  *   options out  options of the vibration damper with these settings
  * Returns 0, or -1 with error filled.
@@ -489,16 +505,17 @@ static int measure_load_step(trial *trial, int choice, double *periods, char *er
 static int try_choice(trial *trial, int choice, int older, damper_options *options,
                       certificate_loop *loop, char *error)
 {
+    const int enough = enough_failures(&trial->analysis->certificate.loop);
     bool is_stable;
     memset(loop, 0, sizeof *loop);
     set_options(trial, choice, options);
     if (retable(trial, options, error) < 0 ||
         measure_growth(&trial->rig, loop, &is_stable, error) < 0 ||
-        (is_stable && run_storms(&trial->rig, STORMS, loop, error) < 0))
+        (is_stable && run_storms(&trial->rig, STORMS, enough, loop, error) < 0))
         return -1;
     loop->is_made = true;
     loop->is_stable = is_stable && loop->failed == 0;
-    if (loop->is_stable && certify_target(trial, &loop->target, error) < 0)
+    if (loop->is_stable && certify_target(trial, enough, &loop->target, error) < 0)
         return -1;
     loop->is_stable = loop->is_stable && (!loop->target.is_made || loop->target.is_stable);
     loop->modes = (int)trial->rig.modal.modes;
@@ -703,7 +720,7 @@ static int find_cure(trial *trial, certificate_loop *loop, char *error)
             return -1;
         trial->blocks.problem.regularisation = regularisation;
         if (measure_growth(&trial->rig, &other, &is_stable, error) < 0 ||
-            (is_stable && run_storms(&trial->rig, STORMS / SEEDS, &other, error) < 0))
+            (is_stable && run_storms(&trial->rig, STORMS / SEEDS, 1, &other, error) < 0))
             return -1;
         if (is_stable && other.failed == 0)
             loop->cure = cures[i];
