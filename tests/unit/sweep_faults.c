@@ -24,6 +24,7 @@
 #include "../../host_tools/model/estimator.h"
 #include "../../host_tools/model/mass.h"
 #include "../../host_tools/model/modal.h"
+#include "../../host_tools/simulate/certify.h"
 #include "../../host_tools/simulate/imperfections.h"
 #include "../../host_tools/simulate/inertia.h"
 #include "../../host_tools/simulate/random.h"
@@ -98,12 +99,14 @@ static void list_sensors(rig *r)
         r->sensor_row[r->sensors++] = i;
 }
 
-/* Make the tables of the loop. */
+/* Make the tables of the loop, with the settings that its certificate chooses. */
 static int open_tables(rig *r)
 {
     analysis *analysis = &r->run.analysis;
     const bool is_few = analysis->design.estimate.readings > 0;
-    const damper_options options = {analysis->design.control.rate, 0, damper_default_settings()};
+    if (certify_loop(analysis, r->run.error) < 0)
+        return complain(r->run.error);
+    const damper_options options = damper_options_of(analysis);
     if (is_few && estimator_open(&r->estimator, analysis, r->run.error) < 0)
         return complain(r->run.error);
     const estimator *few = is_few ? &r->estimator : NULL;
