@@ -1,9 +1,6 @@
 /*
  * The control loop: a list of blocks, and one call that runs them in each tick. A block is a stage
- * of the tick. Blocks of the library: self-test of the wiring, correction of late readings,
- * feed-forward of known loads, shape estimator, vibration damper, governor (slows targets down),
- * compensation of hysteresis, control step (optimisation of the voltages), converter steps of the
- * amplifiers, fault detector for electrodes, supervisor.
+ * of the tick, for example the vibration damper or the control step (optimisation of the voltages).
  *
  * SPDX-License-Identifier: BSD-2-Clause
  *
@@ -22,10 +19,12 @@
  *         }
  *     }
  *
- * `pzs tables` generates the list of blocks (here mirror_blocks); a program links only the blocks
- * of its list. Instead of running a list, a program may call the functions of the blocks around
- * pzs_tick, with the same results to the last bit: pzs_feed_forward on the readings and on the
- * target, pzs_estimate_tick or pzs_damper_tick, pzs_tick, pzs_quantise, pzs_fault_detector_tick.
+ * `pzs tables` generates the list of blocks (here mirror_blocks); a program links only these
+ * blocks.
+ *
+ * Without a list, a program may call the functions of the blocks itself, with the same results to
+ * the last bit. Their order: pzs_feed_forward on the readings and on the target, pzs_estimate_tick
+ * or pzs_damper_tick, pzs_tick, pzs_quantise, pzs_fault_detector_tick.
  */
 #ifndef PZS_LOOP_H
 #define PZS_LOOP_H
@@ -131,11 +130,12 @@ typedef struct pzs_block_type {
     /* Run a block (stage of the control tick) in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
     /*
-     * List the arrays that the checksum of a table covers, in the order of the checksum, so that
-     * the loop can verify the tables of a block (stage of the control tick) while it runs. A block
-     * may have several tables with a checksum; `number` counts them from 0. The function writes the
-     * expected checksum to `crc` and returns the number of arrays; 0: the block has no table of
-     * this number. A NULL function means that the tables have no checksum.
+     * List the arrays that the checksum of a table covers, in the order of the checksum. The loop
+     * verifies with them the tables of a block (stage of the control tick) while it runs. NULL: the
+     * tables have no checksum.
+     *   number in   number of the table, from 0; a block may have several tables
+     *   crc    out  expected checksum of the table
+     * Returns the number of arrays; 0: the block has no table of this number.
      */
     uint32_t (*block_parts)(const void *tables, uint32_t number,
                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc);
@@ -191,8 +191,8 @@ typedef struct pzs_loop {
     (8u + 0u * (size_t)(blocks) + PZS_ALIGNED(5u * (size_t)(inputs) * sizeof(pzs_real)))
 
 /*
- * Check the list of the blocks of a control loop, which are the stages of its tick, and their
- * tables. Then initialise the loop in the workspace.
+ * Check the blocks of a control loop (the stages of its tick) and their tables, and initialise the
+ * loop in the workspace.
  *   blocks [count]              in  list in the order of the phases, each type at most once; the
  *                                   list and the tables must outlive the loop
  *   influence [outputs][inputs] in  influence matrix computed on the device (m/V); NULL: that of
@@ -200,11 +200,13 @@ typedef struct pzs_loop {
  *   work                        in  memory of the caller, aligned for pzs_real; the loop uses it
  *                                   from now on
  *   bytes                       in  size of the workspace
- * Errors (info.block is the type of the block concerned): PZS_E_ARGUMENT (no block or too many, no
- * pzs_step_block, a block type twice, a block without tables, tables of other sizes), PZS_E_STAGE
- * (a block follows one of a later phase), PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_FORMAT
- * (also for tables of another scene), and the errors of the blocks. After an error the loop cannot
- * be used, even if it was valid before.
+ * Errors, after which the loop cannot be used; info.block is the type of the block concerned:
+ *   PZS_E_ARGUMENT   no block or too many, no pzs_step_block, a block type twice, a block without
+ *                    tables, tables of other sizes
+ *   PZS_E_STAGE      a block follows one of a later phase
+ *   PZS_E_WORKSPACE  info.where = bytes needed
+ *   PZS_E_FORMAT     also for tables of another scene
+ *   others           errors of the blocks
  */
 pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
                          const pzs_real *influence, void *work, size_t bytes);
@@ -212,29 +214,28 @@ pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
 /*
  * Set the present voltages of a control loop to those that the amplifiers already give, clamped to
  * the limits, so that no voltage jumps after a reset. All other stages of the tick are initialised
- * again, and voltages that pzs_hold had fixed must be fixed again.
+ * again; the caller must repeat calls of pzs_hold.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE; after an error nothing has changed.
+ * Errors, which change nothing: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
 
 /*
- * Announce the values of loads that the program knows (pressures, temperatures), for the coming
- * ticks of a control loop. After pzs_loop_init, and after a call with NULL, no load is known.
- *   now  [loads] in  values when the readings of a tick were taken, 1 being the value in the scene
- *                    file
+ * Announce to a control loop the values of loads that the program knows (pressures, temperatures).
+ * A value of 1 is the value in the scene file. Every tick reads both arrays until the next call.
+ *   now  [loads] in  values when the readings of a tick were taken; NULL: no load is known
  *   next [loads] in  values under the next voltages
- * The caller keeps both arrays; every tick reads them until the next call. Errors: PZS_E_ARGUMENT,
- * PZS_E_STAGE.
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *next);
 
 /*
- * Inform a control loop of missed ticks, during which the amplifiers kept the present voltages. To
- * be called before the next tick, so that the loop knows how old the last readings and voltages
- * are. Several calls add up, to at most PZS_MISSED_LIMIT ticks, because after so many the phase of
- * a vibration is unknown. A loop that is not informed stays inside all limits, but takes longer to
- * reach the target. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * Inform a control loop, before its next tick, of missed ticks, during which the amplifiers kept
+ * the present voltages. A loop that is not informed stays inside all limits, but takes longer to
+ * reach the target.
+ *   ticks in  number of missed ticks; several calls add up, to at most PZS_MISSED_LIMIT, after
+ *             which the phase of a vibration is unknown
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
@@ -244,42 +245,40 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  *   wanted   [outputs] in  target shape (m)
  *   readings [sensors] in  sensor readings, NaN where a sensor gives nothing; in a loop without
  *                          estimator and damper the measured shape [outputs] (m); NULL: no readings
- *                          arrived
- * A tick without readings keeps the last disturbance, the measured minus the predicted shape. An
- * error ends the tick, and the following blocks do not run. Otherwise the status is the warning of
- * pzs_step_block, or else the first warning in the order of the list. info.block is the type of the
- * block that returned the status. After an error info.voltage keeps the voltages of the last tick.
- * PZS_W_HELD has two meanings. From pzs_step_block: the voltages are kept, clamped to the present
- * limits. From the estimator or the damper: no reading was usable, so the last disturbance is kept,
- * and the voltages still follow the target.
+ *                          arrived, and the last disturbance (measured minus predicted shape) is
+ *                          kept
  *
- * The last gate compares each voltage with the limits in flash and with the voltage of the last
- * tick. A voltage beyond a voltage limit or a step limit is clamped, and one that is not finite is
- * replaced by the last one. In both cases working memory was damaged, and the status is
- * PZS_W_OUTPUT, which takes precedence over other warnings.
+ * Status: the error of a block, which ends the tick and keeps the last voltages; otherwise the
+ * warning of pzs_step_block; otherwise the first warning in the order of the list. info.block is
+ * the type of the block that returned the status.
+ *   PZS_W_HELD    from pzs_step_block: the voltages are kept, clamped to the present limits; from
+ *                 the estimator or the damper: no reading was usable, so the last disturbance is
+ *                 kept, and the voltages still follow the target
+ *   PZS_W_OUTPUT  The last gate clamped a voltage to its voltage limit or step limit, or replaced
+ *                 one that is not finite by the last one: working memory was damaged. Takes
+ *                 precedence over other warnings.
+ *   PZS_E_CRC     Tables are damaged: reported at once for limits, otherwise after at most three
+ *                 complete readings of the tables. info.block is NULL for pzs_problem, otherwise
+ *                 the block with the damaged tables.
  *
- * Damaged memory: each tick derives pointers, sizes and limits again from three copies of the list
- * of blocks, of which two outvote a damaged third. A tick compares one row of the optimiser's
- * Hessian with the tables, so that all rows are compared within `inputs` ticks. It also adds 64
- * bytes of pzs_problem and 64 bytes of the tables of the other blocks to their checksums. PZS_E_CRC
- * reports damaged tables: limits at once, other tables after at most three complete readings of the
- * tables. info.block is then the block with the damaged tables, unless those of pzs_problem are
- * damaged. Voltages from a damaged loop therefore stay inside voltage limits and step limits,
- * unless the damage occurs between the end of a tick and the moment at which the program reads
- * info.voltage.
+ * Protection against damaged memory:
+ *   - Pointers, sizes and limits are derived anew in each tick from three copies of the list of
+ *     blocks, of which two outvote a damaged third.
+ *   - The optimiser's Hessian is compared with the tables, one row in each tick.
+ *   - Each tick adds 64 bytes of pzs_problem and 64 bytes of other tables to their checksums.
+ *   - Voltages of a damaged loop stay inside voltage limits and step limits, unless the damage
+ *     occurs between the end of a tick and the moment at which the program reads info.voltage.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
 /*
- * Copy the voltages to apply that the last tick of a control loop has computed. This function is
- * for a part of the program that may run while a tick runs: an interrupt that feeds converters, or
- * a task of lower priority.
+ * Copy the voltages to apply that the last tick of a control loop has computed; all belong to one
+ * tick. The function is for a part of the program that may run while a tick runs, such as an
+ * interrupt that feeds converters.
  *   voltage [inputs] out  voltages to apply (V)
- * All copied voltages belong to one tick. A tick writes its voltages to a second array, not to that
- * which info.voltage points to. Only then it sets info.voltage to the second array and adds 1 to
- * the counter info.frames; both members are volatile. On a processor that reorders writes, or with
- * DMA, place the memory barrier of the processor after the tick. PZS_W_HELD: ticks kept
- * interrupting the copy, so `voltage` must be ignored. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * On a processor that reorders writes, or with DMA, place its memory barrier after the tick.
+ * Warning: PZS_W_HELD (ticks kept interrupting the copy; ignore `voltage`). Errors: PZS_E_ARGUMENT,
+ * PZS_E_STAGE.
  */
 pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage);
 
@@ -348,13 +347,12 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
                              const pzs_estimator *tables, void *work, size_t bytes);
 
 /*
- * Estimate the measured shape from a few sensors, to be passed to the next control tick (pzs_tick)
- * as its measurement: the shape that the model predicts for the present voltages, plus the gain
- * times the deviations of the readings from their expected values.
- *   sensed [sensors] in   sensor readings
+ * Estimate the measured shape from a few sensors, to be passed to the next pzs_tick as its
+ * measurement. The estimate is the shape predicted for the present voltages, plus the gain times
+ * the deviations of the readings from their expected values.
+ *   sensed [sensors] in   sensor readings; one that is not finite or stuck keeps its last deviation
  *   shape  [outputs] out  estimated shape (m)
- * A reading that is not finite or stuck keeps its last deviation. Warnings: PZS_W_SENSOR,
- * PZS_W_HELD (no reading is usable). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * Warnings: PZS_W_SENSOR, PZS_W_HELD (no reading is usable). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs_real *shape);
 
@@ -396,11 +394,12 @@ pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_READINGS) that corrects late readings: it adds to
- * each reading the change that the model predicts from the voltages applied since the reading was
- * taken. A missing or stuck reading becomes NaN. The block is the first of its list except for
- * pzs_effect_block. A list with the vibration damper needs no correction, because the damper takes
- * the delay into account. Tables: pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT
- * (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
+ * each the change predicted from the voltages applied since the reading was taken.
+ *   - A missing or stuck reading becomes NaN.
+ *   - The block is the first of its list except for pzs_effect_block.
+ *   - A list with the vibration damper, which takes the delay into account, does not need it.
+ * Tables: pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other
+ * sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
  */
 extern const pzs_block_type pzs_reading_delay_block;
 #define PZS_READING_DELAY_BLOCK_BYTES(inputs, sensors, delay)                                      \
@@ -415,8 +414,7 @@ extern const pzs_block_type pzs_reading_delay_block;
 /*
  * Operating modes of the supervisor, which decides in each tick whether the loop controls the
  * voltages. Where it does not, the supervisor ramps the voltages to the park voltages, the safe
- * voltages in its tables, and keeps them there. A ramp is a straight line inside voltage limits and
- * step limits.
+ * voltages in its tables. A ramp is a straight line inside voltage limits and step limits.
  *
  *   mode        voltages                             event: next mode
  *   INITIALISE  ramp to the park voltages            command ARM: ARMED
@@ -428,20 +426,24 @@ extern const pzs_block_type pzs_reading_delay_block;
  *   STOPPING    ramp to the park voltages            ramp ended: LATCHED
  *   LATCHED     kept at the park voltages            none
  *
- * The first mode after pzs_loop_init is INITIALISE. The command PARK begins a ramp to the park
- * voltages, FLAT one to the reference voltages of the optimisation; both lead to PARKING from any
- * mode but STOPPING and LATCHED. The command STOP and the error of a block lead to STOPPING from
- * any mode but LATCHED. So do a time-out without readings and an alarm of the divergence monitor,
- * from RUNNING and HOLDING.
+ *   event                                 from                             next mode
+ *   pzs_loop_init                                                          INITIALISE
+ *   command PARK (ramp to the park        all but STOPPING and LATCHED     PARKING
+ *   voltages), FLAT (ramp to the
+ *   reference voltages)
+ *   command STOP, error of a block        all but LATCHED                  STOPPING
+ *   time-out without readings, alarm of   RUNNING, HOLDING                 STOPPING
+ *   the divergence monitor
  *
- * The status of pzs_loop_tick tells the program what to do. While the loop controls the voltages:
- * the status of the other stages of the tick. PZS_W_PARKED: before control begins, or by command,
- * the voltages are at the park voltages or the reference voltages of the optimisation, or on their
- * way there. PZS_W_RAMP: control is lost and the voltages are on their way to the park voltages, so
- * the program must keep calling pzs_loop_tick. PZS_E_LATCHED: the park voltages are published and
- * the loop is over. A program that ticks until an error, and writes info.voltage to the amplifiers
- * after each tick, thus ends with the amplifiers at the park voltages after at most
- * pzs_supervisor_longest_ramp ticks:
+ * The status of pzs_loop_tick tells the program what to do:
+ *   PZS_W_PARKED   before control begins, or by command: the voltages are parked or on their way
+ *   PZS_W_RAMP     control is lost, the voltages are on their way to the park voltages; the program
+ *                  must keep calling pzs_loop_tick
+ *   PZS_E_LATCHED  the park voltages are published and the loop is over
+ *   others         the loop controls the voltages: status of the other stages of the tick
+ *
+ * A program that ticks until an error thus ends with the amplifiers at the park voltages, after at
+ * most pzs_supervisor_longest_ramp ticks:
  *
  *     while (!PZS_IS_ERROR(status)) {
  *         read_target(wanted);
@@ -450,9 +452,9 @@ extern const pzs_block_type pzs_reading_delay_block;
  *         write_amplifiers(loop.info.voltage);
  *     }
  *
- * In a loop without a supervisor, the first error ends this program at once, at the last voltages.
- * Damaged limits (PZS_E_CRC with info.block NULL) always end it at once, because no voltage can be
- * checked without limits.
+ * Damaged limits (PZS_E_CRC with info.block NULL) end this program at once, at the last voltages,
+ * because no voltage can be checked without limits. So does any error in a loop without a
+ * supervisor.
  */
 typedef enum pzs_supervisor_mode {
     PZS_MODE_INITIALISE = 0, /* operating mode of the supervisor before the command PZS_COMMAND_ARM:
@@ -586,11 +588,10 @@ typedef struct pzs_supervisor {
 pzs_status pzs_supervisor_give(pzs_supervisor *supervisor, pzs_supervisor_command command);
 
 /*
- * pzs_supervisor_ramp returns the duration (ticks) of the supervisor's ramp between two voltage
- * vectors. pzs_supervisor_longest_ramp returns the duration of the longest ramp from anywhere
- * inside the limits to the park voltages (safe voltages of the amplifiers) or to the reference
- * voltages of the optimisation. Inputs whose step limit is 0 cannot move and do not count.
- * UINT32_MAX: there is no bound, because a limit is infinite.
+ * Return the duration (ticks) of a ramp of the supervisor: pzs_supervisor_ramp between two voltage
+ * vectors, pzs_supervisor_longest_ramp from anywhere inside the limits to the park voltages or to
+ * the reference voltages of the optimisation. Inputs whose step limit is 0 do not count.
+ * UINT32_MAX: a limit is infinite, so there is no bound.
  *   from, to [inputs] in  voltages at the start and at the end (V)
  */
 uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *problem,
@@ -605,11 +606,12 @@ pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_SUPERVISE) that decides whether the loop controls
- * the voltages or ramps them to safe ones, the park voltages. Tables: pzs_supervision. Memory
- * returned by pzs_loop_find: pzs_supervisor. Errors of its initialisation: PZS_E_ARGUMENT (also for
- * tables of other sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the park voltage
- * of input info.where is outside its voltage limits, or the park voltages violate a limit of a sum
- * of voltages).
+ * the voltages or ramps them to the park voltages, which are safe. Tables: pzs_supervision. Memory
+ * returned by pzs_loop_find: pzs_supervisor.
+ *
+ * Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT,
+ * PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the park voltage of input info.where is outside its
+ * voltage limits, or the park voltages violate a limit of a sum of voltages).
  */
 extern const pzs_block_type pzs_supervisor_block;
 #define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \
@@ -702,11 +704,9 @@ typedef struct pzs_damper_info {
     pzs_real deviation;
     /*
      * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick
-     * (m); 0 where no reading was usable. Some scenes leave shapes such as rigid motions free: any
-     * amount of them may be added to the target. If in addition all target nodes are measured and
-     * vibration modes are observed, the readings contain free motions, which the model does not
-     * predict. The member is then the norm of the modal coordinates that a least-squares fit of the
-     * innovations finds (m)
+     * (m); 0 where no reading was usable. Exception: the norm of the modal coordinates fitted to
+     * the innovations (m), if all target nodes are measured, vibration modes are observed and the
+     * target leaves some shapes free. Such free motions are in the readings, but not in the model
      */
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
@@ -739,14 +739,13 @@ pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_v
 
 /*
  * Observe the vibration modes from the readings, estimate the static shape under the present
- * voltages and loads, and make the next control tick (pzs_tick) damp the vibration. The shape is to
- * be passed to that tick as its measurement.
+ * voltages and loads, and make the next pzs_tick damp the vibration. Pass the shape to that tick as
+ * its measurement.
  *   readings [sensors] in   readings that were taken pzs_vibration.delay ticks ago; NULL: none
- *                           arrived
+ *                           arrived; one that is stuck, not finite, or off by more than 1e12 is
+ *                           replaced by its prediction plus the low-passed earlier deviation
  *   shape    [outputs] out  estimated static shape (m)
- * A reading that is stuck, not finite, or off by more than 1e12 is replaced by its prediction plus
- * the low-passed difference of earlier readings from their predictions. Without a usable reading
- * the modes are only predicted. Warnings: PZS_W_SENSOR, PZS_W_HELD (no reading is usable). Errors:
+ * Warnings: PZS_W_SENSOR, PZS_W_HELD (no reading is usable, the modes are only predicted). Errors:
  * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape);
@@ -773,11 +772,9 @@ extern const pzs_block_type pzs_vibration_block;
 
 /*
  * Tables of the governor, a stage of the control tick that slows a moving target down so that the
- * vibration damper can follow it. For each new target the governor computes the voltages that are
- * optimal in static equilibrium. In each tick it moves all voltages towards this optimum by the
- * same fraction of their distances, at most by a set part of each step limit (largest change of a
- * voltage in a tick). In the list of blocks the governor comes after the feed-forward and before
- * the vibration damper.
+ * vibration damper can follow it. In each tick the governor moves all voltages by the same fraction
+ * of their distances towards the voltages that are optimal in static equilibrium. In the list of
+ * blocks the governor comes after the feed-forward and before the vibration damper.
  */
 typedef struct pzs_governor {
     pzs_real share; /* factor, above 0 and at most 1, by which a tick that damps vibration
@@ -808,12 +805,11 @@ typedef struct pzs_governor_state {
      */
     pzs_real *reference;
     /*
-     * [inputs] correction of the target by the governor (which slows targets down), as voltages
-     * (V): their predicted shape is subtracted from the target. They are (optimal voltages -
-     * `reference`) - r / share, with the change r of `reference` in this tick. With the difference
-     * in parentheses the loop follows `reference` in place of the optimal voltages. The second term
-     * compensates that a tick goes only the part pzs_governor.share of the way to its target, so
-     * that the tick changes the voltages by r
+     * [inputs] correction of the target by the governor (which slows targets down), as voltages (V)
+     * whose predicted shape is subtracted from the target:
+     *   optimal voltages - `reference` - (change of `reference` in this tick) / share
+     * The first two terms make the loop follow `reference`. The last term compensates that a tick
+     * goes only the part pzs_governor.share of the way to its target
      */
     pzs_real *ahead;
     pzs_real *target; /* [outputs] target shape for which the voltages that are optimal in static
@@ -866,12 +862,12 @@ pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table);
 pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table);
 
 /*
- * Subtract the effect of known loads from a shape, so that the controller sees only unknown
- * disturbances and compensates known loads before they act. Before each tick, call the function for
- * the measured shape with the load values at the time of the measurement, and for the target shape
- * with the coming values. With a shape estimator, call it for the readings instead of the measured
- * shape, with a table of one row for each sensor.
- *   value [inputs]  in      values of the known loads (unit of each load)
+ * Subtract the effect of known loads from a shape or from readings, so that the controller
+ * compensates known loads before they act. Call the function before each tick for the measured
+ * shape (with a shape estimator: for the readings) and for the target shape.
+ *   table           in      one row for each output; for readings one for each sensor
+ *   value [inputs]  in      values of the known loads (unit of each load): for a measurement at its
+ *                           time, for the target the coming ones
  *   shape [outputs] in/out  shape, or readings (m, or unit of each sensor)
  * Errors: PZS_E_ARGUMENT, PZS_E_NONFINITE (the shape is unchanged).
  */
@@ -904,16 +900,18 @@ extern const pzs_block_type pzs_feed_forward_block;
 
 /*
  * Tables of hysteresis and creep of the electrodes, identified from a measured sweep (`pzs
- * calibrate --hysteresis`). The effect u (V) of an electrode at the voltage v is the voltage that
- * an electrode without hysteresis would need for the same displacement. With s = v - middle,
+ * calibrate --hysteresis`). The effect u of an electrode is the voltage that an electrode without
+ * hysteresis would need for the same displacement:
  *
- *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j
+ *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j,  s = v - middle
+ *   u, v  effect and voltage (V)
+ *   m     piecewise linear function through 0 with four slopes, one for each quarter of the range
+ *   P_i   position of play i, an element with backlash (V): constant while |s - P_i| is less than
+ *         its slack, then moving with s
+ *   a_i   weight of play i: `above` for positive and `below` for negative P_i
+ *   x_j   creep (V): goes the part creep_rate[j] of the way to creep[j] v in each tick
  *
- * where m is a piecewise linear function through 0 with four slopes, one for each quarter of the
- * voltage range. Plays a_i P_i model the hysteresis as elements with backlash: the position P_i of
- * play i stays constant while |s - P_i| is less than its slack, and then moves with s; its weight
- * a_i is `above` for positive and `below` for negative P_i. In each tick the creep x_j goes the
- * part creep_rate[j] of the way to creep[j] v. All arrays are const and may stay in flash.
+ * All arrays are const and may stay in flash.
  */
 #define PZS_HYSTERESIS_SEGMENTS 4u
 /* Largest number of plays (elements with backlash) in the hysteresis model of an electrode. */
@@ -1017,19 +1015,17 @@ typedef struct pzs_compensator {
 } pzs_compensator;
 
 /*
- * Compensation of hysteresis and creep by two blocks (stages of the control tick) that share their
+ * Compensation of hysteresis and creep by two blocks (stages of the control tick) with common
  * tables. The effect of a voltage is the voltage that an electrode without hysteresis would need.
  *
- * The effect block, in PZS_PHASE_READINGS and the first one of a list, replaces the voltages of the
- * last tick by their effects. It replaces the limits by the effects at the ends of the range of
- * this tick. The following blocks observe and choose effects. The inverse block, the first one of
- * PZS_PHASE_VOLTAGE, restores the voltages that have the chosen effects. Voltages thus stay inside
- * voltage limits and step limits to the last bit, and are optimal for the range of effects in this
- * tick. While the target or all readings are missing, the effects are kept, and the voltages follow
- * the creep.
- *
- * The influence matrix is the displacement per volt of effect. The state of hysteresis of an
- * electrode cannot be measured; a wrong state is forgotten after the next large change of voltage.
+ *   - pzs_effect_block, in PZS_PHASE_READINGS and first in the list, replaces the last voltages and
+ *     the limits of this tick by effects. The blocks between both blocks work with effects.
+ *   - pzs_inverse_block, the first one of PZS_PHASE_VOLTAGE, restores the voltages that have the
+ *     chosen effects. They stay inside voltage limits and step limits to the last bit.
+ *   - The influence matrix is the displacement per volt of effect.
+ *   - While the target or all readings are missing, the effects are kept, and the voltages follow
+ *     the creep.
+ *   - A wrong state of hysteresis is forgotten after the next large change of voltage.
  *
  * Memory of the effect block, returned by pzs_loop_find: pzs_compensator. Errors of its
  * initialisation: PZS_E_ARGUMENT (also for tables of other sizes, and where sums of voltages are
@@ -1046,11 +1042,10 @@ extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */
 
 /*
- * Replace the voltages that pzs_tick has chosen, control.info.voltage, by those that amplifiers
- * with converter steps and a dead band will really give, so that the next tick predicts the shape
- * with them. An amplifier does not follow a change of at most dead_band. After any other change it
- * gives the last multiple of `step` on the way to the wanted voltage, inside voltage limits and
- * step limits.
+ * Replace the voltages control.info.voltage, which pzs_tick has chosen, by those that amplifiers
+ * with converter steps and a dead band will really give. An amplifier does not follow a change of
+ * at most dead_band. After any other change it gives the last multiple of `step` on the way to the
+ * wanted voltage, inside voltage limits and step limits.
  *   given [inputs] in/out  voltages that the amplifiers give (V); at the start those of
  *                          control.info.voltage, afterwards kept by this function
  *   step           in      smallest voltage step of the converter (V); 0: none
@@ -1079,18 +1074,19 @@ extern const pzs_block_type pzs_amplifier_block;
 
 /*
  * The fault detector for structures that do not vibrate finds electrodes that do not follow their
- * amplifiers, from the measured shape alone, and keeps their voltages constant. A suspected
- * electrode is tested for about ten ticks: it is set to two voltages in turn, one test amplitude
- * above and below its present voltage and inside all limits, while the controller compensates with
- * the other electrodes. At most PZS_TEST_SIGNALS electrodes are tested at the same time.
+ * amplifiers, from the measured shape alone, and keeps their voltages constant.
  *
- * An electrode that loses more than two test amplitudes of voltage at once, or does not follow a
- * command of that size, is detected within 12 ticks plus the delay of the sensors: 2 for the
- * suspicion, 9 for the test and 1 to keep its voltage. While more than an eighth of the outputs is
- * not measured, no electrode is observed. The detector assumes static shapes: on a structure that
- * vibrates, or with strong hysteresis, it suspects healthy electrodes. In a loop with the vibration
- * damper, whose estimate of the static shape changes slowly, the detector finds nothing;
- * pzs_pulse_detector_block is for such loops.
+ *   - Test: a suspected electrode is set for about ten ticks to two voltages in turn, one test
+ *     amplitude above and below its present voltage and inside all limits. The controller
+ *     compensates with the other electrodes. At most PZS_TEST_SIGNALS electrodes are tested at the
+ *     same time.
+ *   - Detection takes 12 ticks plus the delay of the sensors, for an electrode that loses more than
+ *     two test amplitudes at once or does not follow a command of that size.
+ *   - While more than an eighth of the outputs is not measured, no electrode is observed.
+ *   - On a structure that vibrates, or with strong hysteresis, the detector suspects healthy
+ *     electrodes, because it assumes static shapes.
+ *   - In a loop with the vibration damper it finds nothing; pzs_pulse_detector_block is for such
+ *     loops.
  */
 
 /* Largest age of measured shapes or readings that a control loop accepts (ticks). */
@@ -1149,10 +1145,9 @@ typedef struct pzs_fault_detector {
  *   control in/out  an initialised controller, which must outlive the detector
  *   delay   in      age of the measured shapes (ticks), at most PZS_DELAY_LIMIT
  *   work    in      memory of the caller, aligned for pzs_real, at least PZS_FAULT_DETECTOR_BYTES
- * If `delay` is not 0, the measured shape that is passed to pzs_tick and to pzs_fault_detector_tick
- * must be corrected. Add to the shape measured `delay` ticks ago the difference of two predicted
- * shapes: that for the present voltages, minus that for the voltages at the time of the
- * measurement. In both predictions an electrode that pzs_hold keeps at a voltage has that voltage.
+ * If `delay` is not 0, pzs_tick and pzs_fault_detector_tick need a corrected shape: the one
+ * measured `delay` ticks ago, plus the shape predicted for the present voltages, minus that for the
+ * voltages at the measurement. A voltage that pzs_hold keeps constant counts in both predictions.
  * Errors: PZS_E_ARGUMENT (also where sums of voltages are limited, because a test signal could
  * violate such a limit), PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
  */
@@ -1160,13 +1155,11 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
                                    uint16_t delay, void *work, size_t bytes);
 
 /*
- * Run the fault detector for electrodes after each pzs_tick (and pzs_quantise), with the measured
- * shape that was passed to pzs_tick.
- *   measured [outputs] in  measured shape (m); NULL: none
- * PZS_W_ELECTRODE: the electrode of input info.where was found faulty; where there are several,
- * info.where is the first one and all have the state PZS_ELECTRODE_HELD. Until pzs_release the
- * voltage of a dead electrode is kept at 0 V, that of any other at its last value. Errors:
- * PZS_E_ARGUMENT, PZS_E_STAGE.
+ * Run the fault detector for electrodes after each pzs_tick (and pzs_quantise). Until pzs_release
+ * the voltage of a dead electrode is kept at 0 V, that of any other faulty one at its last value.
+ *   measured [outputs] in  measured shape that was passed to pzs_tick (m); NULL: none
+ * Warning: PZS_W_ELECTRODE (electrodes were found faulty and have the state PZS_ELECTRODE_HELD;
+ * info.where = input of the first). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real *measured);
 
@@ -1190,27 +1183,26 @@ extern const pzs_block_type pzs_fault_detector_block;
 /* ---- self-test of the wiring before the loop starts (lib/control/selftest.c) */
 
 /*
- * The self-test moves each amplifier in turn by a small voltage and compares the readings with the
- * influence matrix. Before the loop controls the voltages, the self-test finds amplifiers and
- * sensors that do not respond, respond with the wrong sign or a wrong gain, or have exchanged
- * cables. A program needs no call for it:
+ * The self-test finds amplifiers and sensors that do not respond, respond with the wrong sign or a
+ * wrong gain, or have exchanged cables, before the loop controls the voltages. It moves each
+ * amplifier in turn by a small voltage and compares the readings with the influence matrix. A
+ * program needs no call for it:
  *
  *     status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
  *     while (!PZS_IS_ERROR(status)) { ... status = pzs_loop_tick(&loop, wanted, readings); ... }
  *
- * The test takes at most PZS_SELFTEST_TICKS ticks. All but its last tick return PZS_W_SELFTEST, and
- * no other stage of the tick runs. If no fault is found, the last tick of the test is the first
- * tick in which the loop controls the voltages. Otherwise this tick and all later ticks return
- * PZS_E_SELFTEST and keep the voltages before the test; the result of pzs_loop_find(&loop,
- * &pzs_selftest_block) holds the findings, and pzs_selftest_accept makes the loop run despite them.
- * If noise or vibration hides the response of a tested amplifier, the loop does not begin to
- * control either. A sensor that cannot be tested, because no amplifier moves it enough, does not
- * prevent control.
- *
- * A test pulse of an amplifier lasts pzs_selftest_tables.pulse_ticks ticks. Its shape leaves less
- * than 1 % of its height as vibration of a mode with at least 5.4 periods in a pulse, and its
- * evaluation suppresses constant loads, a linear drift, and 97 % of such a vibration from other
- * causes. The voltages obey voltage limits and step limits, and end where they began.
+ *   - The test takes at most PZS_SELFTEST_TICKS ticks, which return PZS_W_SELFTEST. No other stage
+ *     of the tick runs. Without a fault, its last tick is the first in which the loop controls the
+ *     voltages.
+ *   - After a fault this tick and all later ones return PZS_E_SELFTEST and keep the voltages before
+ *     the test. pzs_loop_find(&loop, &pzs_selftest_block) returns the findings; pzs_selftest_accept
+ *     makes the loop run despite them.
+ *   - If noise or vibration hides the response of an amplifier, the loop does not begin to control.
+ *   - A sensor that no amplifier moves enough is not tested and does not prevent control.
+ *   - The voltages obey voltage limits and step limits, and end where they began.
+ *   - A pulse of pzs_selftest_tables.pulse_ticks ticks excites a mode that has at least 5.4 periods
+ *     in it by less than 1 % of its height. The evaluation suppresses constant loads, a linear
+ *     drift, and 97 % of such a vibration from other causes.
  */
 typedef enum pzs_wiring_state {
     PZS_WIRING_UNTESTED = 0,
@@ -1290,13 +1282,13 @@ typedef struct pzs_selftest_tables {
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Noise energy of the self-test, times the number N of ticks in a test pulse (dimensionless). The
- * self-test computes two sums of the readings over the ticks of a pulse, one with weights e
- * (symmetric in time), one with weights o (antisymmetric). White noise of variance 1 gives these
- * sums the variances (sum of e^2) and (sum of o^2). Both sums are divided by (sum of p e), so that
- * the response to the voltage p of a pulse of height 1 is 1. For large N the constant is therefore
- *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2
- * with sums over the ticks of the pulse.
+ * Noise energy of the self-test, times the number N of ticks in a test pulse, for large N
+ * (dimensionless):
+ *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2, with sums over the ticks of a pulse
+ *   e, o  weights of the readings: symmetric and antisymmetric in time
+ *   p     voltage of a pulse of height 1
+ * This is the variance that white noise of variance 1 gives the weighted sums, scaled so that the
+ * response to the pulse is 1.
  */
 #define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
 
@@ -1331,11 +1323,12 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
          (PZS_SELFTEST_LINES(inputs, sensors) + PZS_SELFTEST_STEP_WORK))
 
 /*
- * Largest number of ticks of a self-test. All amplifiers move together for two pulse durations.
- * Noise and vibration are then measured for two pulse durations without motion. One pulse for each
- * input follows. The evaluation comes last; its ticks are counted for the case that every amplifier
- * and every sensor has a fault, and without faults it takes about a third of them. A tick of a
- * pulse takes 8 operations for each sensor and input.
+ * Largest number of ticks of a self-test, the sum of:
+ *   - two pulse durations in which all amplifiers move together;
+ *   - two pulse durations in which noise and vibration are measured without motion;
+ *   - one pulse for each input, with 8 operations for each sensor and input in a tick;
+ *   - the evaluation, for the case that every amplifier and sensor has a fault; without faults it
+ *     takes about a third.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
     (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) + 4u +                \
@@ -1385,34 +1378,32 @@ typedef struct pzs_selftest {
 
 /*
  * End a self-test, whatever faults it has found, so that the loop controls the voltages from the
- * next tick on. If a program calls the function before the first tick, for example after a reset
- * and pzs_loop_start, there is no self-test. The voltages of faulty amplifiers are kept constant
- * (pzs_hold) until pzs_release: 0 V for an amplifier that does not respond, the present voltage for
- * any other. The readings of a faulty sensor are to be passed as NaN.
+ * next tick on. Called before the first tick, for example after a reset and pzs_loop_start, it
+ * skips the self-test. Pass the readings of a faulty sensor as NaN.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * The voltage of a faulty amplifier is kept constant (pzs_hold) until pzs_release: at 0 V if it
+ * does not respond, otherwise at its present value. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_selftest_accept(pzs_selftest *selftest);
 
 /*
  * Repeat the self-test at the present voltages, for example once a day while the target stands
- * still, or where an electrode is suspected. During the test the loop does not control the
- * voltages, and all amplifiers without a pulse keep theirs. If no fault is found, the loop
- * continues afterwards. Otherwise the voltages do not change until the program calls
- * pzs_selftest_accept. An amplifier whose voltage is kept constant by pzs_hold is not tested.
+ * still, or where an electrode is suspected. Until its end the loop does not control the voltages.
+ * After a fault the voltages stay constant until pzs_selftest_accept. An amplifier that pzs_hold
+ * keeps constant is not tested.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_selftest_repeat(pzs_selftest *selftest);
 
 /*
- * Block (stage of the control tick) that tests amplifiers, electrodes, cables and sensors before
- * the loop controls the voltages. Its phase is PZS_PHASE_COMMISSION, so it must be the first block
- * in the list of blocks. Tables: pzs_selftest_tables. Memory returned by pzs_loop_find:
- * pzs_selftest. Errors of its initialisation: PZS_E_ARGUMENT (also if the numbers of inputs or
- * sensors in the tables are not those of the loop, or if sums of voltages are limited),
- * PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too
- * high).
+ * Block (stage of the control tick, in PZS_PHASE_COMMISSION, thus first in the list) that tests
+ * amplifiers, electrodes, cables and sensors before the loop controls the voltages. Tables:
+ * pzs_selftest_tables. Memory returned by pzs_loop_find: pzs_selftest.
+ *
+ * Errors of its initialisation: PZS_E_ARGUMENT (also for other numbers of inputs or sensors than
+ * those of the loop, or if sums of voltages are limited), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE,
+ * PZS_E_LIMITS (the pulse of input info.where is too high).
  */
 extern const pzs_block_type pzs_selftest_block;
 #define PZS_SELFTEST_BLOCK_BYTES(inputs, sensors)                                                  \
@@ -1425,32 +1416,25 @@ extern const pzs_block_type pzs_selftest_block;
 
 /*
  * The fault detector for structures that vibrate finds electrodes that are dead, stuck or reversed,
- * and keeps their voltages constant, while the loop goes on. It compares mean readings with those
- * of an earlier interval in which the target stood still. If the readings show less voltage on an
- * electrode, or less change of it, than its amplifier gave, the electrode is suspected. It then
- * makes slow test pulses of voltage, at the same time as an electrode that seems healthy. The
- * suspected electrode is faulty if it does not respond although the other one does, or if it
- * responds with the wrong sign. One pulse without disturbance is enough to decide, otherwise two
- * are needed.
+ * and keeps their voltages constant, while the loop goes on.
  *
- * The pulses begin a quarter of a pulse after the last motion of the target. During the pulses the
- * loop damps vibration, but does not follow loads. A target that moves interrupts them, and they
- * begin again afterwards: in a loop whose target never stands still for one and a quarter pulses,
- * no electrode is found. An electrode is not suspected while the voltage that it lacks is below 5 %
- * of the height of its test pulse.
- *
- * The gain (measured divided by modelled response) of the suspected electrode is compared with that
- * of the other electrode. A cause that makes both responses small therefore makes no healthy
- * electrode seem faulty. Where the loop compensates hysteresis, the readings are predicted by the
- * measured model of hysteresis. The pulses have up to four times their height, at most half the
- * voltage range, in two cases: both electrodes respond weakly, or the model predicts that a pulse
- * hardly moves an electrode, as with strong hysteresis. With 30 % hysteresis that is not
- * compensated most faults are not found. A load that jumps during a pulse is noticed, and the pulse
- * is repeated.
- *
- * At least four sensors are needed, because the evaluation of a pulse fits three responses to the
- * readings. Fewer sensors than electrodes cannot tell all electrodes apart: several electrodes are
- * then tested one after the other until the faulty one is found.
+ *   - Suspicion: the mean readings, compared with those of an earlier interval in which the target
+ *     stood still, show less voltage on an electrode, or less change of it, than its amplifier
+ *     gave. The voltage that it lacks must exceed 5 % of the height of its test pulse.
+ *   - Test: the electrode makes slow test pulses together with an electrode that seems healthy. It
+ *     is faulty if its response is missing although the other one responds, or has the wrong sign.
+ *     One pulse without disturbance is enough to decide, otherwise two are needed.
+ *   - Time: the pulses begin a quarter of a pulse after the last motion of the target. A motion
+ *     interrupts them. If the target never stands still for one and a quarter pulses, no electrode
+ *     is found.
+ *   - During the pulses the loop damps vibration, but does not follow loads. A load that jumps is
+ *     noticed, and the pulse is repeated.
+ *   - Sensors: at least four are needed. With fewer sensors than electrodes several electrodes may
+ *     have to be tested one after the other.
+ *   - Hysteresis: a measured model of it, where the loop compensates hysteresis, is used to predict
+ *     the readings. With 30 % hysteresis that is not compensated most faults are not found.
+ *   - If both electrodes respond weakly, or if hysteresis makes a pulse ineffective, the pulses
+ *     grow to up to four times their height, at most half the voltage range.
  */
 /* Smallest number of sensors with which the fault detector can prove an electrode faulty. */
 #define PZS_PULSE_SENSORS 4u
@@ -1486,11 +1470,10 @@ typedef struct pzs_pulse_detector {
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_OBSERVE) that finds dead, stuck and reversed
- * electrodes in a loop that damps vibration. Tables: pzs_selftest_tables, of which the block uses
- * heights and duration of the pulses, static readings, scales and delay. Memory returned by
- * pzs_loop_find: pzs_pulse_detector. The tick of the block returns PZS_W_ELECTRODE if an electrode
- * was found faulty, which is kept at its present voltage until pzs_release. Errors of its
- * initialisation: those of pzs_selftest_block.
+ * electrodes in a loop that damps vibration. Its tick returns PZS_W_ELECTRODE for a faulty
+ * electrode, whose present voltage is kept until pzs_release. Tables: heights and duration of the
+ * pulses, static readings, scales and delay in pzs_selftest_tables. Memory returned by
+ * pzs_loop_find: pzs_pulse_detector. Errors of its initialisation: those of pzs_selftest_block.
  */
 extern const pzs_block_type pzs_pulse_detector_block;
 #define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \

@@ -3,50 +3,38 @@
  * Fault detector for a loop that damps vibration (pzs_loop.h): finds dead, stuck and reversed
  * electrodes from the readings of the sensors, while the loop goes on.
  *
- * Suspicion: the mean readings and the mean voltages of a window of time are compared with those of
- * an earlier interval in which the target stood still. The weights of the means fall to 0 at both
- * ends of the window, so that vibration hardly changes them, even while the target moves. Let du be
- * the change of the voltages, dy that of the readings, D the static readings per volt, and S the
- * scales of the sensors. The errors f of the voltages, by which the voltages that the readings show
- * differ from the given ones, minimise |S (dy - D (du + f))|^2 + ridge |f|^2 with a small constant
- * `ridge`. Fewer sensors than electrodes cannot tell all errors apart: of an error of electrode j
- * alone the estimate finds the part R_jj at electrode j and spreads the rest over the others, with
- * the resolution matrix R = 1 - ridge (D'S^2 D + ridge)^-1. The error of electrode j, if it alone
- * is faulty, is therefore f_j / R_jj, which is the generalised least-squares estimate in which all
- * other electrodes have random errors. A structure whose gain differs from the model causes a part
- * of f that is proportional to R du, which is subtracted. The electrode whose remaining error
- * explains most of the change of the readings is suspected, if its error is about the loss of its
- * own voltage (as for a dead electrode) or of its own change of voltage (as for a stuck or reversed
- * one).
+ * Suspicion, at the end of each window of time:
  *
- * Proof: the suspected electrode and a reference electrode, which seems healthy, make slow test
- * pulses (test_pulse.h) at the same time, during which the loop damps vibration, but does not
- * follow the target. Readings and voltages are multiplied by weights that are symmetric in time
- * about the middle of the pulse, and summed, so that constant loads, drift and vibration drop out.
- * The response is fitted by the modelled responses to the suspected electrode, to the reference
- * electrode and to all others; the factors of the first two are the gains of these electrodes. The
- * suspected electrode is faulty if its gain is small or negative, in comparison with that of the
- * reference electrode: in one pulse if nothing disturbs it, otherwise in two pulses one after the
- * other. Whatever else hides responses (hysteresis, a wrong model, missing readings) hides that of
- * the reference electrode too. Where neither electrode responds, the pulses are repeated with
- * larger voltages. Where the loop compensates hysteresis, and the model of hysteresis predicts that
- * a pulse would hardly move one of both electrodes, the pulses are larger from the beginning.
+ *   - The mean readings and mean voltages of the window are compared with those of an earlier
+ *     interval in which the target stood still. Weights that fall to 0 at both ends of the window
+ *     suppress vibration.
+ *   - find_losses estimates the voltage errors of all electrodes from these changes by regularised
+ *     least squares.
+ *   - find_suspect chooses the electrode whose error explains most of the change of the readings.
  *
- * A load that jumps during a pulse can hide a response. Readings and voltages are therefore also
- * summed with weights that are negative before the middle of the pulse and positive after it, to
- * which a pulse contributes nothing and a jump much. A pulse during which the readings have jumped
- * by a part of the response proves nothing. A motion of the target interrupts a proof, which begins
- * anew after a pause of the target.
+ * Proof:
  *
- * Where the loop compensates hysteresis, this file uses, in place of the voltages, their effects
- * (voltages that would move the structure as far without hysteresis) according to the measured
- * hysteresis model. The compensation assumes less hysteresis for the sake of robustness; with its
- * model, healthy electrodes would seem to miss a part of their voltages.
+ *   - The suspected electrode and a reference electrode, which seems healthy, make slow test pulses
+ *     (test_pulse.h) at the same time. Meanwhile the loop damps vibration, but does not follow the
+ *     target.
+ *   - The sums of the readings over a pulse have weights that suppress constant loads, drift and
+ *     vibration. A fit of modelled responses to these sums (pulse_fit.h) gives the gains of both
+ *     electrodes.
+ *   - The suspected electrode is faulty if its gain is small or negative compared with that of the
+ *     reference electrode. Hysteresis, a wrong model or missing readings change both gains alike.
+ *   - A pulse during which a load has jumped proves nothing.
+ *   - A motion of the target interrupts a proof, which begins anew after a pause of the target.
  *
- * The work of a tick is outputs + 8 (inputs + sensors) operations, and with compensation of
- * hysteresis about 3 operations for each of its plays (elements with backlash) of each electrode.
- * At the end of a window 3 inputs sensors + 2 inputs^2 multiply-adds are added, in the tick that
- * chooses a reference electrode inputs sensors, and at the end of a pulse 2 inputs sensors.
+ * Where the loop compensates hysteresis, this file uses the effects of the voltages, according to
+ * the measured model of hysteresis. The compensation itself assumes less hysteresis to be robust;
+ * with its model, healthy electrodes would seem to miss a part of their voltages.
+ *
+ * Work in operations: outputs + 8 (inputs + sensors) in a tick, and about 3 for each play of each
+ * electrode where hysteresis is compensated. In addition:
+ *
+ *   end of a window                  3 inputs sensors + 2 inputs^2
+ *   choice of a reference electrode  inputs sensors
+ *   end of a pulse                   2 inputs sensors
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -77,13 +65,10 @@
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
- * Effective number of readings from which on the thresholds LEAST_SHARE and LEAST_MOVING_SHARE hold
- * as they are. They are the part of the change of the readings that a fault of one electrode must
- * explain to make the electrode suspected. With few readings and many electrodes the thresholds
- * must be higher, because some electrode then explains a large part of any change by chance. If the
- * effective number t of readings is smaller, they are therefore multiplied by (2 + MANY_READINGS /
- * t) / 3. This t is the trace of the resolution matrix of the least-squares estimate. Its diagonal
- * entry j is the part of a voltage error of electrode j that the estimate finds at this electrode.
+ * Effective number of readings from which on LEAST_SHARE and LEAST_MOVING_SHARE hold as they are.
+ * For a smaller number t both thresholds are multiplied by (2 + MANY_READINGS / t) / 3, because
+ * with few readings some electrode explains a large part of any change by chance. t is the trace of
+ * the resolution matrix (LEAST_RESOLUTION).
  */
 #define MANY_READINGS PZS_R(24)
 /*
@@ -123,12 +108,15 @@
  */
 #define LEAST_REFERENCE PZS_R(0.5)
 /*
- * A suspected electrode is faulty if its gain in each of SILENT_PULSES test pulses is smaller than
- * SILENT times the gain of the reference electrode, a healthy one. WEAK_PULSES pulses are needed if
- * the loop does not compensate hysteresis and the last gain of the reference electrode is below
- * WEAK. The suspected electrode is reversed if the last of its gains is below the negative of
- * REVERSED times the gain of the reference electrode. A gain is a response divided by the modelled
- * response.
+ * Limits of gains (response divided by modelled response) that prove a fault of a suspected
+ * electrode:
+ *   SILENT         The electrode is faulty if its gain in each test pulse is below this multiple of
+ *                  the gain of the reference electrode.
+ *   SILENT_PULSES  number of these test pulses
+ *   WEAK_PULSES    their number if hysteresis is not compensated and the last gain of the reference
+ *                  electrode is below WEAK
+ *   REVERSED       The electrode is reversed if its last gain is below minus this multiple of the
+ *                  gain of the reference electrode.
  */
 #define SILENT PZS_R(0.35)
 #define SILENT_PULSES 2u
@@ -137,10 +125,8 @@
 #define REVERSED PZS_R(0.3)
 /*
  * Largest jump of the readings during a test pulse, divided by the modelled response of the
- * suspected electrode. A pulse with a larger jump proves no fault. The jump is a sum of the
- * readings with weights that are negative before the middle of the pulse and positive after it. A
- * load that jumps less than this limit changes the gain (measured divided by modelled response) by
- * less than 2.4 times the limit.
+ * suspected electrode. A pulse with a larger jump proves no fault. A permitted jump of a load
+ * changes the gain (measured divided by modelled response) by less than 2.4 times this limit.
  */
 #define JUMPED PZS_R(0.1)
 /*
@@ -152,21 +138,16 @@
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
  * Conditions under which one test pulse proves a fault of the suspected electrode, so that no
- * second pulse is needed. A gain is a measured response divided by the modelled one; the reference
- * electrode is a healthy one.
- *   SURE, SURE_REVERSED  The gain of the suspected electrode is smaller than SURE times that of the
- *                        reference electrode, or below the negative of SURE_REVERSED times it.
- *   SURE_CALM            The jump of the readings is at most this part of the largest permitted
- *                        jump (JUMPED, REFERENCE_JUMPED).
- *   SURE_UNEXPLAINED     The sum of squares of the measured response that the model does not
- *                        explain is at most this part of the sum of squares of the modelled
- *                        response.
- *   SURE_STRONG          The gain of the reference electrode is at most this limit. Control loops
- *                        are tested for stability on structures with gains up to 1.33, and one jump
- *                        of a load that SURE_CALM permits changes a gain by less than 0.12. A
- *                        larger gain therefore shows that the load has jumped twice.
- * The program tests/unit/sweep_faults.c simulates millions of ticks in which this rule declares no
- * healthy electrode faulty.
+ * second pulse is needed. The simulations of tests/unit/sweep_faults.c find no healthy electrode
+ * faulty with them. A gain is a measured response divided by the modelled one.
+ *   SURE              largest gain, divided by that of the reference electrode
+ *   SURE_REVERSED     for a negative gain: smallest absolute value, divided in the same way
+ *   SURE_CALM         largest jump of the readings, divided by JUMPED or REFERENCE_JUMPED
+ *   SURE_UNEXPLAINED  largest unexplained sum of squares of the measured response, divided by the
+ *                     sum of squares of the modelled response
+ *   SURE_STRONG       largest gain of the reference electrode; a larger one shows that a load has
+ *                     jumped twice, as structures have gains up to 1.33 and one jump adds below
+ *                     0.12
  */
 #define SURE PZS_R(0.1)
 #define SURE_REVERSED PZS_R(0.6)
@@ -651,10 +632,9 @@ static void compare_means(pzs_pulse_detector_state *state)
 
 /*
  * Estimate the voltage errors of all electrodes by regularised least squares, from the changes of
- * the mean readings that the model does not explain. A voltage error is the voltage that the
- * readings show minus the given one; the changes are counted from an earlier interval in which the
- * target stood still. Returns the sum of squares of the changes that remain unexplained, divided by
- * the weight of the regularisation (V2).
+ * the mean readings. A voltage error is the voltage that the readings show minus the given one.
+ * Returns the sum of squares of the changes that remain unexplained, divided by the weight of the
+ * regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -759,14 +739,11 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
 }
 
 /*
- * Return which part of the change of the readings (0 to 1) a fault of electrode j explains. The
- * change is that from the base readings, the mean readings of an earlier interval in which the
- * target stood still. The result is 0 if the voltage that electrode j seems to lack does not fit a
- * dead, stuck or reversed electrode.
- *   sums in  products of voltage errors and voltage changes, summed over all electrodes whose
- *            voltages are not fixed (V2)
- *   rest in  part of the change that the voltage errors of all electrodes together leave
- *            unexplained: its sum of squares, divided by the weight of the regularisation (V2)
+ * Return which part (0 to 1) of the change of the readings a fault of electrode j explains. The
+ * result is 0 if the voltage that the electrode seems to lack fits no dead, stuck or reversed
+ * electrode.
+ *   sums in  result of sum_losses
+ *   rest in  result of find_losses: unexplained part of the change (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -797,12 +774,10 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 }
 
 /*
- * Return the electrode whose fault explains the largest part of the change of the readings, or
- * NO_INPUT if no electrode is suspected. The change is that from the base readings, the mean
- * readings of an earlier interval in which the target stood still.
- *   rest  in  part of the change that the voltage errors of all electrodes together leave
- *             unexplained: its sum of squares, divided by the weight of the regularisation (V2)
- *   least in  smallest part of the change that makes an electrode suspected (dimensionless)
+ * Return the electrode whose fault explains the largest part of the change of the readings
+ * (share_of), or NO_INPUT if no electrode is suspected.
+ *   rest  in  result of find_losses: unexplained part of the change (V2)
+ *   least in  smallest part that makes an electrode suspected (dimensionless)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
 {
@@ -846,10 +821,8 @@ static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j, 
 }
 
 /*
- * Return the electrode with which the suspected electrode is compared. It should be healthy, so
- * electrodes that seem to have followed their voltages are preferred. The responses of both
- * electrodes should differ in shape, so that they can be told apart, and be of similar size: the
- * errors of a much larger response would hide the smaller one. Returns NO_INPUT if there is none.
+ * Return the electrode with which the suspected electrode is compared, or NO_INPUT if there is
+ * none.
  *   but in  electrode that is not chosen; NO_INPUT: none
  */
 static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
@@ -864,8 +837,10 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
                                 state->electrode[j] == PZS_ELECTRODE_CLEARED;
         if (j == suspect || j == but || !is_healthy || is_held(state->control, j))
             continue;
+        // An electrode that seems to have followed its voltage is probably healthy.
         const bool has_followed =
             2 * number_absolute(state->loss[j]) < number_absolute(state->move[j]);
+        // Errors of a much larger response would hide the smaller one.
         const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
         const pzs_real merit = (has_followed ? 100 : 1) * square(distinctness(state, j, suspect)) *
                                (ratio > 1 ? 1 / ratio : ratio);
