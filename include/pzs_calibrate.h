@@ -75,14 +75,14 @@ typedef struct pzs_calibration {
                          8u * (size_t)(inputs) + (size_t)(outputs)))
 
 /*
- * Start a calibration, which has no records (voltages with the readings measured under them) yet.
+ * Start a calibration without records. A record is a set of voltages with the readings under them.
  *   problem                     in  tables with the voltage limits; must outlive the calibration
  *   influence [outputs][inputs] in  influence matrix (m/V) for inputs whose effect the records do
  *                                   not determine; must outlive the calibration; NULL: that of
  *                                   `problem`
- *   voltage [inputs]            in  voltages that the amplifiers give, around which the test
- *                                   voltages lie after clamping to the limits (V); NULL: the
- *                                   reference voltages of `problem`
+ *   voltage [inputs]            in  voltages of the amplifiers (V), clamped to the limits and used
+ *                                   as centre of the test voltages; NULL: the reference voltages of
+ *                                   `problem`
  *   work                        in  memory of the caller, aligned for pzs_real
  *   bytes                       in  size of this memory, at least PZS_CALIBRATION_BYTES
  * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS, PZS_E_NONFINITE.
@@ -93,22 +93,22 @@ pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem 
 
 /*
  * Move the test voltages, calibration.info.voltage, by one tick towards the present test pattern,
- * within voltage limits, step limits and limits of sums of voltages; once the voltages have
- * settled, the next pattern begins. In a pattern every input is at plus or minus its test
- * amplitude. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_LIMITS (input info.where has no finite
- * voltage range), PZS_E_CRC (the limits are damaged; the voltages stay).
+ * within all limits. In a pattern every input is at plus or minus its test amplitude; once the
+ * voltages have settled, the next pattern begins. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_LIMITS
+ * (input info.where has no finite voltage range), PZS_E_CRC (the limits are damaged; the voltages
+ * stay).
  */
 pzs_status pzs_calibration_excite(pzs_calibration *calibration);
 
 /*
- * Add one record to a calibration: voltages, and the readings of the structure in equilibrium under
- * them. Any voltages may be recorded, also those of a running controller. If the readings have an
- * unknown offset, pass their differences from the readings at reference voltages, and the
- * differences of the voltages from these reference voltages.
+ * Add one record to a calibration: voltages, also those of a running controller, and the readings
+ * of the structure in equilibrium under them. If the readings have an unknown offset, pass
+ * differences of readings and of voltages from a reference state.
  *   voltage [inputs]  in  voltages of the amplifiers (V)
  *   reading [outputs] in  sensor readings (m)
- * PZS_W_SENSOR: reading info.where is not finite or too large, and the record is ignored. Errors:
- * PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (a voltage is not finite, or squares overflow).
+ * Warning: PZS_W_SENSOR (reading info.where is not finite or too large; the record is ignored).
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (a voltage is not finite, or squares
+ * overflow).
  */
 pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *voltage,
                                   const pzs_real *reading);
@@ -117,15 +117,15 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
  * Compute the influence matrix that fits the records of a calibration best (voltages and the
  * readings under them), for pzs_control_init or pzs_loop_init.
  *   influence [outputs][inputs] out  influence matrix (m/V)
- *   spread    [inputs]          out  the standard error of entry (i, k) of the matrix is spread[k]
+ *   spread    [inputs]          out  standard error of entry (i, k) of the matrix is spread[k]
  *                                    times the square root of info.noise[i] (1/V); with a finite
  *                                    settings.memory it is an upper bound
- * Recorded voltages that never reached the structure, as of an amplifier that is off, give PZS_OK
- * and a column that differs from 0 by its standard errors at most: test for it before use.
- * PZS_W_UNOBSERVABLE: the records do not determine the effect of input info.where. Its column is
- * then that of the matrix passed to pzs_calibration_init, and its spread is infinite. The spreads
- * of other inputs that always moved together with it are infinite, too. Errors: PZS_E_ARGUMENT,
- * PZS_E_STAGE.
+ * Warning: PZS_W_UNOBSERVABLE (the records do not determine the effect of input info.where: its
+ * column is that of pzs_calibration_init; its spread and those of inputs that always moved with it
+ * are infinite). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ *
+ * An amplifier that is off gives no warning, but a column that differs from 0 by its standard
+ * errors at most: test for it before use.
  */
 pzs_status pzs_calibration_solve(pzs_calibration *calibration, pzs_real *influence,
                                  pzs_real *spread);

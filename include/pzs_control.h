@@ -21,12 +21,14 @@
  * Each tick chooses the voltages v that solve
  *   minimise   |W (B v - e)|^2 + regularisation |v - v0|^2
  *   subject to lower <= v <= upper,  |v - v_last| <= step limit
- * with the influence matrix B (m/V), the output weights W, the target error e = wanted - (measured
- * - predicted shape), the reference voltages v0 and the voltages v_last of the last tick.
+ *   B          influence matrix (m/V)
+ *   W          output weights
+ *   e          target error: wanted - (measured - predicted shape)
+ *   v0, v_last reference voltages; voltages of the last tick
  *
- * This control step has no model of vibration: `pzs check` prints the tick rates at which it is
- * stable on a structure with mass. pzs_loop.h declares the options around the tick: shape
- * estimator, vibration damper, feed-forward, converter steps, fault detector and supervisor.
+ * This control step has no model of vibration; `pzs check` prints the tick rates at which it is
+ * stable on a structure with mass. pzs_loop.h declares options around the tick, such as a vibration
+ * damper.
  */
 #ifndef PZS_CONTROL_H
 #define PZS_CONTROL_H
@@ -198,21 +200,21 @@ size_t pzs_control_bytes(const pzs_problem *problem);
  *                                   it from now on
  *   bytes                       in  size of the workspace, at least PZS_CONTROL_BYTES, with limits
  *                                   of sums of voltages also PZS_LIMIT_ROW_BYTES
- * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS (also for a
- * negative step limit; for the limit of sum k, info.where is the number of inputs plus k),
- * PZS_E_NONFINITE. For a sparse influence matrix whose columns are not ascending or not below the
- * number of inputs, PZS_E_ARGUMENT with the output in info.where. After an error the controller
- * cannot be used, even if it was valid before.
+ * Errors, after which the controller cannot be used: PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE,
+ * PZS_E_NONFINITE, and
+ *   PZS_E_ARGUMENT  also for the sparse influence of output info.where, if its columns are not
+ *                   ascending or not below the number of inputs
+ *   PZS_E_LIMITS    also for a negative step limit; for the limit of sum k, info.where = inputs + k
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
                             const pzs_real *influence, void *work, size_t bytes);
 
 /*
- * Set the present voltages of a controller to those that the amplifiers already give, so that no
- * voltage jumps after a reset or a new pzs_control_init. The voltages are clamped to the present
- * limits. Voltages that pzs_hold had fixed before the reset must be fixed again.
+ * Set the present voltages of a controller to those that the amplifiers already give, clamped to
+ * the present limits, so that no voltage jumps after a reset. The caller must repeat calls of
+ * pzs_hold made before the reset.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE; after an error nothing has changed.
+ * Errors, which change nothing: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
 
@@ -221,40 +223,38 @@ pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
  * voltages towards those that give the target minus the disturbance, and predict the shape of the
  * new voltages.
  *   wanted   [outputs] in  target shape (m)
- *   measured [outputs] in  measured shape (m); NULL: no measurement in this tick, the last
- *                          disturbance is kept
- * PZS_W_SENSOR: a measurement that is not finite, or that stays constant although its output should
- * move, keeps its last disturbance. PZS_W_HELD: no measurement is usable or the target is not
- * finite, and the voltages are kept inside the present limits. PZS_W_ITERATIONS and
- * PZS_W_STEP_LIMIT take precedence over PZS_W_SENSOR; so does PZS_W_LIMIT_ROWS. Errors:
- * PZS_E_ARGUMENT, PZS_E_STAGE.
+ *   measured [outputs] in  measured shape (m); NULL: no measurement, the last disturbance is kept
+ * Warnings, the first that applies; errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ *   PZS_W_HELD    no measurement is usable or the target is not finite; the voltages are kept
+ *                 inside the present limits
+ *   PZS_W_ITERATIONS, PZS_W_STEP_LIMIT, PZS_W_LIMIT_ROWS PZS_W_SENSOR  a measurement is not finite,
+ *   or stays constant although its output should move; its
+ *                 last disturbance is kept
  */
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
 
 /*
  * Compute the voltages of a tick without measurements: change the last voltages towards those that
- * are optimal for a target error, within all limits.
+ * are optimal for a target error. The result, info.voltage, is inside every limit to the last bit.
  *   error [outputs] in  target shape minus the shape at zero voltage (m)
- * The result, info.voltage, is inside every limit to the last bit. Its objective is not larger than
- * that of the last voltages clamped to the limits; unless a warning says otherwise, it is the
- * optimum. Both hold up to a rounding error of epsilon |W B|^2 |v|^2, with machine epsilon, output
- * weights W, influence matrix B and voltages v. The work is at most PZS_STEP_WORK; where the work
- * limit stops the optimiser, the next call continues. Rounding errors may require a new
- * factorisation, which is begun at most once in a call and counts as work. Warnings:
- * PZS_W_ITERATIONS, PZS_W_STEP_LIMIT. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (the
- * voltages stay; info.where is -1 after an overflow).
+ *   - The objective is not larger than that of the last voltages clamped to the limits. Without a
+ *     warning the result is the optimum. Both hold up to a rounding error of
+ *     epsilon |W B|^2 |v|^2  (machine epsilon, output weights W, influence matrix B, voltages v).
+ *   - The work is at most PZS_STEP_WORK; the next call continues where this limit stops the
+ *     optimiser.
+ * Warnings: PZS_W_ITERATIONS, PZS_W_STEP_LIMIT. Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
+ * PZS_E_NONFINITE (the voltages stay; info.where is -1 after an overflow).
  */
 pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 
 /*
- * pzs_hold fixes the voltage of one input (V), clamped to the limits of the tables: for example 0 V
- * for a dead electrode, or the last voltage for a stuck one. pzs_release lets the controller choose
- * it again. The next call of pzs_tick or pzs_step applies the fixed voltage at once, even beyond
- * the step limit (warning PZS_W_STEP_LIMIT). Where sums of voltages are
- * limited, the fixed voltage is reached gradually instead, within all step limits and limits of
- * sums (warning PZS_W_LIMIT_ROWS). Meanwhile all other voltages move towards the safe voltages of
- * pzs_limit_rows; then the controller chooses them again. Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
- * PZS_E_NONFINITE.
+ * pzs_hold fixes the voltage of one input, for example of a dead electrode at 0 V. pzs_release lets
+ * the controller choose it again.
+ *   voltage in  voltage (V), clamped to the limits of the tables
+ * The next pzs_tick or pzs_step applies the fixed voltage at once, even beyond the step limit
+ * (warning PZS_W_STEP_LIMIT). Where sums of voltages are limited, it is reached gradually within
+ * all limits (warning PZS_W_LIMIT_ROWS); meanwhile the other voltages move towards the safe
+ * voltages of pzs_limit_rows. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage);
 pzs_status pzs_release(pzs_control *control, uint16_t input);
@@ -277,8 +277,8 @@ typedef struct pzs_report {
 
 /*
  * Assess the present voltages of a controller from the influence matrix alone, independently of the
- * optimiser. The call takes 3 inputs*outputs multiply-adds and is not needed in a control loop. The
- * voltage limits are the present ones, narrowed by the step limits of the last tick.
+ * optimiser, against the present voltage limits, narrowed by the step limits of the last tick. The
+ * call takes 3 inputs*outputs multiply-adds; a control loop does not need it.
  *   error  [outputs] in   error passed to the last pzs_step, or, after pzs_tick, target minus
  *                         info.disturbance (m)
  *   report           out  unchanged after an error

@@ -33,11 +33,12 @@ struct pzs_sparse_calls;
 #define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
 
 /*
- * Numbers of multiply-adds of the optimiser, in which a loop over the inputs that only compares
- * counts as a few. PZS_PRODUCT_WORK: product of the Hessian with a vector. PZS_EXCHANGE_WORK: move
- * of one input between the set of free voltages and the set of voltages kept at a bound.
- * PZS_ITERATION_WORK: one iteration, with at most one such move. PZS_ROUND_WORK: start of a round,
- * which is a sequence of iterations that ends with a gradient computed from the Hessian.
+ * Numbers of multiply-adds of the optimiser; a loop over the inputs that only compares counts as a
+ * few.
+ *   PZS_PRODUCT_WORK    product of the Hessian with a vector
+ *   PZS_EXCHANGE_WORK   move of one input between the free set and the active set
+ *   PZS_ITERATION_WORK  one iteration, with at most one such move
+ *   PZS_ROUND_WORK      start of a round: iterations up to a gradient computed from the Hessian
  */
 #define PZS_PRODUCT_WORK(inputs) ((uint64_t)(inputs)*PZS_CONTROL_WIDTH(inputs))
 #define PZS_EXCHANGE_WORK(inputs)                                                                  \
@@ -80,12 +81,12 @@ typedef struct pzs_exchange {
 } pzs_exchange;
 
 /*
- * State of the optimiser, an active-set method for bounded least squares. The free set holds the
- * inputs whose voltages may change, the active set the inputs whose voltages are kept at a bound
- * or, for the present, at a value between the bounds. The tableau is the Hessian after one pivot
- * exchange for each input of the free set. A round is a sequence of iterations that ends with a
- * gradient computed from the Hessian. Arrays with an entry for each input are padded with zeros to
- * the length `width`, so that vector loops need no remainder.
+ * State of the optimiser, an active-set method for bounded least squares. Arrays with an entry for
+ * each input are padded with zeros to the length `width`, so that vector loops need no remainder.
+ *   free set    inputs whose voltages may change
+ *   active set  inputs whose voltages are kept at a bound or, for the present, between the bounds
+ *   tableau     Hessian after one pivot exchange for each input of the free set
+ *   round       sequence of iterations that ends with a gradient computed from the Hessian
  */
 typedef struct pzs_optimiser {
     const struct pzs_dual_calls *dual; /* functions of the dual active-set method; NULL: the
@@ -251,10 +252,10 @@ typedef struct pzs_row_solver {
                                voltages follow */
     /*
      * [width >= inputs + rows] first an entry for each input, then one for each limited sum of
-     * voltages. The entry of an input is used for limits of sums of absolute values: 1 if its
-     * voltage must not become negative in the present iterations, -1 if it must not become
-     * positive. The entry of a limited sum is the factor by which the optimiser multiplies this
-     * sum: the reciprocal of its largest absolute coefficient
+     * voltages:
+     *   input  where absolute values are limited: 1 if the voltage must not become negative in the
+     *          present iterations, -1 if it must not become positive
+     *   sum    factor of this sum in the optimiser: reciprocal of its largest absolute coefficient
      */
     pzs_real *scale;
     /*
@@ -501,14 +502,10 @@ typedef struct pzs_pulse_detector_state {
                        the change that the amplifier was given */
     /*
      * [inputs] array with two uses.
-     *
-     * Estimation of voltage errors: the part of the true voltage changes `move` that the sensors
-     * can resolve (V). The fault detector's least-squares estimate would find this part from
-     * readings without noise. It is the resolution matrix of the estimate times `move`.
-     *
-     * Choice of a healthy reference electrode: for each electrode, the scalar product (1/V2) of its
-     * modelled response and that of the suspected electrode. A modelled response is a vector with
-     * an entry for each sensor: the change of its reading per volt, times its scale factor
+     *   Estimate of voltage errors: part of the true voltage changes `move` that the sensors can
+     *   resolve (V), the resolution matrix of the estimate times `move`.
+     *   Choice of a reference electrode: scalar product (1/V2) of the scaled modelled responses
+     *   (sensor readings per volt) of each electrode and of the suspected electrode.
      */
     pzs_real *resolved;
     /*
@@ -864,10 +861,10 @@ typedef struct pzs_selftest_state {
                          after its test pulse (V) */
     /*
      * largest deviation from the model found so far (1/V2): [0] of an amplifier, [1] of a sensor.
-     * The measured response of an amplifier is a vector with an entry for each sensor, that of a
-     * sensor one with an entry for each amplifier. An entry is the change of a reading per volt,
-     * times the scale factor of its sensor (1/V). The deviation is the squared norm of (measured
-     * response - mean gain of all amplifiers * modelled response), minus what noise adds to it
+     * It is
+     *   |measured response - mean gain of all amplifiers * modelled response|^2 - part of the noise
+     * A response is a vector of readings per volt times scale factors (1/V): of an amplifier with
+     * an entry for each sensor, of a sensor with an entry for each amplifier
      */
     pzs_real difference[2];
     /*

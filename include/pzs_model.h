@@ -1,12 +1,11 @@
 /*
  * piezoshape, linear image (build of the library for a device): computes the influence matrix on
- * the device from element matrices in flash.
- * SPDX-License-Identifier: BSD-2-Clause
+ * the device from element matrices in flash, so that stiffness, temperature, supports and
+ * electrodes may change in the field. `pzs tables` generates the tables. SPDX-License-Identifier:
+ * BSD-2-Clause
  *
- * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_influence, then
- * pzs_loop_init or pzs_control_init with that influence matrix; with electrodes whose charge
- * matters see pzs_influence. Stiffness, temperature, supports and electrodes may thus change in the
- * field. `pzs tables` generates the tables.
+ * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_influence (for open electrodes
+ * see there), then pzs_loop_init or pzs_control_init with that influence matrix.
  */
 #ifndef PZS_MODEL_H
 #define PZS_MODEL_H
@@ -20,14 +19,17 @@ extern "C" {
 /* ---- tables of the structure ----------------------------------------- */
 
 /*
- * One element type: geometry and material of a four-node shell element, as the element computations
- * need them. Equal elements share one type. The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and
- * (-,+) along the surface coordinates theta1 and theta2. A direction a = 0 or 1 stands for theta1
- * or theta2; corner r' is the neighbour of corner r in direction a. Let u_r and u_r' [3] be the
- * displacements of both corners. The derivative of the displacement along theta_a, in the local
- * frame of corner r, is then S_a u_r + T_a u_r' with two 3 x 3 matrices S_a and T_a. The element
- * formulations `published` (dissertation of Plotnikova, 2013) and `improved` differ only in these
- * numbers.
+ * One element type: geometry and material of a four-node shell element. Equal elements share one
+ * type. The formulations `published` (dissertation of Plotnikova, 2013) and `improved` differ only
+ * in these numbers.
+ *
+ * The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and (-,+) along the surface coordinates theta1
+ * and theta2. The derivative of the displacement at corner r along theta_a is, in the local frame
+ * of r,
+ *   S_a u_r + T_a u_r'
+ *   r'          neighbour of corner r along theta_a
+ *   u_r, u_r'   [3] displacements of both corners (m)
+ *   S_a, T_a    [3][3] matrices (1/m)
  */
 typedef struct pzs_element_type {
     /*
@@ -50,13 +52,14 @@ typedef struct pzs_element_type {
                                  face minus those of the inner face of the shell, divided by the
                                  thickness (1/m) */
     /*
-     * Stiffness of the four strain modes 00, 01, 10, 11 of the element, one after the other: packed
-     * lower triangles with a row for each strain that the strain mode contains. Strain mode r1 r2
-     * varies over the element as xi1^r1 xi2^r2, where xi1 and xi2 run from -1 to 1 over the
-     * element, and its stiffness is multiplied by area/3^(r1+r2) (N m). Order of the strains: 11m
-     * 11d 22m 22d 33m 33d 12m 12d 13 23, where m is the mean and d the difference of the two faces
-     * of the shell. Strain mode 00 contains all ten; 01 those of 11, 33 and 13; 10 those of 22, 33
-     * and 23; 11 those of 33: triangles of 55, 15, 15 and 3 entries.
+     * Stiffness of the four strain modes 00, 01, 10, 11 of the element, as packed lower triangles,
+     * times area/3^(r1+r2) (N m). Mode r1 r2 varies over the element as xi1^r1 xi2^r2, with xi1 and
+     * xi2 from -1 to 1. Strains in their order (m: mean, d: difference of both faces) and entries
+     * of the triangles:
+     *   mode 00  11m 11d 22m 22d 33m 33d 12m 12d 13 23 (55 entries)
+     *   mode 01  11m 11d 33m 33d 13 (15 entries)
+     *   mode 10  22m 22d 33m 33d 23 (15 entries)
+     *   mode 11  33m 33d (3 entries)
      */
     pzs_real d[88];
     pzs_real thickness; /* thickness of the element (m) */
@@ -68,11 +71,9 @@ typedef struct pzs_element_type {
      */
     pzs_real height_squared[2][3];
     /*
-     * Correction of the shear strain of a warped (not plane) element: nine factors (dimensionless),
-     * each of another strain. The sum of factor times strain is added to the mean strain 12 in mode
-     * 00. "Mean" is the mean of the strains of the two faces of the shell, "difference" their
-     * difference. Strain mode r1 r2 varies over the element as xi1^r1 xi2^r2, where xi1 and xi2 run
-     * from -1 to 1; mode 00 is constant. The strains are
+     * Correction of the shear strain of a warped (not plane) element: nine factors (dimensionless).
+     * The sum of factor times strain is added to the mean of strain 12 in mode 00. The strains are,
+     * with modes as in member `d` and the difference of both faces:
      *   [0]        difference of strain 12, mode 00
      *   [1], [2]   strain 13, mode 01; strain 23, mode 10
      *   [3], [4]   strain 13, mode 00; strain 23, mode 00
@@ -258,8 +259,8 @@ typedef struct pzs_model {
  *   model     out  the model
  *   structure in   must outlive the model
  *   work      in   memory of the caller, aligned for pzs_real; the model uses it from now on
- *   bytes     in   size of the workspace, at least PZS_MODEL_BYTES; PZS_COMPACT_BYTES more if the
- *                  element types are given as pzs_compact_type
+ *   bytes     in   size of the workspace, at least PZS_MODEL_BYTES; with element types given as
+ *                  pzs_compact_type PZS_COMPACT_BYTES more
  * Errors: PZS_E_ARGUMENT (also for an index out of range), PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE
  * (info.where = bytes needed).
  */
@@ -267,35 +268,33 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
                           size_t bytes);
 
 /*
- * Assemble the stiffness matrix of the structure from the matrices of its elements (equations 10-16
- * of Plotnikova 2013) and the springs.
+ * Assemble the stiffness matrix of the structure from those of its elements and from the springs
+ * (equations 10-16 of Plotnikova 2013). Both arrays must outlive the following solves.
  *   stiffness_factor [types]    in  factor of the matrix of each element type; NULL: all 1
  *   constrained      [free_dof] in  nonzero: this degree of freedom is kept at zero in addition to
  *                                   those of the supports; NULL: none
- * Both arrays must outlive the following solves. Errors: PZS_E_ARGUMENT (also for a negative
- * factor), PZS_E_STAGE, PZS_E_NONFINITE.
+ * Errors: PZS_E_ARGUMENT (also for a negative factor), PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
                         const uint8_t *constrained);
 
 /*
  * Scale the stiffness matrix of a model to unit diagonal by powers of two, factor it as L D L^T,
- * and estimate its condition number. Errors: PZS_E_STAGE; PZS_E_LOOSE and PZS_E_NEGATIVE
- * (info.where = free degree of freedom); PZS_E_CONDITION if the estimate exceeds its limit. With
- * the machine epsilon the limit is 600 / epsilon if pzs_solve refines solutions iteratively,
- * otherwise 1.2 / epsilon; in both cases at most 1e14.
+ * and estimate its condition number. Errors:
+ *   PZS_E_STAGE PZS_E_LOOSE, PZS_E_NEGATIVE  info.where = free degree of freedom PZS_E_CONDITION
+ *   The estimate exceeds 1e14 or 1.2 / machine epsilon, where pzs_solve
+ *                                refines solutions iteratively 600 / machine epsilon.
  */
 pzs_status pzs_factor(pzs_model *model);
 
 /*
- * Compute the displacement under given input values. If the tables of the structure contain its
- * element types, the solution is refined iteratively with residuals computed from the strains of
- * the elements.
+ * Compute the displacement under given input values. If the tables contain the element types of the
+ * structure, the solution is refined iteratively with residuals computed from the strains.
  *   value        [inputs]   in   input values (V, K, Pa or load factors)
  *   displacement [free_dof] out  displacements of the free degrees of freedom: means over the
  *                                thickness (m) and differences over the thickness divided by it
  *                                (dimensionless)
- * Errors: PZS_E_STAGE, PZS_E_NONFINITE, PZS_E_RESIDUAL (the displacement is then the best that was
+ * Errors: PZS_E_STAGE, PZS_E_NONFINITE, PZS_E_RESIDUAL (`displacement` is the best that was
  * reached).
  */
 pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displacement);
@@ -310,16 +309,13 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, p
 
 /*
  * Compute the influence matrix of a structure, the outputs per unit of each input, by one solve for
- * each input.
- *   influence [outputs][inputs] out  influence matrix (m/V); generated tables define its size as
- *                                    PREFIX_ALL_OUTPUTS rows and PREFIX_ALL_INPUTS columns
- * If some electrodes of the structure are open, pzs_electric_factor and pzs_influence_open must
- * follow. The controller (pzs_loop_init, pzs_control_init) needs the influence of the PREFIX_INPUTS
- * amplifiers on the PREFIX_OUTPUTS target nodes: the upper left part of the matrix. Further columns
- * belong to inputs without an amplifier, for example electrodes that serve as sensors, and further
- * rows to outputs that are no targets. Where there are any, the program copies the upper left part
- * into a matrix of its own. Errors: those of pzs_solve, which leave info.where at the index of an
- * input; the columns of the inputs before info.where are then written.
+ * each input. If some electrodes are open, pzs_electric_factor and pzs_influence_open must follow.
+ *   influence [outputs][inputs] out  influence matrix (m/V), with PREFIX_ALL_OUTPUTS rows and
+ *                                    PREFIX_ALL_INPUTS columns of generated tables
+ * The controller (pzs_loop_init, pzs_control_init) needs only the upper left part, PREFIX_OUTPUTS
+ * target nodes by PREFIX_INPUTS amplifiers. If it is smaller than the matrix, copy it to a matrix
+ * of its own. Errors: those of pzs_solve; the columns of the inputs before info.where are then
+ * written.
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 
@@ -327,10 +323,9 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 
 /*
  * Tables of electrodes whose charge is measured (sensors) or prescribed (open electrodes). The
- * charge is that on the side of the electrode towards the normal e3. It is the sum of two parts:
- * the scalar product of the displacement with the force vector of the electrode's input, because
- * sensing is the transpose of actuation, and the charge that flows while the shell cannot deform.
- * All arrays are const and may stay in flash.
+ * charge is that on the side towards the normal e3. All arrays are const and may stay in flash.
+ *   charge = force vector of the electrode's input . displacement  (sensing is the transpose of
+ *            actuation) + charge that flows while the shell cannot deform
  */
 typedef struct pzs_electrodes {
     uint32_t format, scene; /* format: format number of the electrode tables; scene: hash of the

@@ -1,8 +1,7 @@
 /*
  * piezoshape, nonlinear image (build of the library for a device, with PZS_NONLINEAR=1):
- * equilibrium of the shell at large rotation, follower loads, open electrodes, contact, and the
- * influence matrix at the deformed shape.
- * SPDX-License-Identifier: BSD-2-Clause
+ * equilibrium of the shell at large rotation, and the influence matrix at the deformed shape.
+ * Options: follower loads, open electrodes, contact. SPDX-License-Identifier: BSD-2-Clause
  *
  * Order of the calls: pzs_model_init, pzs_solver_init, pzs_attach_... for the options,
  * pzs_equilibrium, pzs_influence_at, then pzs_control_init with that influence matrix.
@@ -200,9 +199,10 @@ typedef struct pzs_solver {
  *                  stiffness matrix holds tangent matrices
  *   tables in      must outlive the solver
  *   work   in      memory of the caller, aligned for pzs_real, at least PZS_SOLVER_BYTES
- * Errors: PZS_E_ARGUMENT (also for a structure without element types or an index out of range),
- * PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_LOOSE (info.where =
- * free degree of freedom).
+ * Errors: PZS_E_FORMAT, PZS_E_CRC, and
+ *   PZS_E_ARGUMENT   also for a structure without element types or an index out of range
+ *   PZS_E_WORKSPACE  info.where = bytes needed
+ *   PZS_E_LOOSE      info.where = free degree of freedom
  */
 pzs_status pzs_solver_init(pzs_solver *solver, pzs_model *model, const pzs_nonlinear *tables,
                            void *work, size_t bytes);
@@ -215,30 +215,32 @@ void pzs_solver_reset(pzs_solver *solver);
 
 /*
  * Compute the equilibrium under input values, starting from the present equilibrium, in
- * settings.load_steps load steps. A load step that does not converge within 40 linear solves (twice
- * as many close to convergence, fewer where it diverges fast) is halved, down to 1/64 of the first
- * one.
+ * settings.load_steps load steps.
  *   value [inputs] in  wanted input values
+ *
+ * A load step that does not converge within 40 linear solves (80 close to convergence, fewer where
+ * it diverges fast) is halved, down to 1/64 of the first one. settings.solve_limit bounds the work.
+ *
  * Method: Newton's method with independent stress resultants (equations 17-22 of Plotnikova 2013).
- * Each linear solve K(u, H) du = f - L(u)'H uses resultants H that are extrapolated along the last
- * increment, H + D L du, instead of those of the displacement u; K is the tangent stiffness, f the
- * load, L the strain-displacement matrix and D the stiffness of the strains. At convergence H
- * belongs to u. The work is bounded by settings.solve_limit. Warnings: PZS_W_BEHIND, which takes
- * precedence, and PZS_W_UNSTABLE. Errors: PZS_E_ARGUMENT (also for a setting out of range),
- * PZS_E_STAGE, PZS_E_NONFINITE (info.where = input); after PZS_E_DIVERGED, PZS_E_LIMIT,
- * PZS_E_CONTACT, PZS_E_PENETRATION (info.where = element) and PZS_E_SOLVES, info.displacement is
- * the last converged equilibrium, at info.load_factor.
+ * Each iteration solves K du = f - L'H, with tangent stiffness K, load f, strain-displacement
+ * matrix L and stress resultants H extrapolated along the last increment. At convergence H belongs
+ * to the displacement.
+ *
+ * Warnings: PZS_W_BEHIND (takes precedence), PZS_W_UNSTABLE. Errors: PZS_E_ARGUMENT (also for a
+ * setting out of range), PZS_E_STAGE, PZS_E_NONFINITE (info.where = input). After these errors
+ * info.displacement is the last converged equilibrium, at info.load_factor: PZS_E_DIVERGED,
+ * PZS_E_LIMIT, PZS_E_CONTACT, PZS_E_PENETRATION (info.where = element), PZS_E_SOLVES.
  */
 pzs_status pzs_equilibrium(pzs_solver *solver, const pzs_real *value);
 
 /*
  * Compute the influence matrix, the outputs per unit of each input, at the deformed shape from the
- * tangent stiffness there. Follower loads make the tangent stiffness unsymmetric; each column then
- * takes a few more linear solves, at most 60.
+ * tangent stiffness there. With follower loads, whose tangent stiffness is unsymmetric, each column
+ * takes up to 60 linear solves more.
  *   influence [outputs][inputs] out  influence matrix (m/V)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE (no equilibrium was computed, or the model has been used
- * otherwise since), PZS_E_NONFINITE, PZS_E_RESIDUAL (the columns of the inputs before info.where
- * are written).
+ * otherwise since), PZS_E_NONFINITE, PZS_E_RESIDUAL (only the columns of the inputs before
+ * info.where are written).
  */
 pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
 
@@ -341,11 +343,10 @@ typedef struct pzs_circuit {
 
 /*
  * Attach the open electrodes (equations 49-55 of Plotnikova 2013) to an equilibrium solver in the
- * undeformed state; tables and circuit must outlive the solver. Their voltages are additional
- * unknowns of Newton's method and replace their input values in solver.info.input_value. The
- * influence matrix of pzs_influence_at has columns per unit of their charge. Errors: PZS_E_ARGUMENT
- * (also if attached already), PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (solver->info.where = bytes
- * needed).
+ * undeformed state; tables and circuit must outlive the solver. Their voltages become unknowns of
+ * the solver and replace their input values in solver.info.input_value. pzs_influence_at gives
+ * their columns per unit of charge. Errors: PZS_E_ARGUMENT (also if attached already),
+ * PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (solver->info.where = bytes needed).
  */
 pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
                               const pzs_electrodes *tables, void *work, size_t bytes);
@@ -534,40 +535,37 @@ typedef struct pzs_contact {
  * undeformed state; contact, face and body must outlive the solver. A shell that its supports leave
  * loose must touch the body from the start.
  *
- * At an equilibrium every gap is open, or closed to within 1e-8 of pzs_contact_face.size (in float:
- * to within rounding). No contact pressure is negative, and no contact pressure acts across an open
- * gap. contact->info describes the contact. pzs_influence_at treats the body not as rigid but as a
- * layer with the penalty stiffness of the last iteration. On a ring of radius 10 thicknesses this
- * changed the influence matrix by 3e-8 of its values.
+ * Result, described by contact->info:
+ *   - Every gap is open, or closed to within 1e-8 of pzs_contact_face.size (float: to rounding).
+ *   - No contact pressure is negative, and none acts across an open gap.
+ *   - pzs_influence_at treats the body as a layer with the penalty stiffness of the last iteration.
+ *     On a ring of radius 10 thicknesses this changed the influence matrix by 3e-8 of its values.
  *
- * After each load step the shape is checked against the body. A load step that fails the check is
- * halved, and finally rejected with PZS_E_PENETRATION. The check covers:
- *
+ * Each load step is checked. One that fails is halved, and finally rejected with PZS_E_PENETRATION:
  *   - Nodes: no node of a face may lie deeper in the body than twice the gap that counts as closed.
- *   - Points between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
- *     side. A flat element of side length L whose nodes touch a body of radius R enters it by L^2 /
- *     (8 R), which is an error of the mesh. Twice this depth is allowed, at most R/5; info.sag is
- *     the largest depth found. A body smaller than the diagonals of an element may enter it only if
- *     a node of the element is in contact.
+ *   - Points between nodes, found by bisection to 1/512 of a side: the depth may be at most twice
+ *     that of a flat element whose nodes touch the body, L^2 / (8 R) with side length L and radius
+ *     R, and at most R/5. info.sag is the largest depth found.
+ *   - A body smaller than the diagonals of an element may enter it only if a node of the element is
+ *     in contact.
  *   - Motion: no point of an element may have passed through the body since the last equilibrium,
  *     on a straight way relative to the body.
- *   - Length of a load step: far from the shell the body may move by any length. Once it is nearer
- *     to a node than half of the longest diagonal of an element, its motion in a load step is
- *     limited: to half of its smallest radius of curvature, or half of pzs_contact_face.size if
- *     that is smaller. solver->info.shortened_steps counts the load steps that this rule shortens.
+ *   - Length: a body nearer to a node than half of the longest diagonal of an element may move in a
+ *     load step by at most half of its smallest radius of curvature and half of
+ *     pzs_contact_face.size. solver->info.shortened_steps counts the load steps that this rule
+ *     shortens.
  *
  * The check is exact for flat elements and convex bodies. It does not find:
- *
- *   - a tip that enters by less than (side/512)^2 / (2 R), with the side length of an element and
- *     the radius R of the body;
+ *   - a tip that enters by less than (L/512)^2 / (2 R);
  *   - a second local minimum of the gap in a strongly warped element;
  *   - a body between the two faces that touches neither;
  *   - penetration by some parts of a body that is not convex.
  *
- * Errors: PZS_E_ARGUMENT (also if attached already, or for an index out of range, an axis that is
- * not a unit vector, a radius that is not positive), PZS_E_FORMAT, PZS_E_CRC (also of the body),
- * PZS_E_NONFINITE (solver->info.where = index among point, axis and radius), PZS_E_WORKSPACE
- * (solver->info.where = bytes needed).
+ * Errors: PZS_E_FORMAT, PZS_E_CRC (also of the body), and
+ *   PZS_E_ARGUMENT   also if attached already, or for an index out of range, an axis that is not a
+ *                    unit vector, a radius that is not positive
+ *   PZS_E_NONFINITE  solver->info.where = index among point, axis and radius
+ *   PZS_E_WORKSPACE  solver->info.where = bytes needed
  */
 pzs_status pzs_attach_contact(pzs_solver *solver, pzs_contact *contact,
                               const pzs_contact_face *face, const pzs_body *body, void *work,
