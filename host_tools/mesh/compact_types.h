@@ -22,11 +22,9 @@ typedef struct compact_types {
 } compact_types;
 
 /*
- * Make the compact element types of a mesh, and list its nodes. The result is empty (both arrays
- * NULL) in three cases: the full types that pzs_rebuild_type computes from it are not bitwise equal
- * to those of the mesh; the full types take no more memory; memory runs out. The first case occurs
- * with the element option `published`, and on meshes along lines of curvature, where each edge of
- * an element has its own length in the strains.
+ * Make the compact element types of a mesh and list its nodes. Both arrays are NULL if memory runs
+ * out, if the full types take no more memory, or if the types rebuilt by pzs_rebuild_type are not
+ * bitwise equal (element option `published`; meshes along lines of curvature).
  */
 void compact_types_make(compact_types *compact, const mesh *mesh);
 void compact_types_free(compact_types *compact);

@@ -58,16 +58,15 @@ static pzs_node node_of(const surface_point *point)
 }
 
 /*
- * Compute the corner tables, which map the displacements of the corners to strains, with the
- * element option `cartesian`. A strain is the difference of the displacement vectors of two
- * neighbouring corners, divided by the length of their side: the given length of the element in
- * this direction, or, if it is 0, the straight distance of the corners. The vectors are in the
- * triad (local axes) of the corner at which the strain is computed. A firmware without stored
- * corner tables calls the same library function, so that its numbers are equal.
+ * Compute the corner tables with the element option `cartesian`: a strain is the difference of the
+ * displacement vectors of two corners, in the triad (local axes) of the corner, over the length of
+ * their side. The library function is the one that a firmware without stored tables calls, so that
+ * the numbers are equal.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])
 {
+    /* given length of the element in this direction, or the straight distance of the corners */
     const double length = pair->length > 0
                               ? pair->length
                               : vector_distance(pair->own->position, pair->other->position);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Corner tables of an element type (members of pzs_element_type). The 3 x 3 matrices s and t map
- * displacements of a corner and of its neighbour to the displacement's derivative along one
- * direction of the element at this corner. The products of the derivative with the base vectors
- * g_mean and g_diff are the strains at the corner: mean of both faces, and difference between the
- * faces.
+ * Corner tables of an element type (members of pzs_element_type).
+ *   s, t            3 x 3 matrices that map the displacements of a corner and of its neighbour to
+ *       the displacement's derivative along one direction of the element at this corner
+ *   g_mean, g_diff  base vectors; their products with the derivative are the strains at the corner:
+ *       mean of both faces, and difference between them
  */
 #ifndef CORNER_TABLES_H
 #define CORNER_TABLES_H

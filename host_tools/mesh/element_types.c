@@ -64,10 +64,8 @@ static int find_type(const type_list *list, const pzs_element_type *type,
 }
 
 /*
- * Copy the stiffness matrices of an element for its four strain modes, without rows and columns
- * that are 0. In mode 0 all ten strains are constant over the element. In modes 1 and 2 five
- * strains are linear, and in mode 3 two are bilinear in the position; the other strains are 0
- * there.
+ * Copy the stiffness matrices of an element in its four strain modes without rows and columns of
+ * strains that a mode does not contain. The modes contain 10, 5, 5 and 2 strains.
  *   full [4][55] in   lower triangles for all ten strains, packed by rows
  *   kept [88]    out  lower triangles for the strains of each mode, 55 + 15 + 15 + 3 entries
  */

@@ -17,13 +17,12 @@ typedef struct type_list {
 } type_list;
 
 /*
- * Return the number of an element type, which is added to the list if no equal type is there, or -1
- * with error filled.
- *   type in/out    corner tables (displacements of the corners to strains), thickness and skew must
- *       be filled; a new type also gets its stiffness and its warping correction
+ * Add an element type to the list unless an equal one is there. Returns its number, or -1 with
+ * error filled.
+ *   type in/out    in: corner tables, thickness and skew; out: also stiffness and warping
+ *       correction if the type is new
  *   place in       plies and geometry of the element
- *   warp_share in  factor (dimensionless) of the warping correction, a term of the membrane shear
- *       strain of curved elements (warp_fill); 0: no correction
+ *   warp_share in  factor of the warping correction (warp_fill); 0: no correction
  */
 int type_list_add(type_list *list, pzs_element_type *type, const laminate_place *place,
                   double warp_share, char *error);

@@ -72,15 +72,12 @@ static void turn_back(double transform[6][6], const double stress[6], double tur
 }
 
 /*
- * Compute the piezoelectric constants of a ply for a field along one of its axes: strain (d) or
- * stress (e) per unit of the field, in the axes of the ply. The constants of the material are given
- * in axes 1, 2, 3 of which the third is the poling. For a poling along the normal e3 of the ply,
- * these are the axes of the ply. For a poling along its axis 1 or 2, the first is e3 and the second
- * is the remaining axis of the ply.
- *   constant [5] in   the constants 31, 32, 33, 24 and 15
- *   poling       in   axis of the poling, 0, 1 or 2
- *   axis         in   axis of the field, 0, 1 or 2
- *   column [6]   out  constants of the ply, Voigt order 11 22 33 23 13 12
+ * Fill a column of piezoelectric constants of a ply: strain (d) or stress (e) per unit of the
+ * electric field along one axis of the ply.
+ *   constant [5] in   constants 31, 32, 33, 24 and 15 of the material, whose axis 3 is the poling
+ *   poling       in   axis of the ply along the poling, 0, 1 or 2
+ *   axis         in   axis of the ply along the field, 0, 1 or 2
+ *   column [6]   out  constants in the axes of the ply, Voigt order 11 22 33 23 13 12
  */
 static void piezo_column(const double constant[5], int poling, int axis, double column[6])
 {
@@ -88,6 +85,7 @@ static void piezo_column(const double constant[5], int poling, int axis, double 
                                                                         22 33 23 13 12, of the
                                                                         strain that belongs to two
                                                                         axes (0 to 2) */
+    /* Axes of the ply that are the material's axes 1 (first) and 2 (second). */
     const int first = poling == 2 ? 0 : 2, second = 3 - poling - first;
     memset(column, 0, 6 * sizeof *column);
     if (axis == poling) {
@@ -122,16 +120,9 @@ static void field_stress(const scene_material *material, double stiffness[6][6],
 }
 
 /*
- * Compute the electric constants of a ply: the prescribed stress per volt, the capacitance, and the
- * pyroelectric charge per kelvin.
- *
- * Electrodes on the faces of a ply cause a field along its normal e3; interdigitated electrodes
- * cause one along the poling. With the distance d of the electrodes (m), one volt is the field -1/d
- * (V/m). A field E causes the free strain D E, with the piezoelectric constants D (m/V). The
- * prescribed stress is -C D E, with the stiffness C (Pa). The electric displacement along the field
- * is (C D) times strain + permittivity times field + pyroelectric constant times temperature. The
- * charge of an electrode is minus this displacement. It is the charge of the upper electrode, or of
- * the interdigitated electrode towards which the poling points.
+ * Compute the electric constants of a ply: prescribed stress per volt, capacitance per area, and
+ * pyroelectric charge per kelvin. The charges are those of the upper electrode, or of the
+ * interdigitated electrode towards which the poling points.
  *   stress [6] out  prescribed stress per volt in the axes of the ply (Pa/V), Voigt order 11 22 33
  *       23 13 12
  */
@@ -140,15 +131,15 @@ static void build_electric(const scene_material *material, const scene_layer *la
 {
     const int poling = abs(layer->poling) - 1;
     const bool has_fingers = layer->finger_distance > 0;
+    /* Interdigitated electrodes cause a field along the poling, other electrodes along e3. */
     const int axis = has_fingers ? poling : 2;
     const double distance = has_fingers ? layer->finger_distance : layer->thickness;
-    const double share =
-        layer->thickness / distance; /* area of the electrodes for each unit of the surface area: 1
-                                        for electrodes on the faces of the layer. Interdigitated
-                                        electrodes are modelled as planes across the layer; their
-                                        area for each unit of the surface area is the thickness over
-                                        the distance of the electrodes */
+    const double share = layer->thickness / distance; /* area of the electrodes per surface area: 1
+                                                         on the faces of the ply; thickness over
+                                                         distance for interdigitated electrodes,
+                                                         modelled as planes across the ply */
     field_stress(material, stiffness, poling, axis, stress);
+    /* One volt is the field -1/distance, and the prescribed stress is minus stress times field. */
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / distance;
     ply->capacitance =
@@ -257,13 +248,12 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
                                        0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
 
 /*
- * Compute the factors (order 11 22 33 23 13 12) by which the strains of an element at height z are
- * divided. They are the squares and products of the length ratios of lines of curvature: length at
- * height z over length in the reference surface. The factors are 1 if the element option `metric`
- * is off. They are also 1 for an element that does not lie along lines of curvature, because the
- * functions natural_stiffness and natural_stress transform its stiffness and stress to height z.
- * Returns the area of the element at height z over its area in the reference surface, 1 if `metric`
- * is off.
+ * Compute the factors by which the strains of an element at height z are divided: squares and
+ * products of the length ratios of lines of curvature (length at height z over length in the
+ * reference surface). They are 1 where the element option `metric` is off, and on elements not
+ * along lines of curvature, which natural_stiffness and natural_stress treat.
+ *   share [6] out  the factors, order 11 22 33 23 13 12
+ * Returns the area of the element at height z over that in the reference surface.
  */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
                         double share[6])
@@ -413,11 +403,9 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 }
 
 /*
- * Set to 0 the entries of a stiffness matrix that couple the difference of the thickness strain 33
- * between both faces with the other strains. Its diagonal entry becomes the inverse of its
- * compliance: the stiffness while the resultants of all other strains are 0. With the element
- * option lin33 every ply thickens freely, so that this strain has no effect on the others. Returns
- * 0, or -1 if the matrix is singular.
+ * Uncouple the difference of the thickness strain 33 between both faces from the other strains of
+ * an element, for the element option lin33, with which every ply thickens freely. Returns 0, or -1
+ * if the matrix is singular.
  */
 static int relax_e33(double stiffness[N][N])
 {
@@ -426,6 +414,7 @@ static int relax_e33(double stiffness[N][N])
         return -1;
     for (int i = 0; i < N; i++)
         stiffness[i][D33] = stiffness[D33][i] = 0;
+    /* stiffness of this strain while the resultants of all other strains are 0 */
     stiffness[D33][D33] = 1 / inverse[D33][D33];
     return 0;
 }
@@ -461,13 +450,13 @@ typedef struct strain_share {
 } strain_share;
 
 /*
- * In a curved element, each in-plane strain at height z contains a term m z^2, and the element uses
- * a straight line in z in place of z^2 (laminate_height.h). Add what this replacement leaves out, m
- * (z^2 - line), to the strains at height z per unit of one in-plane strain of the element.
- *   of_strain [3][3] in  coefficients m of the strains 11, 22 and 12 (rows) per unit of the
+ * Add to the strains at one height what an element leaves out by its straight line in place of z^2
+ * (laminate_height.h): the coefficient m of z^2 times (z^2 - line).
+ *   of_strain [3][3] in      coefficients m of the strains 11, 22 and 12 (rows) per unit of the
  *       element's strains 11, 22 and 12 (columns; 1/m2)
- *   column           in  0, 1 or 2: unit strain 11, 22 or 12 of the element
- *   excess    [3]    in  z^2 - line for the strains 11, 22 and 12 (m2)
+ *   column           in      0, 1 or 2: unit strain 11, 22 or 12 of the element
+ *   excess    [3]    in      z^2 - line for the strains 11, 22 and 12 (m2)
+ *   share            in/out  strains at this height per unit of the element's strain `column`
  */
 static void add_quadratic(const double of_strain[HEIGHT_ROWS][HEIGHT_ROWS], int column,
                           const double excess[HEIGHT_ROWS], strain_share *share)
@@ -509,12 +498,11 @@ static void strain_shares(const laminate *laminate, const laminate_heights *heig
 }
 
 /*
- * Add the contribution of one quadrature point in a ply to one entry of each of two stiffness
- * matrices of an element. The entry belongs to two of its ten strains.
- *   natural [6][6] in      stiffness of the ply at this point (Pa), Voigt order 11 22 33 23 13 12
+ * Add one quadrature point of a ply to one entry of two stiffness matrices of an element.
+ *   natural [6][6] in      stiffness of the ply at the point (Pa), Voigt order 11 22 33 23 13 12
  *   metric  [6]    in      factors by which strains are divided at this height (metric_at)
  *   weight         in      weight of the point (m)
- *   first, second  in      strains at the point per unit of each of the two strains
+ *   first, second  in      strains at the point per unit of the row's and of the column's strain
  *   stiffness      in/out  entry of the stiffness integrated over the thickness (N/m)
  *   plane          in/out  the same entry with the normal stress 33 at 0 (N/m)
  */
@@ -534,13 +522,12 @@ static void add_pair(double natural[6][6], const double metric[6], double weight
 }
 
 /*
- * Add the contribution of one quadrature point in a ply to the integrals over the thickness
- * (ply_integrals): stiffness and compliance of the plies.
- *   natural [6][6] in      stiffness of the ply at this point (Pa), Voigt order 11 22 33 23 13 12
+ * Add one quadrature point of a ply to the integrals over the thickness.
+ *   sums           in/out  the integrals
+ *   natural [6][6] in      stiffness of the ply at the point (Pa), Voigt order 11 22 33 23 13 12
  *   metric  [6]    in      factors by which strains are divided at this height (metric_at)
  *   weight         in      weight of the point (m)
- *   share   [10]   in      strains at the point per unit of each of the ten strains of an element
- *   sums           in/out  the integrals
+ *   share   [10]   in      strains at the point per unit of each strain of the element
  */
 static void add_point(ply_integrals *sums, double natural[6][6], const double metric[6],
                       double weight, const strain_share share[N])
@@ -579,17 +566,16 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * Replace the stiffness of an element by that of plies whose thickness strains may differ, while
- * the normal stress 33 is the same in all plies. A thickness strain that is linear through all
- * plies would falsify the bending of plies with different Poisson's ratios by some per cent. The
- * normal stress is
- *   s = (h e + sum over i of n_i E_i)/f.
- * Here h is the thickness of all plies (`length`), e their mean thickness strain, and E_i the other
- * strains of the element. With c_i3 the stiffness that couples strain i with the thickness strain
- * 33, n_i is the integral of c_i3/c_33 over the thickness (`narrowing`), and f that of 1/c_33
- * (`compliance`). The new stiffness has the entries p_ij + n_i n_j/f, where p is the stiffness of
- * plies with s = 0 (`plane`). For the mean thickness strain, n_i is h and p_ij is 0. Entries of one
- * more strain do not change: the difference of the thickness strain between both faces.
+ * Compute the stiffness of an element whose plies thicken freely under a common normal stress 33. A
+ * thickness strain linear through all plies would falsify bending by some per cent where Poisson's
+ * ratios differ. The stress is s = (h e + sum of n_i E_i)/f, which gives the entries
+ *   stiffness_ij = plane_ij + n_i n_j/f.
+ *   h    thickness of all plies
+ *   e    mean thickness strain, for which n_i is h and plane_ij is 0
+ *   E_i  other strains of the element
+ *   n_i  integral of c_i3/c_33 over the thickness (`narrowing`)
+ *   f    integral of 1/c_33 (`compliance`)
+ * The entries of the difference of the strain 33 between both faces do not change.
  */
 static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 {
@@ -721,12 +707,11 @@ static int field_acts(const laminate_place *place, const laminate_field *field, 
 }
 
 /*
- * Add the contribution of one ply to the prescribed stress resultants of an element under a field
- * (voltage or temperature).
- *   stress [6]  in      prescribed stress of the ply per unit of the field (Pa), Voigt order 11 22
- *       33 23 13 12
- *   h0     [10] in/out  resultants per area (N/m) for the strains 11, 22, 33 and 12, each as mean
- *       of both faces and as difference between them, then 13 and 23
+ * Add the part of one ply to the prescribed resultants of an element under a voltage, an electric
+ * field or a temperature.
+ *   stress [6]  in      prescribed stress of the ply per unit of the field, Voigt order 11 22 33 23
+ *       13 12
+ *   h0     [10] in/out  resultants per area (N/m), order of `voigt`
  */
 static void integrate_stress(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_ply *ply,
@@ -753,10 +738,9 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
 /* ---- formulation ------------------------------------------------------ */
 
 /*
- * Return a bending flexibility of an element (1/(N m)), the smaller one of those along its two
- * directions: 12/(E h^3) for one ply with the modulus of elasticity E and the thickness h. It is
- * the curvature 11 or 22 per unit of its bending moment, while all other stress resultants and the
- * transverse shear strains are 0.
+ * Return the bending flexibility of an element (1/(N m)): the smaller curvature 11 or 22 per unit
+ * of its bending moment, with transverse shear strains 0. One isotropic ply of modulus E and
+ * thickness h has 12/(E h^3).
  *   inverse [10][10] in  compliance matrix of the element (m/N), from plane_compliance
  */
 static double bending_flexibility(double inverse[N][N], double thickness)
@@ -766,14 +750,12 @@ static double bending_flexibility(double inverse[N][N], double thickness)
 }
 
 /*
- * Return whether the element takes a strain into account in a strain mode. With the natural
- * coordinates xi1 and xi2, mode 0 (constant over the element) contains all strains; mode 1
- * (proportional to xi2) contains 11, 33 and 13; mode 2 (proportional to xi1) contains 22, 33 and
- * 23; mode 3 (proportional to xi1 xi2) contains 33. The other strains of modes 1 to 3 would make
- * the element too stiff (locking).
+ * Return whether a strain mode of the element contains a strain. Modes 1 to 3 leave out the strains
+ * that would make the element too stiff (locking).
  */
 static int kept(int mode, int strain)
 {
+    /* mode that contains a strain besides mode 0; 3: modes 1 to 3 all do; 0: none does */
     static const int along[N] = {1, 1, 2, 2, 3, 3, 0, 0, 1, 2};
     return mode == 0 || along[strain] == 3 || (mode < 3 && along[strain] == mode);
 }
@@ -805,14 +787,13 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 }
 
 /*
- * Return the factor by which the flexibility that is added to a transverse shear is multiplied in a
- * strain mode that is linear over the element. The added flexibility stands for a displacement
- * along the normal that is 0 at the nodes (bubble). In a linear strain mode the bubble changes its
- * sign across the element, so that it twists the element and is stiffer. The factor is 1/(1 + 0.6
- * (f/ft) (L_a/L_b)^2), with the flexibilities f of bending and ft of twist. L_a is the length of
- * the element along the direction of the transverse shear, L_b that across it. For a square
- * isotropic element with Poisson's ratio 0.3 the exact factor is 0.784, and this formula gives
- * 0.813.
+ * Return the factor (0 to 1) of the added transverse shear flexibility in a linear strain mode:
+ *   1/(1 + 0.6 (f/ft) (L_a/L_b)^2).
+ * The flexibility stands for a normal displacement inside the element (bubble), which is stiffer
+ * where it changes its sign and twists the element. On a square with Poisson's ratio 0.3 the exact
+ * factor is 0.784; the formula gives 0.813.
+ *   f, ft     flexibilities of bending and of twist
+ *   L_a, L_b  lengths of the element along and across the direction of the shear
  *   inverse [10][10] in  compliance matrix of the element (m/N), from plane_compliance
  *   direction        in  direction of the transverse shear: 0 for 13, 1 for 23
  */
@@ -826,15 +807,15 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 }
 
 /*
- * Compute the flexibility that is added to the transverse shears 13 and 23 in a strain mode
- * (constant, linear or bilinear over the element). It is rho p L^2/12 times the bending
- * flexibility. Here rho is the element option of this name, and p is a factor that is smaller than
- * 1 on thin elements of irregular meshes (laminate_place.bubble_share). L is the length of the
- * element along direction 1 (for 13) or 2 (for 23). In the two linear strain modes the flexibility
- * is also multiplied by the result of the function bubble_share.
+ * Compute the flexibility added to the transverse shears 13 and 23 in one strain mode:
+ *   rho p b L^2/12 times the bending flexibility.
+ *   rho  element option of this name
+ *   p    factor for irregular meshes (laminate_place.bubble_share)
+ *   b    1, or the result of the function bubble_share in a linear mode
+ *   L    length of the element along direction 1 (shear 13) or 2 (shear 23)
  *   inverse [10][10] in   compliance matrix of the element (m/N), from plane_compliance
  *   mode             in   0: constant, 1: linear in xi2, 2: linear in xi1, 3: bilinear
- *   flexibility  [2] out  added flexibility of the transverse shears 13 and 23 (m/N)
+ *   flexibility  [2] out  added flexibility of the shears 13 and 23 (m/N)
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
@@ -850,10 +831,8 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * List the strains whose stiffness block must be inverted to add flexibility to the transverse
- * shears of a strain mode (constant, linear or bilinear over the element). They are the transverse
- * shear strains of the mode. If a stiffness entry couples a transverse shear with another strain,
- * they are all strains of the mode.
+ * List the strains whose stiffness block soften_shear inverts: the transverse shears of a strain
+ * mode, or all strains of the mode where a stiffness entry couples a shear with another strain.
  *   modal [10][10] in   stiffness matrix of the strain mode
  *   index [10]     out  indices of these strains among the ten strains of an element
  * Returns their number.
@@ -899,11 +878,10 @@ static int soften_shear(double modal[N][N], int mode, const double flexibility[2
 }
 
 /*
- * Compute the compliance matrix of an element (m/N) whose transverse shear strains are 0. The
- * entries that couple the two transverse shears with the other eight strains are set to 0 in the
- * stiffness matrix, which is then inverted. An entry of the result is the strain per unit of one
- * stress resultant while all other resultants are 0, also that of the thickness strain 33. Returns
- * 0, or -1 if the matrix is singular.
+ * Compute the compliance matrix of an element (m/N) without coupling between the two transverse
+ * shears and the other eight strains. An entry is the strain per unit of one resultant while all
+ * others are 0, also that of the thickness strain 33. Returns 0, or -1 if the stiffness matrix is
+ * singular.
  */
 static int plane_compliance(double stiffness[N][N], double compliance[N][N])
 {
@@ -993,11 +971,9 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
 }
 
 /*
- * Correct stress resultants of an element at zero strains under a voltage or temperature that
- * causes transverse shear. Element options may make the element softer in shear than the laminate,
- * but the deformation of an unloaded element must not change. Its strains are therefore computed
- * with the uniform shear stiffness of the laminate. The corrected resultants cause the same strains
- * with the shear stiffness that the element uses.
+ * Change the prescribed resultants of an element so that its unloaded strains are those of the
+ * laminate with uniform transverse shear. The element options `shear` and `rho` make the element
+ * softer in shear, but must not change its free strains.
  */
 static void keep_free_strains(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, free_field *field)
@@ -1020,11 +996,8 @@ static void keep_free_strains(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Compute the stress of a ply under a unit voltage, electric field along the surface or
- * temperature, while the other strains of the element are zero. Without the element option lin33
- * the thickness strain 33 is zero too. With lin33 the ply thickens freely, so that its normal
- * stress 33 becomes 0. Each stress i then changes by -(c_i3/c_33) times the stress 33 at zero
- * strains, where c is the stiffness of the ply.
+ * Compute the stress of a ply under a unit field while the strains of the element are zero. With
+ * the element option lin33 the ply thickens freely: its normal stress 33 is 0.
  *   prescribed [6] in   stress at zero strains, Voigt order 11 22 33 23 13 12
  *   stress     [6] out  stress of the ply, same order
  */
@@ -1072,12 +1045,10 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the stress resultants (N/m) of an element under a voltage or temperature while its
- * strains are zero. With the element option lin33 every ply thickens freely, but the thickness
- * strain averaged over all plies is zero. The resultants then have two parts: the integrals of the
- * in-plane stresses of the freely thickening plies, and the reaction that keeps the averaged
- * thickness strain at zero. Where the voltage or temperature causes a transverse shear stress, the
- * strains of an unloaded element are computed too.
+ * Compute the prescribed resultants (N/m) of an element under a voltage, an electric field or a
+ * temperature. With the element option lin33 every ply thickens freely, while the mean thickness
+ * strain of all plies is held at zero. Where transverse shear stress arises, the strains of the
+ * unloaded element are computed too.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,
@@ -1098,6 +1069,7 @@ static void field_resultants(const laminate *laminate, const scene_element *elem
         element->lin33 && package_stiffness(laminate, element, place, stiffness) == 0;
     if (element->lin33)
         h0[D33] = 0;
+    /* reaction that holds the mean thickness strain at zero */
     for (int i = 0; i < N; i++)
         h0[i] += thickens ? stiffness[i][M33] * thickening : 0;
     memset(result->strain, 0, sizeof result->strain);
@@ -1123,13 +1095,12 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 
 /*
  * Return a correction of an electrode's charge per area (C/m2) under a voltage of 1 V or a
- * temperature of 1 K. The element options `shear` and `rho` make an element softer in transverse
- * shear than its material. Its stress resultants at zero strains are adapted to this, so that an
- * unloaded element deforms as its material does (keep_free_strains). With the correction its charge
- * is that of the material, too. The correction is e1^T (D - D') e2. Here e1 and e2 are the strains
- * of an unloaded element under the voltage or temperature `first` and `second`. D is the stiffness
- * for shear strains that are uniform through the thickness, and D' the stiffness of the softer
- * element.
+ * temperature of 1 K, for elements that are softer in shear than their material
+ * (keep_free_strains). With the correction the charge is that of the material:
+ *   e1^T (D - D') e2.
+ *   e1, e2  strains of the unloaded element under the fields `first` and `second`
+ *   D       stiffness with uniform transverse shear through the thickness
+ *   D'      stiffness of the softer element
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -1165,16 +1136,14 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * The result is C/V for two electric fields, and C/K for an electric field and a temperature. It is
- * the area of the element times a sum of up to four terms. The first is the integral over the ply
- * of f1 f2 d, with the two fields f1 and f2 and minus the derivative d of the enthalpy density with
- * respect to both (field_density). For uniform fields, a correction is added for element options
- * that change the transverse shear stiffness (shear_charge).
- * With the element option lin33 every ply thickens freely. Two terms of elastic energy are added,
- * because each ply thickens differently from the mean of all plies. One is the integral over the
- * ply of c_33 t_1 t_2, with the normal stiffness c_33 of the ply and its free thickness strains t_1
- * and t_2 under the two fields. The other is -C_33 T_1 T_2, with the normal stiffness C_33 of all
- * plies together and the means T_1 and T_2 of their free thickness strains.
+ * The charge per area is a sum of four terms, of which the second and third belong to the element
+ * option lin33 and the last to uniform fields:
+ *   integral of f1 f2 d + integral of f1 f2 c_33 t1 t2 - C_33 T1 T2 + shear_charge.
+ *   f1, f2      values of the two fields at a height
+ *   d           field_density of the ply
+ *   c_33, C_33  normal stiffness of the ply, and of all plies together
+ *   t1, t2      free thickness strains of the ply per unit of each field
+ *   T1, T2      means of the free thickness strains over all plies
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

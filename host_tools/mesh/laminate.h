@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Stress resultants and electric charges of an element from its plies.
- *
- * The resultants are H = D E + H0, in which E are the ten strains 11m 11d 22m 22d 33m 33d 12m 12d
- * 13 23 of the element (m: mean, d: difference of the two faces), D is the stiffness, and H0 are
- * the prescribed resultants of voltages and temperatures. The charge of an electrode is the charge
- * that is drawn while the strains are zero, less the product of E and the H0 of one volt on that
- * electrode.
+ * Stress resultants and electric charges of an element from its plies. The resultants are
+ *   H = D E + H0.
+ *   E   the ten strains 11m 11d 22m 22d 33m 33d 12m 12d 13 23 (m: mean of both faces, d:
+ *       difference)
+ *   D   stiffness of the element
+ *   H0  prescribed resultants of voltages and temperatures
+ * The charge of an electrode is its charge at zero strains, less the product of E and the H0 of 1
+ * V.
  */
 #ifndef LAMINATE_H
 #define LAMINATE_H
@@ -54,12 +55,10 @@ typedef struct laminate {
 } laminate;
 
 /*
- * Plies that are present in an element, and the geometry on which the stiffness of the element
- * depends.
- *
- * On an element along lines of curvature, each base vector at height z is (1 + k z) times that of
- * the reference surface, with k the principal curvature along it; the axes of the plies are those
- * of the surface. For any other quadrilateral the member `natural` contains the base vectors.
+ * Plies that are present in an element, and its geometry for the stiffness. On an element along
+ * lines of curvature, each base vector at height z is (1 + k z) times that of the reference
+ * surface, with k the principal curvature along it. For other elements the member `natural` gives
+ * the base vectors.
  */
 typedef struct laminate_place {
     uint32_t present_plies; /* plies that are present in the element: bit i is set for ply i */
@@ -103,11 +102,10 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
                          double map[6][6]);
 
 /*
- * Compute the stiffness matrices of an element in its four strain modes. A strain is constant over
- * the element in mode 00, proportional to xi2 in mode 01, to xi1 in mode 10, and to xi1 xi2 in mode
- * 11. The natural coordinates xi1 and xi2 run from -1 to 1. The integral of the strain energy over
- * the element gives the four matrices the factors area, area/(3 - alpha_1^2), area/(3 - alpha_2^2)
- * and area/9, with the skew alpha_1, alpha_2 of the element (laminate_place.skew).
+ * Compute the stiffness matrices of an element in its four strain modes: strains constant over the
+ * element (00), proportional to xi2 (01), xi1 (10) and xi1 xi2 (11), with the natural coordinates
+ * from -1 to 1. They contain the factors of the integral of the strain energy: area, area/(3 -
+ * alpha_1^2), area/(3 - alpha_2^2) and area/9, with alpha_1 and alpha_2 from laminate_place.skew.
  *   packed [4][55] out  lower triangles of the matrices (N m) for the ten strains, packed by rows
  * Returns 0, or -1 if no ply is present.
  */
@@ -143,12 +141,10 @@ typedef struct laminate_field {
 } laminate_field;
 
 /*
- * Return the value of a field in an element at height z. A temperature of all plies (K) varies
- * linearly between the two faces of the laminate; an electric field along the surface (V/m) varies
- * linearly between the two faces of its ply. The temperature of one ply is 1 K. For a voltage, the
- * value is the electric field at height z, divided by its mean through the ply (dimensionless):
- * across a curved ply the electric flux is constant, so that the field is inversely proportional to
- * the area at height z.
+ * Return the value of a field in an element at height z: temperature (K), 1 K for the temperature
+ * of one ply, or electric field along the surface (V/m). For a voltage it is the electric field
+ * over its mean through the ply: across a curved ply the flux is constant, so that the field is
+ * inversely proportional to the area at height z.
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);
@@ -180,15 +176,13 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
 
 /*
- * Return minus the mixed second derivative of the electric enthalpy of an element, at constant
- * strains, with respect to two causes: electric fields or a temperature. For two electric fields
- * the result is a capacitance (C/V). For an electric field and a temperature it is a charge per
- * kelvin (C/K).
+ * Return minus the mixed second derivative of an element's electric enthalpy with respect to two
+ * fields, at constant strains: a capacitance (C/V) for two electric fields, a charge per kelvin
+ * (C/K) for an electric field and a temperature.
  *   first      in  electric field in a ply
  *   second     in  electric field in the same or another ply, or a temperature
- *   is_uniform in  true: both causes are constant over the element. false: both vary over the
- *       element and have the mean 0. They then have no effect on strains that are constant over the
- *       element, and the result has no correction for the transverse shear stiffness
+ *   is_uniform in  true: both fields are constant over the element. false: both vary with the mean
+ *       0, and the correction for a changed transverse shear stiffness is left out
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

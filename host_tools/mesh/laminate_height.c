@@ -37,12 +37,13 @@ void height_fit_lines(const height_ply *ply, int plies, laminate_heights *height
 }
 
 /*
- * In a curved shell with straight directors, an in-plane strain at height z above the middle of all
- * plies is e + z k + z^2 m. Compute the two matrices by which m follows from e and k: m =
- * with_slope k - with_mean e, each a vector of the strains 11, 22 and 12. Written with symmetric 2
- * x 2 matrices this is m = (c' k + k c)/2 - c' e c. The matrix c is the change of the base vectors
- * with the height (1/m), and c' its transpose. The relation holds for a surface whose directors
- * stay normal to it.
+ * Compute the matrices that give the quadratic part m of the in-plane strains e + z k + z^2 m:
+ *   m = with_slope k - with_mean e (vectors of the strains 11, 22, 12);
+ *   m = (c' k + k c)/2 - c' e c (as symmetric 2 x 2 matrices).
+ *   c           [2][2] in   change of the base vectors with the height (1/m); c' is its transpose
+ *   with_slope  [3][3] out  factors of k
+ *   with_mean   [3][3] out  factors of e
+ * Valid for straight directors that stay normal to the surface.
  */
 static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double with_mean[3][3])
 {
@@ -61,14 +62,11 @@ static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double 
 }
 
 /*
- * In a curved shell an in-plane strain at height z is e + z k + z^2 m. The coefficients satisfy m =
- * with_slope k - with_mean e, as vectors of the strains 11, 22 and 12. Express m by the two numbers
- * that an element has for each strain: the mean of both faces, and the difference between them. The
- * element replaces z^2 by a straight line a + b z/thickness, so that its mean is e + a m, and its
- * difference is thickness k + b m. This gives
+ * Express the quadratic part m (quadratic_of_middle) by the numbers that an element has for each
+ * strain: the mean of both faces e + a m, and the difference between them thickness k + b m. With
+ * the line a + b z/thickness that replaces z^2 this gives
  *   (1 + with_slope b/thickness - with_mean a) m
  *     = with_slope difference/thickness - with_mean mean.
- * The matrix on the left is near unity unless the shell is as thick as its radius of curvature.
  */
 static void solve_quadratic(laminate_heights *heights, double with_slope[3][3],
                             double with_mean[3][3])
@@ -79,6 +77,7 @@ static void solve_quadratic(laminate_heights *heights, double with_slope[3][3],
         for (int j = 0; j < 3; j++)
             matrix[i][j] = (i == j) + with_slope[i][j] * heights->line[1][j] / thickness -
                            with_mean[i][j] * heights->line[0][j];
+    /* The matrix is near unity unless the shell is as thick as its radius of curvature. */
     if (invert(&matrix[0][0], 3, 3) < 0)
         return;
     for (int i = 0; i < 3; i++)

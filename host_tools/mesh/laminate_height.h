@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Part of the in-plane strains of an element that is quadratic in the height.
- *
- * The directors of a shell are straight, so that an in-plane strain at height z above the middle of
- * all plies is e + z k + z^2 m. An element has two numbers for each strain: the mean of its values
- * at both faces, and the difference between them. A straight line a + b z/thickness replaces z^2.
- * With the element option `quadratic` it is the line that deviates least from z^2, as a mean over
- * the thickness weighted with the stiffness of the plies in the direction of the strain: membrane
- * force and bending moment are then the integrals of the stresses. One homogeneous ply has a =
- * thickness^2/12 and stiff faces on a soft core have a = thickness^2/4. With `quadratic: off` a =
- * thickness^2/4 and b = 0, which is exact at the faces. With `quadratic: omitted` a = b = 0, and
- * the in-plane strains are e + z k.
+ * Quadratic part of the in-plane strains e + z k + z^2 m of an element, with the height z above the
+ * middle of all plies. An element has two numbers for each strain, at both faces, and therefore a
+ * straight line a + b z/thickness in place of z^2. The element option `quadratic` chooses this
+ * line:
+ * - on: least deviation from z^2, weighted with the stiffness of the plies, so that membrane forces
+ *   and moments are the integrals of the stresses (one ply: a = thickness^2/12);
+ * - off: a = thickness^2/4 and b = 0, exact at the faces;
+ * - omitted: a = b = 0, so that the strains are e + z k.
  */
 #ifndef LAMINATE_HEIGHT_H
 #define LAMINATE_HEIGHT_H
@@ -18,11 +15,10 @@
 enum { HEIGHT_ROWS = 3 }; /* number of in-plane strains: 11, 22 and 12 */
 
 /*
- * How the in-plane strains of a curved element depend on the height z above the middle of all
- * plies: each is e + z k + z^2 m. The coefficient m follows from two numbers that the element has
- * for each strain: m = of_mean * mean + of_difference * difference. Here `mean` and `difference`
- * are vectors of the strains 11, 22 and 12: their mean over both faces, and the difference between
- * the faces. This holds while the directors stay nearly normal to the surface.
+ * How the in-plane strains e + z k + z^2 m of a curved element depend on the height z above the
+ * middle of all plies. The coefficient is m = of_mean * mean + of_difference * difference, with the
+ * strains' means of both faces and differences between them. Valid while directors stay nearly
+ * normal.
  */
 typedef struct laminate_heights {
     double middle;               /* height of the middle of all plies above the
@@ -57,12 +53,10 @@ typedef struct height_ply {
 void height_fit_lines(const height_ply *ply, int plies, laminate_heights *heights);
 
 /*
- * Compute the coefficients of z^2 in the in-plane strains of a curved element (members of_mean and
- * of_difference). The straight lines that replace z^2 (member `line`, height_fit_lines) must be
- * set.
- *   change [2][2] in  change of the base vectors with the height (1/m), in terms of the base
- *       vectors in the middle of all plies: base vector a changes by the sum over c of change[c][a]
- *       times base vector c
+ * Compute the coefficients of z^2 in the in-plane strains (members of_mean and of_difference). The
+ * member `line` must be set (height_fit_lines).
+ *   change [2][2] in  change of the base vectors per height (1/m): in the middle of all plies, base
+ *       vector a changes by the sum over c of change[c][a] times base vector c
  */
 void height_quadratic_part(double change[2][2], laminate_heights *heights);
 

@@ -55,19 +55,18 @@ static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], d
 }
 
 /*
- * Add the work of the transverse shear stresses at one height, times a weight: work += weight P^T
- * compliance P. Column j of the matrix P has the shear stresses 13 and 23 at this height under the
- * unit transverse force 13 (j = 0) or 23 (j = 1). A transverse force is the gradient of a bending
- * moment, and the shear stresses balance the gradient of the in-plane stresses. Therefore P
- * consists of entries of `stress`; its sign cancels in the work.
- *   stress     [3][3] in  in-plane stresses 11, 22, 12 (rows) under unit bending moments 11, 22, 12
- *       (columns), integrated from the lowest face to this height (1/m)
- *   compliance [2][2] in  shear strains 13 and 23 per shear stress (1/Pa)
- *   weight            in  weight of the height in an integral over the thickness (m)
- *   work   [2][2] in/out  work per area for each pair of unit transverse forces (m/N)
+ * Add the work of the transverse shear stresses at one height: work += weight P^T compliance P. The
+ * shear stresses balance the gradients of the in-plane stresses, so that P consists of entries of
+ * `stress`, whose sign cancels in the work.
+ *   stress     [3][3] in      in-plane stresses 11, 22, 12 (rows) under unit bending moments 11,
+ *       22, 12 (columns), integrated from the lowest face to this height (1/m)
+ *   compliance [2][2] in      shear strains 13 and 23 per shear stress (1/Pa)
+ *   weight            in      weight of the height in an integral over the thickness (m)
+ *   work       [2][2] in/out  work per area for each pair of unit transverse forces 13, 23 (m/N)
  */
 static void add_work(double stress[3][3], double compliance[2][2], double weight, double work[2][2])
 {
+    /* P: shear stresses 13 and 23 (rows) under the unit transverse forces 13 and 23 (columns) */
     const double shear[2][2] = {{stress[0][0], stress[2][1]}, {stress[2][0], stress[1][1]}};
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < 2; j++)
@@ -78,12 +77,9 @@ static void add_work(double stress[3][3], double compliance[2][2], double weight
 }
 
 /*
- * Add the contributions of one ply to two integrals over the thickness. The plies are added from
- * the lowest to the highest.
+ * Add one ply to two integrals over the thickness; plies are added from the lowest to the highest.
  *   below [3][3] in/out  in-plane stresses 11, 22, 12 (rows) under unit bending moments 11, 22, 12
- *       (columns), integrated over the height (1/m). in: up to the lower face of the ply; out: up
- *       to its upper face. By equilibrium, the transverse shear stresses at a height follow from
- *       this integral up to the same height
+ *       (columns), integrated up to the lower (in) and upper (out) face of the ply (1/m)
  *   work  [2][2] in/out  work of the transverse shear stresses per area under unit transverse
  *       forces 13 and 23 (m/N)
  * Returns 0, or -1 if the ply has no shear stiffness.

@@ -1,25 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Transverse shear stiffness of a laminate from equilibrium.
- *
- * The plies are in plane stress and bend. Where a bending moment changes along the plate, the
- * in-plane stresses change too, and transverse shear stresses tau = (tau13, tau23) balance this
- * change. Two changes are considered: that of the moment 11 along direction 1, which is the
- * transverse force V13, and that of the moment 22 along direction 2, which is V23. Equilibrium of
- * the stresses between the lower face and height z gives tau as a function of V = (V13, V23):
+ * Transverse shear stiffness of a laminate from equilibrium. Where bending moments change along the
+ * plate, transverse shear stresses tau balance the change of the in-plane stresses. The transverse
+ * force V13 is the change of the moment 11 along direction 1, V23 that of the moment 22 along 2.
  *   G(z) = -integral from the lower face to z of C (S_b + zeta S_d) dzeta,
- *   tau(z) = P(z) V,  P = [[G(11; 11), G(12; 22)], [G(12; 11), G(22; 22)]].
- * The 3 x 3 matrix G has the in-plane stresses integrated up to z, with a changed sign, per unit
- * bending moment: G(i; j) is its entry for stress i and moment j. C is the plane stress stiffness
- * of a ply, and zeta the height. S_b and S_d (3 x 3) are the membrane strains and the curvatures
- * per bending moment: blocks of the inverse of the laminate's stiffness matrix [[A, B], [B, D]]
- * (membrane, coupling, bending). The shear stiffness K (N/m) follows from the work of tau:
- *   K^-1 = integral over the thickness of P^T C_t^-1 P dz,
- * with the transverse shear stiffness C_t of a ply.
- *
- * One isotropic ply has K = 5/6 of its shear modulus times its thickness. The stiffness of a soft
- * core between stiff faces is that of the core alone. A shear strain that is constant through the
- * thickness would give the mean of all moduli instead.
+ *   P = [[G(11; 11), G(12; 22)], [G(12; 11), G(22; 22)]],
+ *   tau(z) = P(z) (V13, V23),
+ *   K^-1 = integral over the thickness of P^T C_t^-1 P dz.
+ *   K          shear stiffness (N/m); 5/6 of shear modulus times thickness for one isotropic ply
+ *   G(i; j)    minus the stress i integrated up to z, per unit bending moment j
+ *   C, C_t     plane stress stiffness and transverse shear stiffness of a ply (Pa)
+ *   S_b, S_d   membrane strains and curvatures per bending moment (laminate_flexure)
+ *   z, zeta    heights above the reference surface (m)
+ * The stiffness of a soft core between stiff faces is that of the core alone.
  */
 #ifndef LAMINATE_SHEAR_H
 #define LAMINATE_SHEAR_H

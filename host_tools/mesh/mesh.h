@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh of a scene: nodes, elements, element types and the numbers of the free dof.
- *
- * The numbers of nodes on mesh lines (lines along which one of the surface coordinates theta1 and
- * theta2 is constant) increase fastest along theta2. The free dof are numbered so that the factor
- * of the stiffness matrix has a small envelope (number of stored entries): fastest along the
- * direction that gives the narrower band; along the other direction, if it is closed, the n lines
- * follow in the order 0, n-1, 1, n-2 and so on.
+ * Mesh of a scene: nodes, elements, element types and the numbers of the free dof. The free dof are
+ * numbered for a small envelope of the stiffness matrix's factor: fastest along the direction with
+ * the narrower band. Along the other direction, if it is closed, the n mesh lines follow in the
+ * order 0, n-1, 1, n-2 and so on. Nodes are numbered fastest along the surface coordinate theta2.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -122,9 +119,8 @@ int mesh_build(mesh *mesh, const scene *scene, char *error);
 /*
  * Build the mesh of a scene from a mesh of quadrilaterals in any arrangement, in place of the
  * scene's surface and mesh lines. Scene and quads must exist as long as the mesh.
- *   accept_irregular in  whether elements are accepted that are too thin for the irregular mesh
- *       around them, so that their bending is too stiff (quad_rule.lock above QUAD_LOCK). true:
- *       they are counted in the report quad_report; false: they are an error
+ *   accept_irregular in  true: elements whose bending is too stiff (quad_rule.lock above QUAD_LOCK)
+ *       are counted in quad_report; false: they are an error
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
@@ -138,11 +134,10 @@ void mesh_free(mesh *mesh);
 void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
- * Rotate the triads (local axes) of the nodes at supports that have the key `direction`, so that
- * the axis e1 is this direction, projected on the surface. This applies to meshes between mesh
- * lines (lines of constant surface coordinates), not to meshes from a file. Refused are other
- * supports of these nodes that act along e1 or e2 and do not have the same direction, and
- * distributed loads of the scene along e1 or e2. Returns 0, or -1 with error filled.
+ * Turn the triads (local axes) of nodes at supports with the key `direction`: axis e1 becomes this
+ * direction, projected on the surface. For meshes between mesh lines, not from a file. Returns 0,
+ * or -1 with error filled if another support of these nodes along e1 or e2 has another direction,
+ * or distributed loads act along e1 or e2.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 
@@ -153,15 +148,14 @@ int mesh_turn_axes(mesh *mesh, char *error);
 bool mesh_depends_on_axes(const scene_support *support);
 
 /*
- * Apply the oblique supports of a scene. They hold mean displacements (of both faces) along
- * directions in space that are no axes of the triads (local axes) of their nodes. The dof of such a
- * node are rotated to axes of which the first ones are the held directions. To be called before the
- * dof are numbered, when all other supports have marked the dof that they constrain in node_dof.
- *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
- *       prescribed
+ * Apply the oblique supports of a scene, which hold mean displacements (of both faces) along
+ * directions that are no axes of the triads. The dof of such a node are turned to axes that begin
+ * with the held directions. Call it after all other supports are marked in node_dof, before the dof
+ * are numbered.
+ *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  *   node   [nodes]               out     work array
- * Returns 0, or -1 with error filled if the directions or the prescribed values at a node
- * contradict each other.
+ * Returns 0, or -1 with error filled if directions or prescribed values at a node contradict each
+ * other.
  */
 int mesh_hold_oblique(mesh *mesh, double *values, int *node, char *error);
 
@@ -257,9 +251,9 @@ mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
 void mesh_node_areas(const mesh *mesh, double *area);
 
 /*
- * Add to each node its share of a length or area. mesh_length_shares shares out the lengths of the
- * element sides that lie in a place of the scene file, such as an edge, a region or a set.
- * mesh_area_shares shares out the areas of the elements whose nodes all belong to the place.
+ * Add to each node its share of a length or area: of the element sides that lie in a place of the
+ * scene file (mesh_length_shares), or of the elements whose nodes all belong to it
+ * (mesh_area_shares).
  *   share  [nodes] in/out  length (m) or area (m2) of each node
  * mesh_length_shares returns the number of sides, or -1 if the place has no sides.
  */

@@ -37,10 +37,9 @@ int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 int mesh_spot_refuse(scene_at at, int k, const double point[3], char *error);
 
 /*
- * Find the mesh point at which one of several equal springs or stacks is attached. An entry of the
- * scene's list `springs`, or the stacks of an actuator, may name several points, or a place with
- * several nodes, each with a spring of its own.
- *   spring    in   the entry of the list, or the stacks of the actuator
+ * Find the mesh point at which one of several equal springs or stacks is attached.
+ *   spring    in   entry of the scene's list `springs`, or stacks of an actuator, which may name
+ *       several points or a place with several nodes
  *   k         in   index of the point or node, from 0
  *   spot      out  the mesh point
  *   place [2] out  its surface coordinates theta1 and theta2; on a mesh from a file, x and y

@@ -68,15 +68,12 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Remove from a support at a node what other supports of this node hold already. They hold the
- * displacements along some orthogonal axes. With the component c of the support's direction along
- * an axis, c times the axis is subtracted from the direction, and c times the displacement
- * prescribed along the axis from that of the support.
- *   rest  in/out  in: direction of the support (unit vector) and its prescribed displacement. out:
- *       the remaining direction as a unit vector, orthogonal to the axes. `value` is the
- *       displacement along it times the returned sine
- * Returns the sine of the angle between the direction and the space of the axes, which is the
- * length of the remaining vector before it is normalised.
+ * Project the direction of a support at a node on the space orthogonal to the axes that other
+ * supports hold, and subtract the displacement that these axes prescribe.
+ *   rest  in/out  in: unit vector and prescribed displacement of the support. out: projected unit
+ *       vector; `value` is the displacement along it times the returned sine
+ * Returns the sine of the angle between the direction and the held axes: the length of the
+ * projection.
  */
 static double remove_held(const held_axes *held, held_direction *rest)
 {
@@ -280,13 +277,11 @@ static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 }
 
 /*
- * Mark the dof of a node that supports hold or whose displacements they prescribe. The dof stay
- * along the triad (local axes) of the node if all prescribed displacements are 0, and the held
- * directions are axes of the triad or span the space. Otherwise new axes are stored in the mesh for
- * the mean displacements (of both faces) of the node: first the held directions, then directions
- * orthogonal to them.
- *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
- *       prescribed
+ * Mark the dof of a node that supports hold or prescribe. The dof stay along the triad (local axes)
+ * if all prescribed displacements are 0 and the held directions are axes of the triad or span the
+ * space. Otherwise the mesh gets new axes for the node's mean displacements, the held directions
+ * first.
+ *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  */
 static void hold_node(mesh *mesh, int node, double *values, held_axes *held)
 {

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Electric potentials at the corners of a layer: stress resultants at zero strain, and capacitances
- * (potential_element.h).
- *
- * The potentials cause five fields in a layer of an element: the voltage across the layer, and the
- * electric fields along the axes 1 and 2 of the shell at the inner and at the outer face. Each
- * field is split into its mean over the element, which is linear in the potentials, and the rest,
- * whose mean is 0. The stress resultants follow from the means alone; the capacitances also have a
- * contribution from the rests.
+ * (potential_element.h). The potentials cause five fields: the voltage across the layer, and
+ * electric fields along the axes 1 and 2 of the shell at both faces. Resultants follow from the
+ * means of the fields over the element; capacitances also have a part from the deviations from
+ * these means.
  */
 #include "potential_element.h"
 #include <string.h>
@@ -77,12 +74,11 @@ static void list_fields(int ply, laminate_field field[FIELDS])
 }
 
 /*
- * Compute the five fields in a ply, as means over the element, while one of the eight potentials at
- * its corners is 1 V and the others are 0. A field along the surface is minus the gradient of the
- * potential.
+ * Compute the five fields in a ply, as means over the element, while one of its eight potentials is
+ * 1 V and the others are 0.
  *   node            in   index of the potential of 1 V: 2 corner + face (0: inner, 1: outer)
- *   coefficient [5] out  voltage across the ply (dimensionless), electric field along axis 1 of the
- *       shell at the inner and at the outer face (1/m), then that along axis 2
+ *   coefficient [5] out  voltage across the ply (dimensionless); minus the gradient of the
+ *       potential along axis 1 at the inner and outer face, then along axis 2 (1/m)
  */
 static void coefficients(const shapes *shapes, int node, double coefficient[FIELDS])
 {
@@ -94,14 +90,11 @@ static void coefficients(const shapes *shapes, int node, double coefficient[FIEL
 }
 
 /*
- * Return the contribution of non-uniform electric fields to the capacitance between two potentials
- * of a ply (C/V). The field of a potential is split into its mean over the element and a remainder
- * with mean 0. The remainder causes no strains that are constant over the element, so that it adds
- * a term of its own.
+ * Return the part of the capacitance between two potentials of a ply (C/V) that comes from the
+ * deviations of the fields from their means over the element.
  *   first, second    in  indices of the potentials: 2 corner + face (0: inner, 1: outer)
- *   uncoupled [5][5] in  capacitance matrix of the ply for fields that vary over the element and
- *       have the mean 0. Its rows and columns are five fields: voltage across the ply, and fields
- *       along the axes 1 and 2 at the inner and at the outer face
+ *   uncoupled [5][5] in  capacitances of the ply for fields that vary with the mean 0: voltage
+ *       across the ply, fields along axis 1 at the inner and outer face, and along axis 2
  */
 static double varying_part(const laminate_place *place, const shapes *shapes, int first, int second,
                            double uncoupled[FIELDS][FIELDS])

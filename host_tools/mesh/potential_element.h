@@ -13,22 +13,21 @@
 enum { POTENTIAL_NODES = 8 };
 
 /*
- * Compute the stress resultants of an element, times its area, while its strains are zero and one
- * potential of a ply is 1 V (the others 0 V). The ply must be present in the element.
- *   resultants [8][10] out  resultants (N m). Row 2 c + f belongs to the potential at corner c (0
- *       to 3) of face f (0: inner, 1: outer). The columns belong to the strains 11, 22, 33 and 12,
- *       each as mean of both faces and as difference between them, then 13 and 23
+ * Compute the stress resultants of an element, times its area, at zero strains while one potential
+ * of a ply is 1 V (the others 0 V). The ply must be present in the element.
+ *   resultants [8][10] out  resultants (N m): row 2 c + f for corner c (0 to 3) of face f (0:
+ *       inner, 1: outer); columns in the order of the ten strains (laminate.h)
  */
 void potential_element_resultants(const laminate *laminate, const scene_element *element,
                                   const laminate_place *place, int ply,
                                   double resultants[POTENTIAL_NODES][LAMINATE_STRAINS]);
 
 /*
- * Compute the capacitances between the electric potentials of one ply of an element and those of
- * the same or another ply. Each ply has eight potentials, at four corners on two faces. Two plies
- * are coupled because they share the thickness strain and the shear strain of the element.
- *   capacitance [8][8] out  charge at each potential of the ply `ply` (row) per volt of each
- *                           potential of the ply `other` (column), at zero strains (C/V)
+ * Compute the capacitances between the eight potentials of one ply of an element (four corners on
+ * two faces) and those of the same or another ply. Plies are coupled by the element's thickness and
+ * shear strains.
+ *   capacitance [8][8] out  charge at each potential of `ply` (row) per volt of each potential of
+ *       `other` (column), at zero strains (C/V)
  */
 void potential_element_capacitance(const laminate *laminate, const scene_element *element,
                                    const laminate_place *place, int ply, int other,

@@ -61,11 +61,9 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
 /* ---- rule --------------------------------------------------------------- */
 
 /*
- * Return the factor (0 to 1) max(0, 1 - 2 |B_11 B_22|/B_12^2), by which a correction of the shear
- * strain 12 (quad_rule.asymptotic) is limited to elements along asymptotic lines. B_11, B_22 and
- * B_12 are the curvatures of the surface along the two directions of an element. The factor is 1 if
- * both directions are asymptotic (B_11 = B_22 = 0), as on a twisted strip. It is 0 along lines of
- * curvature, where B_12 is 0, and on cylinders and spheres.
+ * Return the factor that limits the correction quad_rule.asymptotic to elements along asymptotic
+ * lines: max(0, 1 - 2 |B_11 B_22|/B_12^2), with the curvatures B along the directions of the
+ * element. It is 1 on a twisted strip (B_11 = B_22 = 0) and 0 along lines of curvature (B_12 = 0).
  */
 static double asymptotic_gate(const quad_geometry *geometry)
 {

@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Irregularity of a mesh of quadrilaterals in any arrangement, and its consequences for thin
- * shells. The irregularity of a node or an element tells how far the elements there deviate from
- * equal parallelograms.
- *
- * A thin shell bends nearly without membrane strains. Each element has three of them, and a mesh
- * has about as many elements as nodes, with three displacements each. Without regularity, hardly
- * any bending satisfies all these conditions: the mesh behaves like a polyhedron, whose bending is
- * far too stiff. The functions of this file find such elements, and compute factors by which the
- * formulation of the element keeps its membrane strains correct.
+ * Irregularity of a mesh of quadrilaterals: how far the elements at a node deviate from equal
+ * parallelograms. On an irregular mesh, a thin shell cannot bend without membrane strains and is
+ * far too stiff, like a polyhedron. The functions find such elements and compute factors by which
+ * the element keeps its membrane strains correct.
  */
 #ifndef QUAD_REGULARITY_H
 #define QUAD_REGULARITY_H
@@ -17,12 +12,11 @@
 #include "quad_geometry.h"
 
 /*
- * Compute the irregularity of each node: the distance of an inner node from the mean of its
- * neighbours along the surface, |sum of edge vectors|/sum of edge lengths. It is 0 on tilings of
- * parallelograms, of order 1/n on smooth meshes of n x n elements, and about 0.3 if nodes are moved
- * at random by 0.3 of a side. Nodes on the border of the mesh have the irregularity 0.
- *   side          [4 elements] in  sides of all elements, as listed by quad_sides
- *   irregularity  [nodes] out  irregularity of each node
+ * Compute the irregularity of each node: |sum of edge vectors|/sum of edge lengths along the
+ * surface. It is 0 on tilings of parallelograms and at the border, of order 1/n on smooth meshes of
+ * n x n elements, and about 0.3 if nodes are moved at random by 0.3 of a side.
+ *   side          [4 elements] in   sides of all elements, as listed by quad_sides
+ *   irregularity  [nodes]      out  irregularity of each node
  * Returns 0, or -1 when memory runs out.
  */
 int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);
@@ -56,9 +50,8 @@ typedef struct quad_rule {
 #define QUAD_LOCK 1.5
 
 /*
- * Return the thinness and irregularity of an element, and three numbers that follow from them: a
- * factor of its shear flexibility (bubble_share), an estimate of its excess bending stiffness
- * (lock), and the weight of a correction of its shear strain (asymptotic).
+ * Return the thinness and irregularity of an element, and the three numbers of quad_rule that
+ * follow.
  *   thickness    in  thickness of the laminate (m)
  *   irregularity in  largest irregularity of the four nodes (quad_irregularity)
  */

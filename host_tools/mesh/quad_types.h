@@ -47,13 +47,12 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
  * Build the element types of a mesh of quadrilaterals in any arrangement.
  *   list             in/out  receives the element types; its laminate must be filled
  *   point   [nodes]  in      positions and triads (local axes) of the nodes
- *   accept_irregular in      whether elements are accepted that are too thin for the irregular mesh
- *       around them, so that their bending is too stiff (quad_rule.lock above QUAD_LOCK). true:
- *       they are counted in `report`; false: they are an error
+ *   accept_irregular in      true: elements whose bending is too stiff (quad_rule.lock above
+ *       QUAD_LOCK) are counted in `report`; false: they are an error
  *   element_type [elements] out  number of the type of each element
  *   report           out     elements whose bending may be too stiff or whose shape is distorted
- * Returns 0, or -1 with error filled: an element is degenerate or nearly a triangle, the directors
- * (unit normals) of its nodes are inclined too far to it, or its bending is too stiff.
+ * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or too stiff, or
+ * the directors (unit normals) of its nodes are inclined too far to it.
  */
 int quad_types_build(type_list *list, const quad_mesh *quads, const surface_point *point,
                      bool accept_irregular, uint16_t *element_type, quad_report *report,

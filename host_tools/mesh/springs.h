@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Springs and stack actuators of a scene. The elongation of a spring is the displacement of the
- * point where it is attached, along its direction, less the displacement of its other end. It is a
- * linear function of the free dof of the mesh, and is stored as a sparse row: the numbers of the
- * dof that enter, and the elongation per unit of each. The displacement of a point is the mean of
- * both faces unless a face is named. Distributed springs are lumped at the nodes.
- *
- * The list of springs consists of items: first one for each entry of the section `springs`, then
- * one for each actuator, which is empty if the actuator has no stacks.
+ * Springs and stack actuators of a scene. The elongation of a spring is the displacement of its
+ * point along its direction, less that of its other end: a sparse row over the free dof. The
+ * displacement of a point is the mean of both faces unless a face is named. Distributed springs are
+ * lumped at the nodes. The list has one item for each entry of the section `springs`, then one for
+ * each actuator (empty without stacks).
  */
 #ifndef SPRINGS_H
 #define SPRINGS_H
@@ -31,12 +28,11 @@ void springs_direction(const surface_point *point, const scene_direction *direct
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 
 /*
- * List the springs and stacks of a scene, each with its stiffness and with the factors by which the
- * free dof of the mesh give its elongation. The dof must be numbered and the element types built.
- * The function does not extend mesh.first_column, the column of the first stored entry in each row
- * of the stiffness matrix; the caller must do so. Returns 0, or -1 with error filled;
- * mesh_springs_free releases the list in either case.
+ * List the springs and stacks of a scene: stiffness, and elongation per unit of each free dof. The
+ * dof must be numbered and the element types built. The caller must widen mesh.first_column for the
+ * rows, and release the list with mesh_springs_free, also after an error.
  *   springs in/out  in: empty; out: the list
+ * Returns 0, or -1 with error filled.
  */
 int springs_list(mesh *mesh, mesh_springs *springs, char *error);
 

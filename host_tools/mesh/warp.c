@@ -47,27 +47,26 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
- * Compute the vector that gives the difference of an in-plane strain between the faces of an
- * element at a corner: its scalar product with the derivative of the director along a direction.
- * The vector is the thickness times the mean base vector. A second term (height_squared) accounts
- * for the part of the strain that is quadratic in the height.
+ * Compute the vector whose product with the director's derivative along a direction is the
+ * difference of an in-plane strain between the faces, at a corner of an element.
  *   strain in  0 for strain 11, 1 for strain 22, 2 for strain 12
  */
 static void slope_base(const pzs_element_type *type, int corner, int direction, int strain,
                        double out[3])
 {
+    /* thickness times mean base vector, and a part for strains that are quadratic in the height */
     for (int i = 0; i < 3; i++)
         out[i] = type->thickness * type->g_mean[corner][direction][i] +
                  type->height_squared[1][strain] * type->g_diff[corner][direction][i];
 }
 
 /*
- * One equation of the linear system for the warping correction (warp.h) belongs to a unit tilt of
- * the director of one node along its local axis e1 (j = 0) or e2 (j = 1). It needs the eight
- * strains e_k that this tilt causes. A strain e_k is the mean over the four corners of a corner
- * strain times 1, xi1 or xi2. Add the contribution of one corner to these means.
- *   row   [8] in/out  the strains e_k
- *   shear     in/out  difference of the shear strain 12 between both faces, mean over the corners
+ * Add one corner of an element to the strains e_k (warp_fill) that a unit tilt of a node's director
+ * causes. They are means over the corners of corner strains times 1, xi1 or xi2.
+ *   node, j       in      tilted node, and axis of the tilt: 0 for local axis e1, 1 for e2
+ *   row   [8]     in/out  the strains e_k
+ *   shear         in/out  difference of the shear strain 12 between both faces, mean over the
+ *       corners
  */
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
                        double *shear)
@@ -186,12 +185,11 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve a linear system of eight equations with eight unknowns by elimination. If its rank r is
- * below eight, the last 8 - r unknowns in the order of the pivots are set to 0. The last 8 - r
- * equations must then be satisfied up to rounding errors. An unknown that is as small as a rounding
- * error is set to 0.
- *   factors [8] out  unknowns: factors c_k of the warping correction (warp.h)
- * Returns 0, or -1 if an equation is not satisfied or a number is not finite.
+ * Solve a system of eight linear equations by elimination, also of rank r < 8. The last 8 - r
+ * unknowns in the order of the pivots are then 0, and so are unknowns as small as a rounding error.
+ *   factors [8] out  unknowns: factors c_k of the warping correction (warp_fill)
+ * Returns 0, or -1 if one of the last 8 - r equations is not satisfied up to rounding errors, or a
+ * number is not finite.
  */
 static int solve(tilt_system *equations, double factors[ROWS])
 {

@@ -11,23 +11,17 @@
 #include "pzs.h"
 
 /*
- * Compute the warping correction of an element type (type->warp) from its thickness and its corner
- * tables, which map the displacements of the corners to strains. The correction adds a term to the
- * membrane shear strain of the element (mean of both faces of the shear strain 12):
+ * Compute the warping correction of an element type (type->warp) from its thickness and corner
+ * tables. It keeps tilted directors from cancelling the membrane strains of a thin shell, by a term
+ * that is added to the membrane shear strain 12 of the element:
  *   share (k12 - sum over k of c_k e_k), k = 1 to 8.
- * Here k12 is the difference of the shear strain 12 between both faces, constant over the element.
- * The eight strains e_k are, with the natural coordinates xi1 and xi2:
- *   transverse shear  13 linear in xi2, 23 linear in xi1, 13 constant, 23 constant;
- *   bending (difference between both faces)  11 constant, 11 linear in xi2, 22 constant, 22 linear
- *       in xi1.
- * The directors (unit normals) of the four corners have eight tilts, two at each corner. The eight
- * factors c_k are chosen so that in the reference state none of these tilts changes the term. The
- * corrected membrane strains then depend on displacements of the middle surface alone. Otherwise
- * tilted directors could cancel the membrane strains of a thin shell.
+ *   k12  difference of the strain 12 between both faces, constant over the element
+ *   e_k  strains 13 linear in xi2, 23 linear in xi1, 13 and 23 constant; then differences between
+ *       both faces of 11 constant, 11 linear in xi2, 22 constant, 22 linear in xi1
+ *   c_k  factors for which no tilt of a corner's director changes the term in the reference state
  *   share  in  tau (L1^2 k1 + L2^2 k2)/(12 h), with tau the element option of this name, L1 and L2
  *       the lengths of the element, k1 and k2 its curvatures and h the thickness; 0: no correction
- * Returns 0, or -1 if the eight strains cannot remove the effect of the directors, because the
- * element has no extent.
+ * Returns 0, or -1 if no factors c_k exist, because the element has no extent.
  */
 int warp_fill(pzs_element_type *type, double share);
 
