@@ -35,10 +35,11 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
                  const double *output, const stress_field *stress);
 
 /*
- * Write the report of `pzs shape`: for each pair of voltage limits, the reached shape, the misfit
- * (reached minus target values), the voltages and the shape error. Where the target is a list of
- * shapes, the report also has the error of each of them.
- *   result [results] in  optimal voltages of all amplifiers, for each pair of voltage limits
+ * Write the report of `pzs shape`: for each result, the reached shape, the misfit (reached minus
+ * target values), the voltages and the shape error. Where the target is a list of shapes, the
+ * report also has the error of each of them.
+ *   result [results] in  voltages of all amplifiers: the optimum without limits, the optimum within
+ *       the first pair of limits, which the summary and the picture show, and others
  */
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes);

@@ -10,6 +10,8 @@ typedef struct shape_page {
     page page;
     const voltages *result; /* [results] one for each pair of voltage limits */
     int results;
+    const voltages *best; /* the result within the limits that the scene or the first limit states
+                           */
     draw_scale voltage;
 } shape_page;
 
@@ -49,21 +51,9 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/*
- * Return the set of voltages whose shape the page shows first: the first one that was computed
- * within voltage limits, if any.
- */
-static const voltages *main_result(const shape_page *shape)
-{
-    for (int k = 0; k < shape->results; k++)
-        if (is_limited(&shape->result[k]))
-            return &shape->result[k];
-    return shape->result;
-}
-
 static void write_verdict(const shape_page *shape)
 {
-    const voltages *best = main_result(shape);
+    const voltages *best = shape->best;
     put(shape->page.file,
         "<p class=\"verdict\"><b>Relative RMS error %p</b>: %t, %l, limit active at %d of %d "
         "amplifiers.</p>\n",
@@ -168,7 +158,7 @@ static void write_page(shape_page *shape, const modes *modes)
     write_verdict(shape);
     put(page->file, "<h2>%ss</h2>\n", page->inputs.title);
     write_table(shape);
-    voltages_words(page->design, main_result(shape), notes);
+    voltages_words(page->design, shape->best, notes);
     if (*notes)
         put(page->file, "<p class=\"lines\">%t</p>\n", notes + strspn(notes, " \n"));
     page_voltages(page, shape->result, shape->results);
@@ -184,7 +174,7 @@ static void write_picture(shape_page *shape)
 {
     const page *page = &shape->page;
     const double width = 760, height = fmax(page->space.view.height, 350) + 44;
-    const voltages *result = main_result(shape);
+    const voltages *result = shape->best;
     char title[160];
     const draw_scale own = page_shape(&shape->page, result, shape->page.design->target);
     snprintf(title, sizeof title,
@@ -204,7 +194,7 @@ static void write_picture(shape_page *shape)
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes)
 {
-    shape_page shape = {.result = result, .results = results};
+    shape_page shape = {.result = result, .results = results, .best = result + 1};
     const bool failed = page_open(&shape.page, job, analysis) < 0;
     if (!failed) {
         fit_page(&shape);

@@ -28,65 +28,63 @@ enum { COLOURS = sizeof palette / sizeof *palette };
 
 #define FONT "system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,sans-serif"
 
-static const char *const page_style[] = {
-    "*{box-sizing:border-box}body{margin:0;background:var(--page);color:var(--ink);",
-    "font:15px/1.5  " FONT "}main{max-width:1240px;margin:0 auto;padding:28px 24px ",
-    "40px}h1{font-size:26px;line-height:1.2;margin:0 0 4px}h2{font-size:19px;margin:34px 0 8px}",
-    "h3{font-size:16px;margin:0}p{margin:4px 0 12px;max-width:85ch}.soft,figcaption,dt,footer,",
-    "summary{color:var(--soft)}code{overflow-wrap:anywhere}.kicker{margin:0 0 6px;",
-    "font-size:13px;letter-spacing:.04em;text-transform:uppercase;color:var(--soft)}dl{",
-    "display:flex;flex-wrap:wrap;gap:8px 28px;margin:14px 0 0;padding:12px 16px}dl,.set{",
-    "background:var(--panel);border:1px solid var(--rule);border-radius:8px}dt{font-size:12px}",
-    "dd{margin:0;font-variant-numeric:tabular-nums}.warn{color:var(--force)}.verdict{",
-    "font-size:17px;margin:18px 0 0}.wide{overflow-x:auto}table{border-collapse:collapse;",
-    "width:100%;font-variant-numeric:tabular-nums}.table+.table{margin-top:20px}.row>.table{",
-    "margin-top:0}.table figcaption{margin:0 0 6px;max-width:110ch}th,td{padding:6px 12px 6px ",
-    "0;border-bottom:1px solid var(--rule);text-align:right;white-space:nowrap}thead th{",
-    "font-size:12px;color:var(--soft);vertical-align:bottom}th{font-weight:600}th:first-child,",
-    ".word,.note{text-align:left}td.word,th.word{padding-left:12px}td.note{white-space:normal;",
-    "min-width:190px}details{margin-top:14px}summary{cursor:pointer}footer{margin-top:34px;",
-    "padding-top:10px;border-top:1px solid var(--rule);font-size:13px}.bar{",
-    "display:inline-block;width:90px;margin-left:8px;background:var(--rule);",
-    "vertical-align:middle}.bar,.bar i{height:9px;border-radius:2px}.bar i{display:block;",
-    "background:var(--accent)}.set{margin:14px 0 0;padding:14px 16px 12px}.row>*{min-width:0}",
-    ".row{display:grid;gap:18px;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));",
-    "align-items:start;margin-top:8px}figure{margin:0;min-width:0}figcaption{font-size:13px;",
-    "line-height:1.4;margin-top:4px}figcaption b{color:var(--ink);font-weight:600}.scale{",
-    "max-width:340px;margin-top:3px}.keys{margin:0;font-size:13px;color:var(--soft);",
-    "max-width:none}.keys span{margin-right:18px;white-space:nowrap}.key{display:inline-block;",
-    "width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;",
-    "margin-right:5px}.key.load{border-color:var(--force)}.key.solid{height:11px;border:1px ",
-    "solid var(--soft);background:var(--rule)}.key.dash{border-top:1px dashed var(--soft)}",
-    ".key.gone{border-color:var(--soft)}.key.stop,.key.over{width:13px;height:13px;border:2px ",
-    "solid var(--ink)}.key.over{border-style:dashed}.key.pins{width:7px;height:7px;border:0;",
-    "border-radius:4px;background:var(--ink)}.chart{max-width:760px}pre{overflow-x:auto;",
-    "font-size:12px}svg{display:block;width:100%;height:auto}.row svg{max-width:600px}.map svg{",
-    "max-width:480px}details+.table{margin-top:20px}@media print{main{max-width:none;padding:0}",
-    ".set{break-inside:avoid}}.lines{white-space:pre-line}",
-    NULL};
+static const char page_style[] =
+    "*{box-sizing:border-box}body{margin:0;background:var(--page);color:var(--ink);"
+    "font:15px/1.5  " FONT "}main{max-width:1240px;margin:0 auto;padding:28px 24px "
+    "40px}h1{font-size:26px;line-height:1.2;margin:0 0 4px}h2{font-size:19px;margin:34px 0 8px}"
+    "h3{font-size:16px;margin:0}p{margin:4px 0 12px;max-width:85ch}.soft,figcaption,dt,footer,"
+    "summary{color:var(--soft)}code{overflow-wrap:anywhere}.kicker{margin:0 0 6px;"
+    "font-size:13px;letter-spacing:.04em;text-transform:uppercase;color:var(--soft)}dl{"
+    "display:flex;flex-wrap:wrap;gap:8px 28px;margin:14px 0 0;padding:12px 16px}dl,.set{"
+    "background:var(--panel);border:1px solid var(--rule);border-radius:8px}dt{font-size:12px}"
+    "dd{margin:0;font-variant-numeric:tabular-nums}.warn{color:var(--force)}.verdict{"
+    "font-size:17px;margin:18px 0 0}.wide{overflow-x:auto}table{border-collapse:collapse;"
+    "width:100%;font-variant-numeric:tabular-nums}.table+.table{margin-top:20px}.row>.table{"
+    "margin-top:0}.table figcaption{margin:0 0 6px;max-width:110ch}th,td{padding:6px 12px 6px "
+    "0;border-bottom:1px solid var(--rule);text-align:right;white-space:nowrap}thead th{"
+    "font-size:12px;color:var(--soft);vertical-align:bottom}th{font-weight:600}th:first-child,"
+    ".word,.note{text-align:left}td.word,th.word{padding-left:12px}td.note{white-space:normal;"
+    "min-width:190px}details{margin-top:14px}summary{cursor:pointer}footer{margin-top:34px;"
+    "padding-top:10px;border-top:1px solid var(--rule);font-size:13px}.bar{"
+    "display:inline-block;width:90px;margin-left:8px;background:var(--rule);"
+    "vertical-align:middle}.bar,.bar i{height:9px;border-radius:2px}.bar i{display:block;"
+    "background:var(--accent)}.set{margin:14px 0 0;padding:14px 16px 12px}.row>*{min-width:0}"
+    ".row{display:grid;gap:18px;grid-template-columns:repeat(auto-fit,minmax(300px,1fr));"
+    "align-items:start;margin-top:8px}figure{margin:0;min-width:0}figcaption{font-size:13px;"
+    "line-height:1.4;margin-top:4px}figcaption b{color:var(--ink);font-weight:600}.scale{"
+    "max-width:340px;margin-top:3px}.keys{margin:0;font-size:13px;color:var(--soft);"
+    "max-width:none}.keys span{margin-right:18px;white-space:nowrap}.key{display:inline-block;"
+    "width:22px;height:0;border-top:2px solid var(--wire);vertical-align:middle;"
+    "margin-right:5px}.key.load{border-color:var(--force)}.key.solid{height:11px;border:1px "
+    "solid var(--soft);background:var(--rule)}.key.dash{border-top:1px dashed var(--soft)}"
+    ".key.gone{border-color:var(--soft)}.key.stop,.key.over{width:13px;height:13px;border:2px "
+    "solid var(--ink)}.key.over{border-style:dashed}.key.pins{width:7px;height:7px;border:0;"
+    "border-radius:4px;background:var(--ink)}.chart{max-width:760px}pre{overflow-x:auto;"
+    "font-size:12px}svg{display:block;width:100%;height:auto}.row svg{max-width:600px}.map svg{"
+    "max-width:480px}details+.table{margin-top:20px}@media print{main{max-width:none;padding:0}"
+    ".set{break-inside:avoid}}.lines{white-space:pre-line}";
 
-static const char *const picture_style[] = {
-    "svg{overflow:visible}svg text{font:11px " FONT ";fill:var(--soft);stroke:none}",
-    "svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}svg .end{text-anchor:end}",
-    "svg .title{font-size:17px;font-weight:600;fill:var(--ink)}.back{fill:var(--panel);",
-    "stroke:var(--rule)}.cells path{stroke-width:.6;stroke-linejoin:round}.flat path{",
-    "stroke:none;shape-rendering:crispEdges}.cells .edge{fill:none;stroke:var(--ink);",
-    "stroke-opacity:.34;stroke-width:.5}.cells .none,.flat .none,.none{fill:var(--none);",
-    "stroke:var(--none)}.frame,.grid,.wire,.rest,.flat .at{fill:none;stroke-linejoin:round}",
-    ".frame{stroke:var(--soft);stroke-width:1}.grid{stroke:var(--ink);stroke-opacity:.16;",
-    "stroke-width:.5}.flat .at{stroke:var(--ink);stroke-width:1}.wire{stroke:var(--wire);",
-    "stroke-width:.8;stroke-opacity:.85}.bold{stroke-width:1.6}.outline{fill:none;",
-    "stroke:var(--soft);stroke-width:.9;stroke-dasharray:4 3}.rest{stroke:var(--soft);",
-    "stroke-width:.7;stroke-opacity:.75}.rest.bold{stroke-width:1.6}.ghost{stroke-opacity:.3}",
-    ".dot{fill:var(--wire);stroke:var(--page);stroke-width:1}svg .tag{fill:var(--ink);",
-    "font-weight:600;paint-order:stroke;stroke:var(--panel);stroke-width:3px;",
-    "stroke-linejoin:round}.pin{fill:var(--ink)}.body{fill:var(--soft);fill-opacity:.13;",
-    "stroke:var(--soft);stroke-width:.6}.force{fill:var(--force);stroke:var(--force);",
-    "stroke-width:1.8}.axis{fill:none;stroke:var(--soft)}.patch{fill:none;stroke:var(--none);",
-    "stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{",
-    "stroke-dasharray:5 3}.limit.strong,.beyond.strong{stroke:var(--inverse)}svg text.mild{",
-    "fill:var(--ink)}svg text.strong{fill:var(--inverse)}",
-    NULL};
+static const char picture_style[] =
+    "svg{overflow:visible}svg text{font:11px " FONT ";fill:var(--soft);stroke:none}"
+    "svg .value{font-variant-numeric:tabular-nums;text-anchor:middle}svg .end{text-anchor:end}"
+    "svg .title{font-size:17px;font-weight:600;fill:var(--ink)}.back{fill:var(--panel);"
+    "stroke:var(--rule)}.cells path{stroke-width:.6;stroke-linejoin:round}.flat path{"
+    "stroke:none;shape-rendering:crispEdges}.cells .edge{fill:none;stroke:var(--ink);"
+    "stroke-opacity:.34;stroke-width:.5}.cells .none,.flat .none,.none{fill:var(--none);"
+    "stroke:var(--none)}.frame,.grid,.wire,.rest,.flat .at{fill:none;stroke-linejoin:round}"
+    ".frame{stroke:var(--soft);stroke-width:1}.grid{stroke:var(--ink);stroke-opacity:.16;"
+    "stroke-width:.5}.flat .at{stroke:var(--ink);stroke-width:1}.wire{stroke:var(--wire);"
+    "stroke-width:.8;stroke-opacity:.85}.bold{stroke-width:1.6}.outline{fill:none;"
+    "stroke:var(--soft);stroke-width:.9;stroke-dasharray:4 3}.rest{stroke:var(--soft);"
+    "stroke-width:.7;stroke-opacity:.75}.rest.bold{stroke-width:1.6}.ghost{stroke-opacity:.3}"
+    ".dot{fill:var(--wire);stroke:var(--page);stroke-width:1}svg .tag{fill:var(--ink);"
+    "font-weight:600;paint-order:stroke;stroke:var(--panel);stroke-width:3px;"
+    "stroke-linejoin:round}.pin{fill:var(--ink)}.body{fill:var(--soft);fill-opacity:.13;"
+    "stroke:var(--soft);stroke-width:.6}.force{fill:var(--force);stroke:var(--force);"
+    "stroke-width:1.8}.axis{fill:none;stroke:var(--soft)}.patch{fill:none;stroke:var(--none);"
+    "stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{"
+    "stroke-dasharray:5 3}.limit.strong,.beyond.strong{stroke:var(--inverse)}svg text.mild{"
+    "fill:var(--ink)}svg text.strong{fill:var(--inverse)}";
 
 static unsigned mixed(const unsigned stop[STOPS], double share)
 {
@@ -142,23 +140,17 @@ void draw_page_style(FILE *file)
     fputs("@media screen and (prefers-color-scheme:dark){", file);
     write_variables(file, 1);
     write_levels(file, 's', signed_dark);
-    fputs("}\n", file);
-    for (const char *const *rule = page_style; *rule; rule++)
-        fputs(*rule, file);
-    for (const char *const *rule = picture_style; *rule; rule++)
-        fputs(*rule, file);
-    fputs("</style>\n", file);
+    fprintf(file, "}\n%s%s</style>\n", page_style, picture_style);
 }
 
 void draw_picture_style(FILE *file)
 {
     fputs("<style>\n", file);
     write_levels(file, 'v', viridis);
-    for (int is_dark = 0; is_dark < 2; is_dark++) {
-        fputs(is_dark ? "@media (prefers-color-scheme:dark){" : "", file);
-        write_levels(file, 's', is_dark ? signed_dark : signed_light);
-        for (const char *const *rule = picture_style; *rule; rule++)
-            write_expanded(file, *rule, is_dark);
-    }
+    write_levels(file, 's', signed_light);
+    write_expanded(file, picture_style, 0);
+    fputs("@media (prefers-color-scheme:dark){", file);
+    write_levels(file, 's', signed_dark);
+    write_expanded(file, picture_style, 1);
     fputs("}\n</style>\n", file);
 }
