@@ -6,7 +6,7 @@
 #include "voltages.h"
 
 /* Size of the text of voltages_words, with the terminating zero (characters). */
-enum { VOLTAGES_TEXT = 4000 };
+enum { VOLTAGES_TEXT = 8000 };
 
 /*
  * Write a text of no or several lines, which are indented by two spaces and follow an empty line:

@@ -12,7 +12,7 @@
 enum { SIMULATE_PHASE_TEXT = 160 };
 
 /* Size of the longer texts below, with the terminating zero (characters). */
-enum { SIMULATE_TEXT = 2000 };
+enum { SIMULATE_TEXT = 8000 };
 
 /*
  * Return a text that names the shape (undeformed or deformed) at which the influence matrix of the
