@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Tables of layers, materials and voltages, and the text of the scene, on report pages. */
 #include <math.h>
-#include <string.h>
 #include "report_page.h"
 
 static void write_layers(const page *page)
@@ -44,10 +43,8 @@ static void write_scene(const page *page)
     fputs("<details><summary>Scene file: supports, loads and everything else; changes by --set are "
           "in the command below</summary>\n<pre>",
           page->file);
-    while (fgets(line, sizeof line, text)) {
-        line[strcspn(line, "\r\n")] = '\0';
-        put(page->file, "%t\n", line);
-    }
+    while (fgets(line, sizeof line, text))
+        put(page->file, "%t", line);
     fputs("</pre></details>\n", page->file);
     fclose(text);
 }
