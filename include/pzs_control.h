@@ -227,9 +227,9 @@ pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
  * Warnings, the first that applies; errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  *   PZS_W_HELD    no measurement is usable or the target is not finite; the voltages are kept
  *                 inside the present limits
- *   PZS_W_ITERATIONS, PZS_W_STEP_LIMIT, PZS_W_LIMIT_ROWS PZS_W_SENSOR  a measurement is not finite,
- *   or stays constant although its output should move; its
- *                 last disturbance is kept
+ *   PZS_W_ITERATIONS, PZS_W_STEP_LIMIT, PZS_W_LIMIT_ROWS
+ *   PZS_W_SENSOR  a measurement is not finite, or stays constant although its output should move;
+ *                 its last disturbance is kept
  */
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
 

@@ -280,10 +280,10 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 
 /*
  * Scale the stiffness matrix of a model to unit diagonal by powers of two, factor it as L D L^T,
- * and estimate its condition number. Errors:
- *   PZS_E_STAGE PZS_E_LOOSE, PZS_E_NEGATIVE  info.where = free degree of freedom PZS_E_CONDITION
- *   The estimate exceeds 1e14 or 1.2 / machine epsilon, where pzs_solve
- *                                refines solutions iteratively 600 / machine epsilon.
+ * and estimate its condition number. Errors: PZS_E_STAGE, and
+ *   PZS_E_LOOSE, PZS_E_NEGATIVE  info.where = free degree of freedom
+ *   PZS_E_CONDITION              The estimate exceeds 1e14, or 1.2 / machine epsilon (600 / machine
+ *                                epsilon where pzs_solve refines solutions iteratively).
  */
 pzs_status pzs_factor(pzs_model *model);
 

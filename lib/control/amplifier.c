@@ -1,19 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Amplifiers whose output voltage can only be a whole multiple of a converter step, and which do
- * not follow a change of voltage that is smaller than a dead band: a stage of the control tick.
+ * Amplifiers whose output voltage is a whole multiple of a converter step, and which do not follow
+ * a change of voltage inside a dead band: a stage of the control tick.
  *
- * A wanted voltage is replaced by the last whole multiple of the converter step between the present
- * voltage and the wanted one. The voltage that is given thus lies between the present and the
- * wanted voltage, inside voltage limits and step limits. Rounding to the nearest multiple could
- * exceed the wanted voltage; where the structure responds more than the model, the next tick would
- * then take the step back. Voltage limits take precedence over whole multiples of the converter
- * step. Where rounded voltages violate a limit of a weighted sum of voltages, the amplifiers of
- * this sum keep their present voltages in this tick.
- *
- * A tick that also damps vibration demands many small changes of voltage, each of which may be
- * smaller than a converter step. The part of a change that the amplifier does not make is carried
- * over to the next tick, up to one converter step plus the dead band.
+ *   - The given voltage is the last whole multiple of the converter step between the present and
+ *     the wanted voltage, so that it obeys voltage limits and step limits. Rounding to the nearest
+ *     multiple could exceed the wanted voltage, and the next tick might take the step back.
+ *   - Voltage limits take precedence over whole multiples.
+ *   - Where rounded voltages violate a limit of a weighted sum of voltages, the amplifiers of this
+ *     sum keep their present voltages in this tick.
+ *   - In a tick that also damps vibration, changes may be smaller than a converter step. The part
+ *     that the amplifier does not make is carried over to the next tick, up to one converter step
+ *     plus the dead band.
  */
 #include <string.h>
 #include "pzs_loop.h"

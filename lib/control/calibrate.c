@@ -2,29 +2,30 @@
 /*
  * Calibration on the device: recursive least squares for the influence matrix (pzs_calibrate.h).
  *
- * With the voltages v and the readings y of each record, the influence matrix B minimises the sum
- * of |y - B v|^2 over the records. The state is the triangular factor T [inputs][inputs] of the
- * information matrix I = T'T, which is the sum of v v', and the readings Z [inputs][outputs] in the
- * same basis; then T B' = Z. Plane rotations of the rows of [T Z] add a record. They never square
- * the condition number, and T'T is symmetric and not negative whatever the rounding errors are.
- * What is left of the readings of a record after the rotations is its residual, scaled so that its
- * variance is that of the noise; the mean of its squares is thus the variance of the noise.
+ * The influence matrix B minimises the sum of |y - B v|^2 over the records of voltages v and
+ * readings y. State of the calibration:
+ *   T [inputs][inputs]   triangular factor of the information matrix I = T'T, the sum of v v'
+ *   Z [inputs][outputs]  readings in the same basis: T B' = Z
  *
- * Forgetting is directional, so that a direction without new voltages loses nothing. Before a
- * record with the voltages v is added, the rows of [T Z] are rotated until only the first row of T
- * has a product with v that is not zero. This row is then r = v'I/sqrt(v'Iv), and it is multiplied
- * by sqrt(1 - f). The information matrix becomes
+ * Plane rotations of the rows of [T Z] add a record. They never square the condition number, and
+ * T'T is never negative whatever the rounding errors are. The part of a record's readings that the
+ * rotations leave is its residual, whose mean square is the variance of the noise.
+ *
+ * Forgetting is directional: a direction without new voltages loses nothing. A record with the
+ * voltages v changes the information matrix to
  *
  *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/M, |v|^4/(v'Iv))
+ *   M  settings.memory, number of records after which older ones are forgotten
  *
- * where M, settings.memory, is the number of records after which older ones are forgotten. The
- * covariance of B is the variance of the noise times the inverse of J. It is bounded from below and
- * from above, because the eigenvalues of J are. Let V be the largest norm of the voltages of a
- * record. From above: no eigenvalue of J exceeds the larger one of the largest eigenvalue of I and
- * V^2 M. From below: |v|^4 <= (v'Iv)(v' I^-1 v), so that the determinant satisfies det J / det I =
- * (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1 and never decreases. So no eigenvalue falls below
- * det I/(V^2 M)^(inputs - 1), and small voltages, such as those of a controller whose target stands
- * still, never replace the knowledge from large ones.
+ * For that, collect_direction rotates [T Z] until only the first row of T contributes to v'Iv, and
+ * this row is multiplied by sqrt(1 - f).
+ *
+ * The covariance of B, the variance of the noise times the inverse of J, is bounded on both sides:
+ *   - No eigenvalue of J exceeds the larger one of the largest eigenvalue of I and V^2 M, where V
+ *     is the largest norm of v in all records.
+ *   - No eigenvalue falls below det I/(V^2 M)^(inputs - 1), because |v|^4 <= (v'Iv)(v' I^-1 v) and
+ *     so det J / det I = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1. Small voltages therefore
+ *     never replace the knowledge from large ones.
  */
 #include <string.h>
 #include "pzs_calibrate.h"
@@ -387,12 +388,10 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 }
 
 /*
- * Prepare a calibration to forget a part of its information about the direction of the voltages v
- * of a new record. The information is the matrix R'R, the sum of v v' over the recorded voltages,
- * with the triangular factor R. Its rows are rotated, which does not change R'R, until R v has one
- * nonzero entry, the first. Only the first row of R then contributes to v'R'R v, so that the caller
- * can forget by scaling this row. Every other row has one nonzero entry to the left of the diagonal
- * afterwards.
+ * Rotate the rows of the triangular factor R of the information matrix until only its first row
+ * contributes to v'R'R v, with the voltages v of a new record. The caller can then forget
+ * information in this direction by scaling that row. R'R is unchanged; every other row has one
+ * nonzero entry to the left of the diagonal afterwards.
  *   direction [inputs] in/out  in: R v (V2); out: overwritten
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
@@ -521,10 +520,10 @@ static int32_t invert_pivots(const pzs_calibration *calibration, pzs_real *inver
 
 /*
  * Compute one row of the influence matrix of a calibration by back substitution with the triangular
- * factor of the information matrix (sum of v v' over the recorded voltages v). The entry of an
- * input that the records do not determine stays unchanged.
- *   inverse [inputs] in      reciprocals of the diagonal entries of the triangular factor (1/V)
- *   row     [inputs] in/out  row of the influence matrix (m/V)
+ * factor T of the information matrix.
+ *   inverse [inputs] in      reciprocals of the diagonal entries of T (1/V)
+ *   row     [inputs] in/out  row of the influence matrix (m/V); the entry of an input that the
+ *                            records do not determine stays unchanged
  */
 static void solve_row(const pzs_calibration *calibration, size_t output, const pzs_real *inverse,
                       pzs_real *row)
@@ -540,12 +539,11 @@ static void solve_row(const pzs_calibration *calibration, size_t output, const p
 }
 
 /*
- * Return the square root of diagonal entry `input` of the inverse information matrix (1/V).
- * Multiplied by the standard deviation of the noise, it gives the standard error of the computed
- * influence of this input. The root is the norm of the solution x of T' x = unit vector, with the
- * triangular factor T of the information matrix; it is infinite if x needs an input that the
- * records do not determine.
- *   inverse  [inputs] in   reciprocals of the diagonal entries of T (1/V)
+ * Return the square root of diagonal entry `input` of the inverse information matrix (1/V). Times
+ * the standard deviation of the noise, it is the standard error of the influence of this input. The
+ * root is |x| with T' x = unit vector; infinite if x needs an input that the records do not
+ * determine.
+ *   inverse  [inputs] in   reciprocals of the diagonal entries of the triangular factor T (1/V)
  *   solution [inputs] out  work array for x
  */
 static pzs_real spread_of(const pzs_calibration *calibration, size_t input, const pzs_real *inverse,

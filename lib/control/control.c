@@ -1,21 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Controller (pzs_control.h): initialisation, optimisation of the voltages, control tick.
+ * pzs_control.h defines the problem that each tick solves for the voltages v.
  *
- * Each tick solves
- *
- *   minimise   |W (B v - e)|^2 + regularisation |v - v0|^2
- *   subject to lower <= v <= upper,  |v - v_last| <= step limit
- *
- * with the voltages v, influence matrix B, output weights W, target error e, reference voltages v0
- * and last voltages v_last. With the Hessian H = B'W^2 B + regularisation I, half of the gradient
- * at v is
+ * Half of the gradient at v is, for any base voltages,
  *
  *   H (v - base) + regularisation (base - v0) - B'W^2 (e - B base)
+ *   H      Hessian B'W^2 B + regularisation I
+ *   B, W   influence matrix, output weights
+ *   e, v0  target error, reference voltages
  *
- * for any base voltages. Near the base it is as accurate as the residual e - B base. A tick
- * predicts the shape B v of its new voltages, which makes v the next base at no cost; pzs_step
- * renews its base only where rounding errors would matter.
+ * Near the base it is as accurate as the residual e - B base. A tick predicts the shape B v of its
+ * new voltages, which makes v the next base at no cost. pzs_step renews its base only where
+ * rounding errors would matter.
  */
 #include <string.h>
 #include "boxls.h"
@@ -132,13 +129,13 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
 }
 
 /*
- * Compute the part B'W^2 (wanted - shown) of the gradient that depends on the target, with the
- * influence matrix B and the output weights W. The shape `shown` is that of the base voltages
- * (around which the gradient is computed) plus the disturbance (measured minus predicted shape).
- * Returns the squared norm |W (wanted - shown)|^2 (m2). The function also computes
- * optimiser->target_energy, the scale of the objective (m2): the squared norm of W (wanted - shape
- * without voltages). The scale is at least its rounding error, the machine epsilon times the
- * returned norm. Both numbers are finite only if the gradient is.
+ * Compute the target part of the gradient, B'W^2 (wanted - shown), with the influence matrix B and
+ * the output weights W.
+ *   wanted [outputs] in  target shape (m)
+ *   shown  [outputs] in  shape of the base voltages plus the disturbance (m)
+ * Returns |W (wanted - shown)|^2 (m2) and stores optimiser->target_energy, the scale of the
+ * objective: |W (wanted - shape without voltages)|^2, at least its rounding error (m2). Both
+ * numbers are finite only if the gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -314,16 +311,13 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Change the objective of a tick so that the tick also damps vibration. The gradient at the base
- * voltages (around which gradients are computed) is multiplied by state.share, a factor from 0 to
- * 1, so that the tick goes only this part of the way to the static optimum. Then the damping
- * gradient is subtracted, along which the voltages take energy out of the vibration.
- *   damping [inputs] in  damping gradient (m2/V)
+ * Change the gradient of a tick at the base voltages so that the tick also damps vibration:
+ * multiply it by state.share, which slows the approach to the static optimum, and subtract the
+ * damping gradient.
+ *   damping [inputs] in  damping gradient, which takes energy out of the vibration (m2/V)
  *   missed           in  weighted squared norm of the target error (m2)
- * Returns the sum of `missed` and a squared norm for the damping gradient (m2), from which the
- * rounding-error bound of the whole gradient is computed. This norm is the largest entry of the
- * damping gradient divided by largest_column, the largest gradient of an input that a target error
- * of norm 1 m can cause.
+ * Returns `missed` plus a squared norm of the damping gradient (m2), for the rounding-error bound
+ * of the whole gradient.
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)
@@ -337,6 +331,7 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
                                         (1 - share) * optimiser->regularisation_gradient[i] +
                                         damping[i];
     }
+    // Norm of the target error (m) that can cause the largest entry of `damping` in the gradient.
     const pzs_real height = column > 0 ? largest / column : 0;
     return missed + height * height;
 }
@@ -508,8 +503,7 @@ static int32_t bad_limit(const pzs_problem *problem)
 }
 
 /*
- * Check the influence matrix of a controller. The checksum of the controller's tables must have
- * been checked before.
+ * Check the influence matrix of a controller, whose tables have passed their checksum.
  *   influence [outputs][inputs] in   full influence matrix that is used (m/V); NULL: the sparse one
  *   bad                         in   index of the first number of the tables that is not finite, or
  *                                    -1

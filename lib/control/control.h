@@ -52,17 +52,15 @@ void pzs_control_predict(pzs_control *control);
 void pzs_control_moved(pzs_control *control);
 
 /*
- * Make the next ticks damp vibration. At the present voltages, half the gradient of their objective
- * is `share` times that without damping, minus the array `damping`. The Hessian does not change, so
- * that a tick goes only the part `share` of the way to the optimum. In static equilibrium `damping`
- * is zero, and the voltages converge to those without damping. Voltages that stay unchanged obey
- * all limits of such a tick.
- *   share            in      factor of the static gradient, at most 1; 0: the ticks damp vibration
- *                            alone
+ * Make the next ticks damp vibration: at the present voltages, half the gradient of their objective
+ * is `share` times that without damping, minus `damping`. The Hessian does not change, so that a
+ * tick goes only the part `share` of the way to the optimum. Unchanged voltages obey all limits.
+ *   share            in      factor of the static gradient, at most 1; 0: damp vibration alone
  *   damping [inputs] in      gradient by which the vibration damper moves the voltages, read in
- *                            each tick (m2/V); NULL: ticks without damping
- *   carry   [inputs] in/out  parts of voltage changes that the amplifiers have not made because of
- *                            their converter steps, kept by pzs_quantise (V); 0 at first
+ *                            each tick, zero in static equilibrium (m2/V); NULL: ticks without
+ *                            damping
+ *   carry   [inputs] in/out  parts of voltage changes that converter steps have suppressed, kept by
+ *                            pzs_quantise (V); 0 at first
  */
 void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping,
                       pzs_real *carry);
@@ -123,11 +121,12 @@ void pzs_control_set_constants(pzs_control *control);
 void pzs_control_restore_limits(pzs_control *control);
 
 /*
- * At the start of a tick of a loop, compute again from the tables what damaged memory may have
+ * Compute again from the tables, at the start of a tick of a loop, what damaged memory may have
  * changed: pointers and counts, present voltage limits, step limits, and one row of the Hessian.
+ * Without damage no bit changes.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  *   work                        in  workspace of the controller
- * Without damage no bit changes. The work is about 30 operations for each input.
+ * The work is about 30 operations for each input.
  */
 void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
                          const pzs_real *influence, void *work);

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Correction of late sensor readings: a stage of the control tick, for a loop without vibration
- * damper. To readings that were taken `delay` ticks ago, it adds the changes that the model
- * predicts from the voltage changes since then. Without the correction the controller would
- * compensate the same deviation in several ticks, and the loop would oscillate. An electrode that
- * the fault detector has found faulty counts as if its voltage had not changed.
+ * Correction of late sensor readings, a stage of the control tick for a loop without vibration
+ * damper: readings taken `delay` ticks ago change by what the model predicts from the voltage
+ * changes since then. Without the correction the loop would oscillate, because the controller would
+ * compensate the same deviation in several ticks. The voltage of an electrode found faulty counts
+ * as unchanged.
  *
- * The work of a tick is sensors * inputs multiply-adds, and `delay` times as many after missed
- * ticks.
+ * Work of a tick: sensors * inputs multiply-adds, and `delay` times as many after missed ticks.
  */
 #include <string.h>
 #include "control.h"

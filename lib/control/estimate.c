@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Shape estimator: computes the shape from a few sensors and the model as B v + G (s - S v). B v is
- * the shape that the voltages v make, with the influence matrix B, and S v are the readings that
- * they make. G (s - S v) is the most probable shape of all other causes, given the readings s. The
- * gain G is computed with the tables, from the loads and faults that are expected in the scene.
+ * Shape estimator: computes the shape from a few sensors and the model,
+ *   B v + G (s - S v)
+ *   v, s  voltages, readings
+ *   B     influence matrix
+ *   S     readings that the voltages make, per volt
+ *   G     gain of the tables: G (s - S v) is the most probable shape of all other causes, by the
+ *         loads and faults expected in the scene
  *
- * The work of a tick is at most (sensors + outputs) (inputs + sensors) multiply-adds and does not
- * depend on the data.
+ * Work of a tick: at most (sensors + outputs) (inputs + sensors) multiply-adds, whatever the data
+ * are.
  */
 #include <string.h>
 #include "estimate.h"

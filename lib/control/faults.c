@@ -4,24 +4,27 @@
  * whose voltage does not follow their amplifier.
  *
  * Between two measured shapes the commanded voltages change by x, and the disturbance (measured
- * minus predicted shape) changes by B f + load, with the influence matrix B. f_j is the voltage by
- * which the effect of electrode j exceeds its command, estimated by least squares, and x + f is the
- * response. An electrode that follows responds with about x; one that does not, with about 0. An
- * electrode is suspected in two cases:
+ * minus predicted shape) changes by
+ *   B f + load
+ *   B  influence matrix
+ *   f  voltages by which the effects of the electrodes exceed their commands, estimated by least
+ *      squares; x + f is the response: about x if the electrode follows, otherwise about 0
  *
- *   - its voltage was changed by at least the amplitude of a test signal, and the shape hardly
- *     responded: the electrode is stuck, or was dead before; or
- *   - the shape jumped as if the voltage of this electrode, more than that of any other, had
+ * An electrode is suspected in two cases:
+ *
+ *   - Its voltage was changed by at least the amplitude of a test signal, and the shape hardly
+ *     responded: the electrode is stuck, or was dead before.
+ *   - The shape jumped as if the voltage of this electrode, more than that of any other, had
  *     vanished: it has just died.
  *
- * A load may cause either. A test signal is therefore applied to the suspected electrode: it is set
- * to two voltages in turn, one amplitude above and below its present voltage, inside voltage limits
- * and step limits, while the controller compensates with the other electrodes. The electrode is
- * faulty if it does not respond to these moves; the effect of a load does not correlate with them.
+ * A load may cause either. The suspected electrode is therefore set to two voltages in turn, one
+ * amplitude above and below its present voltage, inside voltage limits and step limits. The
+ * controller compensates with the other electrodes. The electrode is faulty if it does not respond;
+ * the effect of a load does not correlate with these moves.
  *
- * The work of a tick for m outputs and n inputs is (m + n) n multiply-adds and less than 40 (m + n)
- * other operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return. Nothing
- * else depends on the data.
+ * Work of a tick for m outputs and n inputs: (m + n) n multiply-adds and less than 40 (m + n) other
+ * operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return. Nothing else
+ * depends on the data.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -419,11 +422,10 @@ static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_
 }
 
 /*
- * Return a number by which electrodes suspected of a fault are ranked for a test: the electrode
- * with the largest one is tested first (V2). For electrode j it is the square of the voltage that
- * seems to be lost since the last shape, if this is about its whole voltage. Otherwise, if it
- * hardly responds, it is the sum of its squared commanded voltage changes. It is 0 if electrode j
- * is not suspected.
+ * Return the rank of electrode j among those suspected of a fault (V2), of which the largest is
+ * tested first; 0: not suspected. The rank is the squared voltage that seems to be lost since the
+ * last shape, if this is about its whole voltage. If it hardly responds, the rank is the sum of its
+ * squared commanded voltage changes.
  */
 static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                           pzs_real deviation2)

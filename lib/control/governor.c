@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Reference governor: slows a moving target shape down, so that a control tick that also damps
- * vibration can follow it without lag.
+ * vibration, and so goes only the part `share` of its way, can follow it without lag.
  *
- * A tick that damps vibration goes only the part `share` of the way from the last voltages to those
- * that are optimal in static equilibrium. Whenever the target changes, the governor computes the
- * voltages v_t within the limits that are optimal for the target without disturbances. It moves its
- * reference voltages v_ref towards v_t, by dr in a tick, which is at most a fixed part of the step
- * limits. It replaces the target shape z by
+ * When the target changes, the governor computes the voltages v_t within the limits that are
+ * optimal for it without disturbances. Each tick moves the reference voltages v_ref by dr towards
+ * v_t, at most by a fixed part of the step limits, and replaces the target shape z by
  *
  *   z - B (v_t - v_ref) + B dr / share
+ *   B  influence matrix
  *
- * with the influence matrix B, so that the tick adds the whole dr to the voltages, and only a share
- * of the remaining correction. Once v_ref has arrived, the target is passed on unchanged.
+ * The tick thus adds the whole dr to the voltages, and only a share of the remaining correction.
+ * Once v_ref has arrived, the target is passed on unchanged.
  *
- * The work of a tick is zero while the target stands still and v_ref has arrived; otherwise outputs
- * * inputs multiply-adds, and an optimisation of the voltages when the target has changed.
+ * Work of a tick: none while the target stands still and v_ref has arrived; otherwise outputs *
+ * inputs multiply-adds, and an optimisation of the voltages when the target has changed.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -120,10 +119,9 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 
 /*
  * Compute the optimal voltages for the target shape, within the voltage limits of the tables,
- * without step limits, and with the same inputs kept at a fixed voltage as in the control loop. The
- * voltage limits in the loop's controller are not used, because the compensation of hysteresis may
- * have replaced them by limits of effects (voltages that would move the structure as far without
- * hysteresis).
+ * without step limits, and with the inputs that the control loop keeps fixed. The limits in the
+ * loop's controller are not used: compensation of hysteresis may have replaced them by limits of
+ * effects.
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {
@@ -156,13 +154,13 @@ static pzs_real largest_part(const pzs_governor_state *state)
 }
 
 /*
- * Move the governor's slowed-down voltages (`reference`) towards the optimal voltages by one tick.
- * Then compute the voltages (V) whose shape is to be subtracted from the target:
+ * Move the governor's slowed-down voltages (`reference`) towards the optimal voltages by one tick,
+ * and compute the voltages `ahead` (V) whose shape is to be subtracted from the target:
  *   (optimal voltages - reference) - r / pzs_governor.share
- * with the change r of `reference` in this tick. A tick changes its voltages by only the part
- * `share` of what the target demands. The second term therefore demands r / share, of which the
- * tick makes r. Returns whether `reference` was not yet equal to the optimal voltages at the
- * beginning of the tick.
+ *   r  change of `reference` in this tick; a tick makes only the part `share` of what the target
+ *      demands
+ * Returns whether `reference` was not yet equal to the optimal voltages at the beginning of the
+ * tick.
  */
 static bool move_reference(pzs_governor_state *state)
 {

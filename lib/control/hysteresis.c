@@ -3,28 +3,27 @@
  * Model of hysteresis and creep of piezoelectric ceramic, and its inverse. The effect of an
  * electrode is the voltage that would move the structure as far without hysteresis and creep.
  *
- * The effect u of an electrode at the voltage v, with s = v - middle of the voltage range, is
+ * The effect u at the voltage v, with s = v - middle of the voltage range, is
  *
- *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j,
+ *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j
+ *   m    piecewise linear function of four slopes
+ *   P_i  position of play i (an element with backlash), which moves only as far as is needed for
+ *        |P_i - s| <= r_i
+ *   r_i  slack of play i
+ *   a_i  weight of play i: one value above and one below the middle
+ *   x_j  creep term of first order
  *
- * where m is a piecewise linear function of four slopes, P_i is the position of play i (an element
- * with backlash), a_i is the weight of the play (one value above and one below the middle), and x_j
- * is a creep term of first order. Play i follows s with the slack r_i: it moves only as far as is
- * needed for |P_i - s| <= r_i. The plays are computed in series, to the same positions: play i
- * follows play i - 1 with the slack r_i - r_(i-1), and play 0 follows s. In series even damaged
- * positions become positions that some sequence of voltages causes. Slopes are positive and weights
- * are not negative, so u always rises with v: voltage limits and step limits of a tick are mapped
- * to limits of the effect, and the inverse is unique.
+ *   - The plays are computed in series: play i follows play i - 1 with the slack r_i - r_(i-1), and
+ *     play 0 follows s. Even damaged positions thus become positions that some voltages cause.
+ *   - u always rises with v, because slopes are positive and weights are not negative. The inverse
+ *     is therefore unique, and limits of the voltage become limits of the effect.
+ *   - From the present voltage on, u is a piecewise linear function of v: the plays begin to move,
+ *     and cross the middle, in the order of their slack. The inverse goes through the straight
+ *     pieces and ends with one division, without iterations.
  *
- * From the present voltage on, u is a piecewise linear function of v. In either direction the plays
- * begin to move one after the other, in the order of their slack, and cross the middle of the
- * voltage range in this order too. The effect at another voltage is that at the present one plus
- * the changes of the plays that move. The inverse goes through the straight pieces one by one and
- * ends with one division. Neither the effect nor its inverse needs an iteration.
- *
- * The work of a tick for each input is `plays` steps of the plays, and one step for each play that
- * moves on the way to the lowest or to the highest voltage of the tick; the inverse goes through at
- * most 2 plays + 4 pieces.
+ * Work of a tick for each input: `plays` steps of the plays, and one step for each play that moves
+ * on the way to the lowest or highest voltage of the tick; the inverse goes through at most 2 plays
+ * + 4 pieces.
  */
 #include <string.h>
 #include "hysteresis.h"
@@ -412,12 +411,10 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * Search for the voltage at which an electrode has a wanted effect. (The effect of a voltage is the
- * voltage that would move the structure as far without hysteresis.) The search starts at the
- * present voltage and runs upwards or downwards along the characteristic, the effect as a piecewise
- * linear function of the voltage. Positions are relative to the middle of the voltage range and,
- * except in `play`, multiplied by the direction `sign` of the search. The search thus always runs
- * towards larger numbers. A play is an element with backlash.
+ * Search for the voltage at which an electrode has a wanted effect, upwards or downwards from the
+ * present voltage along the piecewise linear characteristic. Positions are relative to the middle
+ * of the voltage range and, except in `play`, multiplied by `sign`, so that the search always runs
+ * towards larger numbers.
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
@@ -500,11 +497,9 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
 }
 
 /*
- * Part of the search for the voltage with a wanted effect (voltage that would move the structure as
- * far without hysteresis): return the next voltage at which a play (element with backlash) begins
- * to move. The plays begin to move in the order of their slack, each as soon as the voltage has
- * used up its slack. The result is relative to the middle of the voltage range, in the direction of
- * the search (V). It is infinite if all plays move already.
+ * Part of the search for the voltage with a wanted effect: return the next voltage at which a play
+ * (element with backlash) begins to move, in the order of slack. Relative to the middle of the
+ * voltage range, in the direction of the search (V); infinite if all plays move already.
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -534,10 +529,9 @@ static pzs_real next_knot(const effect_walk *walk)
 }
 
 /*
- * Part of the search for the voltage with a wanted effect (voltage that would move the structure as
- * far without hysteresis): one more play (element with backlash) has used up its slack, the next in
- * the order of slack. From here on the play moves with the voltage, so that its weight is added to
- * the slope of the effect. The weight differs below and above the middle of the voltage range.
+ * Part of the search for the voltage with a wanted effect: let the next play (element with
+ * backlash) move with the voltage, because its slack is used up. Its weight, which differs below
+ * and above the middle of the voltage range, is added to the slope of the effect.
  */
 static void move_play(effect_walk *walk)
 {
@@ -577,11 +571,9 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 }
 
 /*
- * Begin the search for the voltage of an electrode with a wanted effect (voltage that would move
- * the structure as far without hysteresis): find the slope of the effect at the present voltage, in
- * the direction of the search. Plays (elements with backlash) without slack in this direction move
- * with the voltage from the beginning. Changes of slope at voltages before the present one, in the
- * direction of the search, are skipped.
+ * Begin the search for the voltage of an electrode with a wanted effect: find the slope of the
+ * effect at the present voltage, in the direction of the search. Plays without slack in this
+ * direction move from the beginning. Changes of slope before the present voltage are skipped.
  */
 static void find_first_slope(effect_walk *walk)
 {
@@ -795,11 +787,9 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
 }
 
 /*
- * Compute two effects of input k at the voltage `given`, which was applied in the last tick. The
- * effect is the voltage that would move the structure as far without hysteresis. state.effect[k] is
- * the effect in the last tick, state.present[k] that in this tick, at the same voltage: creep has
- * changed it in between. The function also updates the plays (elements with backlash) and the creep
- * terms of the input.
+ * Compute the effects of input k at the voltage `given` of the last tick: state.effect[k] is that
+ * of the last tick, state.present[k] that of this tick, after creep. The function also updates the
+ * plays (elements with backlash) and the creep terms of the input.
  *   rate [creeps] in  part of the way to its final value that each creep term goes in between
  *                     (dimensionless)
  */

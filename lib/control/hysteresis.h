@@ -35,9 +35,9 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
 
 /*
  * Update the memory of the hysteresis model of electrode `input` after a voltage has been applied
- * for some ticks, at least one. If damage has made the memory a state that no voltages can cause,
- * the memory becomes the nearest possible state. Returns the effect of the voltage in the first of
- * these ticks (V): the voltage that would move the structure as far without hysteresis and creep.
+ * for `ticks` >= 1 ticks. A damaged memory becomes the nearest state that voltages can cause.
+ * Returns the effect of the voltage in the first of these ticks (V): the voltage that would move
+ * the structure as far without hysteresis and creep.
  */
 pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
                                  hysteresis_memory memory, pzs_real voltage, uint32_t ticks);

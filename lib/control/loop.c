@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The control loop: a list of blocks, which are the stages of a control tick. The blocks are
- * initialised in one workspace and run in every tick in the order of the list, followed by a last
- * check of all voltages. The workspace holds, each part aligned to 8 bytes: two arrays of output
- * voltages that are used in turn, three copies of the voltages of the last tick, and the memory of
- * the blocks.
+ * The control loop: a list of blocks, which are the stages of a control tick. Every tick runs them
+ * in the order of the list, followed by a last check of all voltages. Parts of the workspace, each
+ * aligned to 8 bytes:
+ *   - two arrays of output voltages that are used in turn;
+ *   - three copies of the voltages of the last tick;
+ *   - the memory of the blocks.
  */
 #include <string.h>
 #include "pzs_loop.h"

@@ -3,18 +3,19 @@
  * Divergence monitor of the supervisor: finds ticks whose measured shape the model cannot explain.
  * A tick is implausible in two cases:
  *
- *   - the structure deviates from the model by more than changes of the target, noise and the
+ *   - The structure deviates from the model by more than changes of the target, noise and the
  *     largest sudden load explain:
  *
  *         amplitude > 4 envelope + 6 noise + load
  *
- *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is
- *     that of the vibration which the damper estimates, if there is a damper; otherwise the RMS of
- *     the disturbance (measured minus predicted shape) minus its low-passed value, so that steady
- *     loads and a steady error of the model do not count;
- *   - the shape does not respond: over the last moves, the measured changes of the shape had less
- *     than a tenth of the predicted size in the predicted direction, as with a wrong polarity, an
- *     amplifier that is switched off, or vibration under a loop without a vibration damper.
+ *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is that
+ *     of
+ *     the vibration which the damper estimates; without a damper the RMS of the disturbance minus
+ *     its
+ *     low-passed value, so that steady loads do not count.
+ *   - The shape does not respond: over the last moves its measured changes had less than a tenth of
+ *     the predicted size in the predicted direction. Causes: a wrong polarity, an amplifier that is
+ *     switched off, or vibration in a loop without a vibration damper.
  *
  * The work of a tick is about 20 operations for each output; with a vibration damper, 5.
  */
@@ -24,11 +25,12 @@
 #include "../core/numbers.h"
 
 /*
- * Factor of `envelope` in the threshold of the divergence monitor, envelope * MARGIN + noise *
- * NOISE_MARGIN + load (m, RMS over the outputs). A tick is implausible if the measured shape
- * deviates from the predicted one by more. The envelope is the deviation that changes of the target
- * explain, `noise` the expected noise of the measured shape, and `load` the change of the shape by
- * the largest expected sudden load.
+ * Factor of `envelope` in the threshold of the divergence monitor (m, RMS over the outputs). A tick
+ * is implausible if the measured shape deviates from the predicted one by more than
+ *   envelope * MARGIN + noise * NOISE_MARGIN + load
+ *   envelope  deviation that changes of the target explain
+ *   noise     expected noise of the measured shape
+ *   load      change of the shape by the largest expected sudden load
  */
 #define MARGIN 4
 /*
@@ -151,10 +153,7 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
 
 /*
  * Compare the measured, predicted and target shapes of this tick with those of the last one, and
- * store those of this tick. A measured shape is the response to the voltages of one tick earlier,
- * and the disturbance is this shape minus info.predicted of one tick earlier. The measured change
- * of the shape is therefore the change of the disturbance plus the change of info.predicted in the
- * last tick, which the array monitor->move has stored.
+ * store those of this tick.
  */
 static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -170,6 +169,8 @@ static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signa
         sum.deviation += part * fast * fast;
         sum.target += part * target * target;
         sum.moved += part * move * move;
+        // The measured change is that of the disturbance plus the predicted one of a tick earlier,
+        // because a measured shape is the response to the voltages of one tick earlier.
         sum.answered += part * move * (move + change);
         monitor->slow[i] += SLOW * fast;
         monitor->disturbance[i] = info->disturbance[i];

@@ -31,11 +31,10 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return whether the work limit of the optimiser allows `cost` more multiply-adds now. Work is kept
- * in reserve for the end of the present round (sequence of iterations): one product of the Hessian
- * with a vector, for the gradient there. A second product is kept in reserve if the gradient at the
- * start of the round was only predicted: should the round be undone, this gradient must be computed
- * as well.
+ * Return whether the work limit of the optimiser allows `cost` more multiply-adds now. One product
+ * of the Hessian with a vector is kept in reserve for the gradient at the end of the round
+ * (sequence of iterations). A second one is reserved if the gradient at its start was only
+ * predicted, to compute that gradient should the round be undone.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

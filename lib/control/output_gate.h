@@ -23,17 +23,15 @@ typedef struct output_gate {
 uint32_t pzs_output_limit_sum(const pzs_problem *problem);
 
 /*
- * Correct voltages that may not be applied to the amplifiers, and fill the array gate->frame with
- * all voltages.
+ * Correct voltages that may not be applied to the amplifiers, and fill gate->frame with all
+ * voltages. A voltage is clamped to the step limit around the last voltage (not if pzs_hold keeps
+ * it fixed) and to the voltage limits, which take precedence. One that is not finite becomes the
+ * last voltage.
  *   voltage [inputs] in/out  voltages of the controller (V)
- *   limit_sum        in      checksum of the limits, computed when the tables of the
- *                            controller were last known to be intact
+ *   limit_sum        in      checksum of the limits while the tables were last known to be intact
  *   where            out     first corrected input, or -1
- * A voltage is clamped to the step limit around the last voltage and to the voltage limits, which
- * take precedence. An input that pzs_hold keeps at a fixed voltage is exempt from the step limit. A
- * voltage that is not finite becomes the last voltage. Returns PZS_OK, PZS_W_OUTPUT if a voltage
- * was corrected, or PZS_E_CRC if limits are damaged: the last voltages are then unchanged, and
- * gate->frame must not be used.
+ * Returns PZS_OK, PZS_W_OUTPUT (a voltage was corrected) or PZS_E_CRC (limits are damaged: the last
+ * voltages are unchanged, and gate->frame must not be used).
  */
 pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t limit_sum,
                            int32_t *where);

@@ -74,10 +74,8 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
 
 /*
  * Compute the scalar products, over the sensors, of the measured and of three modelled responses
- * during a test pulse: to the suspected electrode, to the healthy one, and to all others, whose
- * voltages the controller goes on to change. An equation is added to the least-squares fit: the
- * gain (measured divided by modelled response) of the others is 1. Without this equation the fit is
- * undetermined if the response to the others is a combination of the two other responses.
+ * during a test pulse: to the suspected electrode, to the reference electrode, and to all others,
+ * whose voltages the controller goes on to change.
  */
 static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 {
@@ -101,6 +99,8 @@ static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
         fit.energy += square(measured);
     }
     fit.own = fit.matrix[SUSPECT][SUSPECT];
+    // Adds the equation that the gain of all others is 1: without it the fit is undetermined if the
+    // response to the others is a combination of the two other responses.
     fit.matrix[OTHERS][OTHERS] += EXPECTED * fit.own;
     fit.response[OTHERS] += EXPECTED * fit.own;
     fit.energy += EXPECTED * fit.own;

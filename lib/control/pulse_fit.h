@@ -10,11 +10,10 @@
 #include "pzs_loop.h"
 
 /*
- * Threshold above which the suspected electrode and the reference electrode, a healthy one, can be
- * tested together (dimensionless). The modelled response to the reference electrode is split into a
- * multiple of that to the suspected electrode and an orthogonal rest. The sum of squares of the
- * rest, divided by that of the whole response, must exceed the threshold; otherwise the test pulse
- * measures nothing (is_measured is false).
+ * Threshold above which the suspected and the reference electrode can be tested together; otherwise
+ * the pulse measures nothing (is_measured is false). It limits the part, as a sum of squares
+ * (dimensionless), of the modelled response to the reference electrode that is orthogonal to the
+ * response to the suspected electrode.
  */
 #define PZS_PULSE_DEPENDENT PZS_R(0.05)
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Repair of damaged working memory, as by radiation or by a wrong pointer of the firmware.
- * Everything that stays constant from tick to tick is derived again from the tables in flash at the
- * start of each tick of a loop, so that damage lasts for one tick at most. The optimiser's Hessian
- * is compared with the tables row by row, so that its damage lasts for as many ticks as there are
- * inputs. What changes from tick to tick is corrected by the measurements and by the checks of the
- * optimiser.
+ *   - What stays constant from tick to tick is derived again from the tables in flash at the start
+ *     of each tick, so that damage lasts for one tick at most.
+ *   - The optimiser's Hessian is compared with the tables one row in each tick.
+ *   - What changes from tick to tick is corrected by the measurements and by the checks of the
+ *     optimiser.
  */
 #include "boxls.h"
 #include "boxls_tableau.h"
@@ -182,13 +182,9 @@ static void reset_tableaux(pzs_control *control)
 }
 
 /*
- * Make one step of the check for damaged memory. The step checks row k of the optimiser's Hessian,
- * the row after that of the last tick: it compares the row with the tables and repairs it if it was
- * damaged. The controller stores its matrix rows and vectors one after the other; the step then
- * sets the padding (entries beyond the number of inputs) of the rows k, k + inputs, k + 2 inputs
- * and so on to zero, or of all rows after a repair. After a repair, and after the last row of the
- * Hessian, some numbers are computed anew: number of active inputs, largest column, and bound of
- * the trace of the inverse.
+ * Make one step of the check for damaged memory: compare the next row k of the optimiser's Hessian
+ * with the tables and repair it if it was damaged. Numbers derived from the Hessian are computed
+ * anew after a repair, and after the last row.
  */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {
@@ -197,6 +193,8 @@ static void scrub_next_row(pzs_control *control, const pzs_real *table)
     const uint32_t k = control->state.scrub_row < inputs ? control->state.scrub_row : 0;
     const bool is_repaired = scrub_row(control, table, k);
     control->state.scrub_row = (uint16_t)(k + 1u);
+    // Clears the padding of the stored rows k, k + inputs, k + 2 inputs and so on; of all rows
+    // after a repair.
     clear_padding(control, is_repaired ? 0 : k, is_repaired ? 1u : inputs);
     if (k + 1u == inputs || is_repaired) {
         optimiser->active_count = count_active(optimiser);

@@ -1,17 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Self-test of amplifiers, cables and sensors before the loop controls the voltages (pzs_loop.h).
- * The amplifiers are moved one after the other, because the response to a single electrode can be
- * recognised even if gains, natural frequencies and hysteresis differ much from the model. Patterns
- * in which many amplifiers move at once would need as many pulses for as many unknowns, and would
- * hide a weak electrode behind the errors of strong ones.
+ * test_pulse.h has the shape of the pulses and the weights of the readings, selftest_evaluation.c
+ * the evaluation.
  *
- * Before the first of these pulses, all amplifiers make one slow pulse together. It brings the
- * ceramic of every electrode into the minor hysteresis loop of the later pulses, whatever voltages
- * the electrode had before, so that the gains of electrodes can be compared with each other.
- *
- * The shape of the pulses and the weights of the readings are in test_pulse.h, the evaluation of
- * the measured responses is in selftest_evaluation.c.
+ *   - The amplifiers are moved one after the other, because the response to a single electrode can
+ *     be recognised even if gains, natural frequencies and hysteresis differ much from the model.
+ *     Patterns of many amplifiers would need as many pulses and hide a weak electrode behind strong
+ *     ones.
+ *   - All amplifiers make one slow pulse together before. It brings the ceramic of every electrode
+ *     into the minor hysteresis loop of the later pulses, so that their gains can be compared.
  */
 #include <string.h>
 #include "pzs_loop.h"

@@ -1,27 +1,23 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Evaluation of the self-test of amplifiers, cables and sensors (selftest.h): finds, from the
- * measured responses of all sensors to all amplifiers, which amplifiers and sensors differ from the
- * model.
+ * Evaluation of the self-test of amplifiers, cables and sensors (selftest.h): finds the amplifiers
+ * and sensors that differ from the model. It compares the matrix of measured responses with that of
+ * the model; a column is the response of all sensors to one amplifier, a row that of one sensor to
+ * all amplifiers.
  *
- * The evaluation compares the matrix of the measured responses with that of the model. A column of
- * these matrices is the response of all sensors to one amplifier, a row is the response of one
- * sensor to all amplifiers.
+ *   1. The column or row that differs most from the model is reported if it is reversed.
+ *   2. Pairs of similar columns and of similar rows are compared, because exchanged cables may make
+ *      neither look faulty alone.
+ *   3. The amplifier or sensor whose column or row differs most is reported and excluded from later
+ *      comparisons, until nothing differs. One at a time: a faulty amplifier also changes the rows
+ *      of sensors near it, by less than its own column, and a faulty sensor columns likewise.
  *
- * First, the column or row that differs most from the model is reported if it is reversed. Then
- * pairs of similar columns and of similar rows are compared, because two amplifiers or sensors with
- * exchanged cables may respond so similarly that neither looks faulty alone. Then the amplifier or
- * sensor whose column or row differs most from the model is reported and excluded from later
- * comparisons, again and again until nothing differs: a faulty amplifier also changes the rows of
- * sensors near it, but by less than its own column, and a faulty sensor changes the columns of
- * amplifiers likewise.
+ * The evaluation is a sequence of stages. Each step of a stage compares one measured with one
+ * modelled column or row; the last step decides what the comparisons mean, and which stage is next.
  *
- * The evaluation is a sequence of stages (such as the comparison of all columns with the model).
- * Each step of a stage compares one measured with one modelled column or row; the last step decides
- * what these comparisons mean, and which stage is next. A tick makes steps until it has compared
- * settings.work_limit entries of the matrices, so that the time of a tick hardly depends on the
- * size of the structure. Results that later steps need are kept in the memory of the self-test, so
- * that the findings are the same for any number of ticks.
+ * A tick makes steps until it has compared settings.work_limit entries, so that its time hardly
+ * depends on the size of the structure. The findings are the same for any number of ticks, because
+ * the results that later steps need are stored.
  */
 #include "selftest.h"
 #include "../core/numbers.h"
@@ -74,14 +70,15 @@
 #define SAME_DIRECTION PZS_R(1e-4)
 
 /*
- * Stages in which the self-test evaluates its matrix of responses, with a column for each amplifier
- * and a row for each sensor, in their order. HIDDEN stages mark columns and rows that are too small
- * beside noise and vibration. GAINS stages compute the gains of the amplifiers. COLUMNS and ROWS
- * stages find the amplifier and the sensor that differ most from the model. NEAREST stages find the
- * modelled response that is nearest to a measured one. Stages with FIRST in their names report only
- * reversed amplifiers and sensors. Stages with PAIR in their names look for exchanged cables and
- * are repeated for each amplifier and sensor. STAGE_GAINS to STAGE_NEAREST are repeated for each
- * fault.
+ * Stages, in their order, in which the self-test evaluates its matrix of responses (a column for
+ * each amplifier, a row for each sensor). STAGE_GAINS to STAGE_NEAREST are repeated for each fault.
+ * Parts of the names:
+ *   HIDDEN         marks columns and rows that are too small beside noise and vibration
+ *   GAINS          computes the gains of the amplifiers
+ *   COLUMNS, ROWS  finds the amplifier, the sensor that differs most from the model
+ *   NEAREST        finds the modelled response that is nearest to a measured one
+ *   FIRST          reports only reversed amplifiers and sensors
+ *   PAIR           looks for exchanged cables, repeated for each amplifier and sensor
  */
 enum {
     STAGE_START = 0,
@@ -234,11 +231,9 @@ static bool can_judge(const pzs_selftest_sums *sums)
 /* ---- responses above noise ------------------------------------------------ */
 
 /*
- * Compute the variance of the noise of each sensor from the second differences of its readings, and
- * mark sensors as noisy, or as silent if they never gave a finite reading. A sensor is noisy if its
- * noise exceeds both the value in the tables and a multiple of the mean of the other sensors. The
- * second condition is needed because a vibration of high frequency looks like noise of many
- * sensors.
+ * Compute the variance of the noise of each sensor from the second differences of its readings. A
+ * sensor without any finite reading is marked as silent. One whose noise exceeds both the value in
+ * the tables and a multiple of the mean of the other sensors is marked as noisy.
  */
 static void mark_sensors(pzs_selftest *selftest)
 {
@@ -251,6 +246,7 @@ static void mark_sensors(pzs_selftest *selftest)
         sum += square(state->tables->scale[i]) * state->noise[i];
     }
     for (uint32_t i = 0; i < sensors; i++) {
+        // A vibration of high frequency looks like noise of many sensors.
         const pzs_real own = square(state->tables->scale[i]) * state->noise[i];
         const pzs_real usual = sensors > 1 ? (sum - own) / (pzs_real)(sensors - 1u) : 0;
         const bool is_usual =
@@ -263,11 +259,11 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Raise the entries of state.null [sensors] where they are too small. An entry is the squared
- * response of a sensor to noise and vibration that the self-test has measured while no amplifier
- * moved. It becomes at least the squared response that the noise of the sensor causes on average,
- * and at least that of LEAST_NOISE times the largest plausible noise. The last condition is needed
- * because readings without any noise still have rounding errors.
+ * Raise the entries of state.null [sensors], the squared responses to noise and vibration measured
+ * while no amplifier moved, to at least
+ *   - the mean squared response that the noise of the sensor causes;
+ *   - that of LEAST_NOISE times the largest plausible noise, because readings without any noise
+ *     still have rounding errors.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -297,11 +293,11 @@ static void find_hidden(pzs_selftest *selftest, const selftest_axis *axis, uint3
 }
 
 /*
- * Compute the gain of an amplifier at which the self-test has found no fault. Its size is the sum
- * of the absolute products of measured and modelled responses, divided by the sum of the squared
- * modelled responses; its sign is that of the sum of the products. A sensor that is reversed or
- * swapped then changes the gain little; in a sum with signs it would cancel the responses of the
- * other sensors.
+ * Compute the gain of an amplifier at which the self-test has found no fault:
+ *   sign(sum of m r) * (sum of |m r|) / (sum of r^2), over the sensors
+ *   m, r  measured and modelled response
+ * Absolute values are summed because a reversed or swapped sensor would otherwise cancel the
+ * responses of the others.
  */
 static void find_gain(const pzs_selftest *selftest, const selftest_axis *columns, uint32_t j)
 {
@@ -372,9 +368,9 @@ static void begin_evaluation(pzs_selftest *selftest)
 /* ---- responses unlike the model ------------------------------------------- */
 
 /*
- * Whether the self-test may report that an amplifier (or sensor) whose measured response differs
- * from the model is faulty. No fault of it may have been reported yet. In addition, one of its
- * responses must be large beside noise and vibration: the modelled one or the measured one.
+ * Whether the self-test may report an amplifier (or sensor) whose measured response differs from
+ * the model. No fault of it may have been reported yet, and its modelled or measured response must
+ * be large beside noise and vibration.
  *   sums in  comparison of its measured and modelled responses, without those that belong to faulty
  *            sensors (or amplifiers)
  */
@@ -387,11 +383,9 @@ static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *
 }
 
 /*
- * Return the sum of the squared modelled responses of all sensors to amplifier `line`, or, if the
- * axis is that of the sensors, of sensor `line` to all amplifiers (1/V2). Faulty amplifiers and
- * sensors count, too. A difference from the model that is tiny beside this sum is not reported. For
- * example, a sensor may respond mainly to a faulty amplifier; its other responses are as small as
- * errors of the model.
+ * Return the sum of the squared modelled responses of all sensors to amplifier `line`, or, on the
+ * axis of the sensors, of sensor `line` to all amplifiers (1/V2). Faulty ones count, too: a sensor
+ * that responds mainly to a faulty amplifier has other responses as small as errors of the model.
  */
 static pzs_real whole_energy(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -436,10 +430,9 @@ static void find_difference(pzs_selftest *selftest, const selftest_axis *axis, u
 
 /*
  * Return how much the measured response of an amplifier or sensor differs from a modelled response.
- * Gains of amplifiers differ, so usually only the directions of the two vectors are compared, by
- * the squared sine of their angle (0 to 1). If the modelled responses contain the measured gains of
- * the amplifiers, sizes are compared, too: the result is then the squared difference of the vectors
- * (1/V2).
+ * The result is the squared sine of the angle between both vectors (0 to 1), because gains of
+ * amplifiers differ. With axis->has_gains the modelled responses contain the gains: the result is
+ * then the squared difference of the vectors (1/V2).
  */
 static pzs_real response_error(const selftest_axis *axis, const pzs_selftest_sums *sums)
 {
@@ -580,13 +573,11 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 }
 
 /*
- * Return how much the measured responses of two amplifiers (or two sensors) differ from two
- * modelled responses (dimensionless): the sum of the squared sines of two angles, each between a
- * measured and a modelled response as vectors. Two sensors may see nearly the same shape, so that
- * an exchange of their cables shows only in the sizes of their responses. Where the modelled
- * responses contain the measured gains of the amplifiers (axis->has_gains), the responses of both
- * sensors are therefore joined to one long vector. The result is then the squared sine of one
- * angle, that between the measured and the modelled long vector.
+ * Return how much the measured responses of two amplifiers (or sensors) differ from two modelled
+ * responses: the sum of the squared sines of the angles between measured and modelled vectors. With
+ * axis->has_gains the responses of both are joined to one long vector, and the result is the
+ * squared sine of one angle: exchanged cables of sensors that see similar shapes show only in the
+ * sizes.
  *   one   in  comparison of the measured response of the first amplifier (or sensor) with a
  *             modelled response: its own or, to find exchanged cables, that of the second
  *   other in  the same for the second, with its own modelled response or that of the first
@@ -735,18 +726,17 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
 
 /*
  * Return the plan (list of comparisons) of the present stage of the self-test's evaluation, one of
- * three stages that find out whether two cables are exchanged. They examine the amplifier or sensor
- * number `core->pair`. The plan is empty if a fault of it is known, or if no other healthy one can
- * be its partner in an exchange. STAGE_PAIR_SIMILAR and STAGE_PAIR_NEAREST compare it with all
- * amplifiers (or sensors). STAGE_PAIR_EXCHANGED makes two comparisons for its possible partner, the
- * one whose modelled response is nearest to its measured response (compare_partner). If there are
- * fewer sensors than amplifiers, sensors are examined first, otherwise amplifiers: a fault of one
- * among few changes the responses of the others more.
+ * the three that look for exchanged cables of the amplifier or sensor number `core->pair`. The plan
+ * is empty if a fault of it is known or no healthy partner can be found.
+ *   STAGE_PAIR_SIMILAR, STAGE_PAIR_NEAREST  compare it with all amplifiers (or sensors)
+ *   STAGE_PAIR_EXCHANGED                    two comparisons for its possible partner
+ *                                           (compare_partner), whose modelled response is nearest
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {
     const pzs_selftest_core *core = &selftest->state.core[0];
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
+    // The fewer of both are examined first: a fault of one among few changes the others more.
     const selftest_axis few = columns.lines <= rows.lines ? columns : rows;
     const selftest_axis many = columns.lines <= rows.lines ? rows : columns;
     const bool is_few = core->pair < few.lines;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Slow test pulse of a voltage, and the weights with which the response of a sensor to the pulse is
- * measured. With the time s from -1 to 1 over the duration of a pulse and b = 1 - s^2, the voltage
- * is b^4 times the height of the pulse. The measured response is the sum of the readings times the
- * even weight b^3 (1 - 9 s^2), divided by the sum of the pulse times this weight. The sum of the
- * even weights is zero. The odd weight 1.5 s b^2 (3 s^2 - 1) is proportional to the derivative of
- * the even one; without a pulse, both sums together give the amplitude of a vibration. Polynomials
- * need no trigonometric functions, which are not the same on all processors.
+ * Slow test pulse of a voltage, and the weights with which the response of a sensor is measured:
+ *   pulse        b^4 times the height
+ *   even weight  b^3 (1 - 9 s^2), whose sum is zero
+ *   odd weight   1.5 s b^2 (3 s^2 - 1), proportional to the derivative of the even one
+ *   s            time, from -1 to 1 over the duration of the pulse;  b = 1 - s^2
+ * The measured response is sum(readings * even weight) / sum(pulse * even weight). Without a pulse,
+ * even and odd sums give the amplitude of a vibration. Polynomials have the same values on all
+ * processors, trigonometric functions do not.
  */
 #ifndef PZS_LIB_TEST_PULSE_H
 #define PZS_LIB_TEST_PULSE_H

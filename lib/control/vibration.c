@@ -3,34 +3,34 @@
  * Vibration damper: estimates the vibration modes of the structure from the sensor readings, and
  * changes the objective of the control tick so that the voltages damp them.
  *
- * A vibration mode has the modal coordinate q. In static equilibrium, the voltages v contribute g v
- * to it, and loads contribute w. With the deviation d = q - g v - w from its equilibrium and the
- * velocity p divided by the angular frequency, one tick under constant voltages turns (d, p) into R
- * (d, p), with a 2 x 2 matrix R. An observer of constant gain estimates q, p and w of each mode
- * from readings that are `delay` ticks old: it corrects the state that it has predicted for the
- * time at which the readings were taken, and predicts the present state from the corrected one.
+ * State of a mode with the modal coordinate q and the angular frequency w0; one tick under constant
+ * voltages multiplies (d, p) by a 2 x 2 matrix:
+ *   d = q - g v - w  deviation from static equilibrium under the voltages v and the loads w
+ *   p                velocity / w0
  *
- * The control tick then minimises, within all limits and up to terms that do not depend on v,
+ * An observer of constant gain estimates q, p and w from readings that are `delay` ticks old. It
+ * corrects the state predicted for the time of the readings, and predicts the present state from
+ * the corrected one.
+ *
+ * The control tick minimises, within all limits and up to terms that do not depend on v,
  *
  *   share * |W (B v + C w + r - z)|^2 / 2  -  v . sum_i damping_i d_i  +  |W B (v - v_last)|^2 / 2
+ *   W, B, C    output weights, influence matrix, mode shapes
+ *   z, r       target shape; low-passed part of the shape that the modes do not explain
+ *   damping_i  damping gradient of mode i
+ *   share      from 0 to 1, slows the approach to the static optimum
  *
- * with the output weights W, the influence matrix B, the mode shapes C, the target shape z, the
- * low-passed part r of the shape that the modes do not explain, the voltages v_last of the last
- * tick, the damping gradient damping_i of mode i, and `share`, a number from 0 to 1 that slows the
- * approach to the static optimum. The damping term takes energy out of the modes: it moves the
- * voltages in phase with the deviation, also where a step limit cuts the move. Unchanged voltages
- * are always allowed, so the sum of the energy of the modes and of the static objective never
- * rises, whatever the voltage limits, the step limits and the fixed inputs are (for exact modes
- * that are observed without error, and d computed from q alone). In static equilibrium d = p = 0,
- * and the voltages are those of a tick without damping.
+ * The damping term moves the voltages in phase with the deviation, which takes energy out of the
+ * modes. For exact modes that are observed without error, the sum of their energy and of the static
+ * objective never rises, because every limit permits unchanged voltages. In static equilibrium the
+ * voltages are those of a tick without damping.
  *
- * The deviation d_i in the damping term is a weighted mean of two estimates of the deviation of
- * mode i: q - g v - w, and the change of p in one tick divided by the angle by which the mode turns
- * in a tick. The second estimate does not depend on errors of g. pzs_vibration.mix is its weight.
+ * d_i in the damping term is a weighted mean (pzs_vibration.mix) of q - g v - w and of an estimate
+ * that does not depend on errors of g: the change of p in a tick / angle by which the mode turns in
+ * a tick.
  *
- * The damper takes at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
- * sensors multiply-adds in a tick, in addition to the optimisation of the voltages. This number
- * does not depend on the data.
+ * Work of a tick: at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
+ * sensors multiply-adds, whatever the data are, plus the optimisation of the voltages.
  */
 #include <string.h>
 #include "vibration.h"
@@ -365,11 +365,10 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 }
 
 /*
- * Whether free motions are left out of info.innovation. Free motions are shapes, such as rigid
- * motions, any amount of which may be added to the target. Neither the predicted readings nor the
- * vibration modes include them. The result is true if the target has free motions, every target
- * node is measured, and some vibration modes are observed. Then info.innovation reports only the
- * part of the innovations (readings minus predicted readings) that the vibration modes explain.
+ * Whether info.innovation reports only the part of the innovations (readings minus predicted
+ * readings) that the vibration modes explain. True if the target has free motions (shapes, such as
+ * rigid motions, that may be added to it), every target node is measured, and vibration modes are
+ * observed.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {
@@ -452,10 +451,9 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
 }
 
 /*
- * Compute the static shape under the present voltages and loads from few sensors. It is the sum of
- * three parts: the predicted shape, the shape of the vibration modes in static equilibrium under
- * the loads, and the gain matrix of the shape estimator times the residuals. Residuals are the part
- * of the readings that the vibration modes do not explain.
+ * Compute the static shape under the present voltages and loads from few sensors: the predicted
+ * shape, plus the shape of the vibration modes in static equilibrium, plus the gain matrix of the
+ * shape estimator times the residuals (readings that the modes do not explain).
  *   shape [outputs] out  static shape (m)
  */
 static void estimated_shape(pzs_damper *damper, pzs_real *shape)

@@ -35,11 +35,10 @@ static inline polynomial load(const uint8_t *data)
 }
 
 /*
- * Return data that may stand in place of the data `value`, but a fixed number of bits n later in
- * the array: the CRC-32 of the array is the same. They are the polynomial `value` times x^n, modulo
- * the polynomial of the CRC-32.
- *   factor in  two remainders modulo the polynomial of the CRC-32, which determine n: of the powers
- *              of x by which the lower and the upper 64 bits of `value` are multiplied
+ * Return data that give the CRC-32 of an array the same value if they replace the data `value` n
+ * bits later: the polynomial value * x^n modulo the polynomial of the CRC-32.
+ *   factor in  two remainders modulo that polynomial, which determine n: of the powers of x by
+ *              which the lower and the upper 64 bits of `value` are multiplied
  */
 PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 {

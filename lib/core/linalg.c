@@ -246,19 +246,16 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 
 /*
  * Innermost loop of the factorisation A = L D L^T, with W = L D: compute STRIP neighbouring columns
- * of W (a strip) in a panel, T = PZS_TILE rows of the matrix:
+ * of W (a strip) in a panel of T = PZS_TILE rows, left of its diagonal tile:
  *   W_ij = A_ij - sum over k < j of W_ik L_jk
- * for the rows i of the panel and the columns j of the strip. The strip lies left of the diagonal
- * tile of the panel. A panel is stored column by column, with T entries in each column. Both
- * pointers lead into such storage, so that the entries of earlier columns k lie directly before the
- * given ones.
- *   strip [STRIP][T] in/out  in: columns j of A in the panel of the rows i; out: columns j of W;
- *                            before them: columns k of W
- *   lower [STRIP][T] in      entries L_jk of the columns k of the strip, in the panel that contains
- *                            the rows j, from the first of these rows on; before them: L_jk of
+ *   i, j  rows of the panel, columns of the strip
+ *
+ *   strip [STRIP][T] in/out  in: columns j of A in the panel; out: columns j of W; directly before
+ *                            them in memory: columns k of W
+ *   lower [STRIP][T] in      entries L_jk of the columns k of the strip, in the panel of the rows
+ *                            j, from the first of these rows on; directly before them: L_jk of
  *                            earlier columns k
  *   count            in      number of columns k before the strip for which terms are subtracted
- * The terms with k inside the strip use columns of W that have just been computed.
  */
 static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, uint32_t count)
 {
@@ -273,6 +270,7 @@ static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, 
         UNROLLED
     for (int i = 0; i < PZS_TILE; i++)
         sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
+    // Terms with k inside the strip: columns of W that have just been computed.
     UNROLLED
     for (int k = 0; k < STRIP; k++, lower += PZS_TILE)
         UNROLLED
@@ -284,11 +282,11 @@ static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, 
 }
 
 /*
- * Subtract the products with all columns left of the diagonal tile of a panel (T matrix rows) from
- * this tile: A - sum over k of W_k L_k^T, where W = L D has the columns W_k, and L_k is W_k times
- * the inverse pivot k. T is PZS_TILE.
- *   tile    [T][T]     in/out  diagonal tile of A; entries above the diagonal are not used
- *   scaled  [count][T] in/out  in: columns of W = L D; out: columns of L
+ * Subtract from the diagonal tile of a panel the products with all columns left of it:
+ *   A - sum over k of W_k L_k^T,  L_k = W_k * inverse pivot k
+ *   tile    [T][T]     in/out  diagonal tile of A, T = PZS_TILE; entries above the diagonal are not
+ *                              used
+ *   scaled  [count][T] in/out  in: columns W_k of W = L D; out: columns L_k
  *   inverse [count]    in      reciprocals of the pivots of these columns
  */
 static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scaled,
@@ -318,8 +316,8 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
 }
 
 /*
- * Factor the diagonal tile of a panel (T = PZS_TILE matrix rows; in the last panel only `rows` of
- * them belong to the matrix), after all columns on the left of the tile have been eliminated.
+ * Factor the diagonal tile of a panel of T = PZS_TILE matrix rows, after all columns on its left
+ * have been eliminated. In the last panel only `rows` rows belong to the matrix.
  *   tile    [T][T] in/out  in: entries to factor; out: factor L, with the pivots on the diagonal
  *   least   [rows] in      bound of each pivot; a pivot that is not above its bound counts as zero
  *   inverse [rows] out     reciprocals of the pivots
@@ -374,11 +372,10 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 }
 
 /*
- * Return the index of the first column that the factorisation has to eliminate before it can factor
- * the diagonal tile of a panel (PZS_TILE matrix rows). Panels are taken in groups of GROUP. Before
- * the first panel of a group, all stored columns left of this panel are eliminated, in all panels
- * of the group. Before any other panel `panel`, only the columns from the diagonal tile of panel
- * `panel` - 1 are left to be eliminated.
+ * Return the first column that the factorisation has to eliminate before it can factor the diagonal
+ * tile of a panel. Before the first panel of a group of GROUP panels, all columns left of it are
+ * eliminated in the whole group; before any other panel, only those of the diagonal tile of the
+ * last panel are left.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -476,10 +473,9 @@ static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *
 }
 
 /*
- * Second half of the forward substitution L x = b for the rows of one panel (PZS_TILE rows of the
- * factor L): solve with the triangle of the diagonal tile. The two halves are separate functions.
- * The first one treats all rows of the panel alike, so that the compiler can use whole vector
- * registers; the triangle would prevent this.
+ * Second half of the forward substitution L x = b for the rows of one panel: solve with the
+ * triangle of the diagonal tile. The first half is a separate function, so that the compiler can
+ * use whole vector registers there.
  *   vector [rows of the matrix] in/out  known entries of x, then entries of b
  */
 static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
@@ -500,9 +496,8 @@ static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_rea
 
 /*
  * Backward substitution L^T x = b for one panel (PZS_TILE rows of the factor L): compute the
- * entries of x that belong to these rows, the last one first. Then subtract, from each entry of the
- * vector that belongs to an earlier row, the scalar product of the new entries of x with the column
- * of L that has the number of this earlier row.
+ * entries of x of these rows, and subtract their products with L from the entries of all earlier
+ * rows.
  *   vector [rows of the matrix] in/out  entries of b, then known entries of x
  */
 static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
@@ -607,11 +602,10 @@ static void fill_alternating(pzs_real *vector, uint32_t count)
 }
 
 /*
- * Hager's method estimates the 1-norm of the inverse of the matrix A: it maximises |A^-1 x| in the
- * 1-norm over the unit ball, whose corners are the unit vectors. The gradient at x, A^-1 sign(A^-1
- * x), shows the corner of the largest increase. Every vector x gives a lower bound, and five
- * corners are enough in practice. The solve for the first x is combined with the solve for the
- * vector of alternating signs.
+ * Estimate the condition number in the 1-norm by Hager's method. It maximises |A^-1 x| over the
+ * unit ball, whose corners are the unit vectors, in at most five corners. Every vector x gives a
+ * lower bound; the gradient A^-1 sign(A^-1 x) shows the next corner. The solve for the first x is
+ * combined with that for the vector of alternating signs.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {

@@ -2,14 +2,15 @@
 /*
  * Symmetric linear equations in envelope storage, which covers dense, banded and skyline matrices.
  *
- * The envelope holds each row i of the lower triangle from its first nonzero column to the
- * diagonal. PZS_TILE rows form a panel; all rows of a panel start at the leftmost of their columns,
- * rounded down to a multiple of PZS_TILE. A panel is stored column by column, with the entries of
- * its PZS_TILE rows side by side, which is the order in which the innermost loop reads it.
+ *   - The envelope holds each row i of the lower triangle from its first nonzero column to the
+ *     diagonal.
+ *   - PZS_TILE rows form a panel. All of them start at the leftmost of their columns, rounded down
+ *     to a multiple of PZS_TILE.
+ *   - A panel is stored column by column, the order in which the innermost loop reads it.
  *
- * Every entry is computed by subtracting its products one after the other, in ascending order. The
- * bits of factors and solutions therefore do not depend on PZS_TILE, on the vector width or on the
- * processor, provided that the compiler does not contract floating-point operations.
+ * Every entry subtracts its products one after the other, in ascending order. The bits of factors
+ * and solutions therefore do not depend on PZS_TILE, the vector width or the processor, if the
+ * compiler does not contract floating-point operations.
  */
 #ifndef PZS_LIB_LINALG_H
 #define PZS_LIB_LINALG_H
@@ -32,8 +33,8 @@ void pzs_linalg_layout(pzs_envelope *matrix);
 void pzs_linalg_clear(pzs_envelope *matrix);
 
 /*
- * Initialise a symmetric matrix of `rows` rows as dense, that is, with all entries of the lower
- * triangle stored. All entries are set to zero.
+ * Initialise a symmetric matrix of `rows` rows as dense, with all entries of the lower triangle
+ * stored and zero.
  *   work  [PZS_DENSE(rows)] in  memory of the entries and of the reciprocals of the pivots
  *   index                   in  memory of pzs_envelope.start, rows / PZS_TILE + 2 numbers of type
  *                               uint32_t, followed by pzs_envelope.first, `rows` numbers of type

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Innermost loop of the factorisation L D L^T of symmetric matrices, for hosts with the vector unit
- * AVX2 (option PZS_WIDE). Two panels, groups of PZS_TILE matrix rows, are processed together: the
- * eight sums of vectors that this takes fit into the registers and do not wait for each other. Each
- * entry is computed by the operations of the portable loop in their order, so that the bits of the
- * factors are the same.
+ * AVX2 (option PZS_WIDE). The bits of the factors are those of the portable loop. Two panels of
+ * PZS_TILE matrix rows are processed together, because their eight sums of vectors fit into the
+ * registers and do not wait for each other.
  */
 #ifndef PZS_LIB_LINALG_WIDE_H
 #define PZS_LIB_LINALG_WIDE_H
@@ -32,13 +31,13 @@ typedef struct wide_strip {
 bool pzs_linalg_has_wide(void);
 
 /*
- * Step of the factorisation A = L D L^T with W = L D: compute W_ij = A_ij - sum over k < j of W_ik
- * L_jk. Here j are the PZS_TILE columns of a strip, and i the rows of two panels (PZS_TILE rows
- * each). Panels are stored column by column, with PZS_TILE entries in each column.
+ * Step of the factorisation A = L D L^T with W = L D, for the PZS_TILE columns j of a strip and the
+ * rows i of two panels (PZS_TILE rows each, stored column by column):
+ *   W_ij = A_ij - sum over k < j of W_ik L_jk
  *   strip [2]                  in/out  the strip in both panels
- *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the columns k of the strip, in the panel
- *                                      whose rows are the rows j; the entries L_jk of earlier
- *                                      columns k must lie directly before them in memory
+ *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the columns k of the strip, in the panel of
+ *                                      the rows j; directly before them in memory: L_jk of earlier
+ *                                      columns
  */
 void pzs_linalg_wide(const wide_strip strip[2], const pzs_real *lower);
 

@@ -37,11 +37,10 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
     (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
 
 /*
- * pzs_product_sparse computes product [rows.count] = sparse matrix with `cols` columns times vector
- * [cols], pzs_product_sum_sparse computes product [cols] = sum over the rows i of the sparse matrix
- * of vector_i times row i. The columns of the entries of each row must be in ascending order. For
- * finite vectors the results are bitwise equal to those of pzs_product_matrix and
- * pzs_product_sum_rows for the full matrix.
+ * Products with a sparse matrix of `cols` columns, ascending in each row. For finite vectors the
+ * results have the same bits as pzs_product_matrix and pzs_product_sum_rows of the full matrix.
+ *   pzs_product_sparse      product [rows.count] = matrix times vector [cols]
+ *   pzs_product_sum_sparse  product [cols] = sum over the rows i of vector_i times row i
  */
 void pzs_product_sparse(pzs_real *restrict product, const pzs_rows *rows,
                         const pzs_real *restrict vector, size_t cols);

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Products of matrices and vectors for Arm processors with a single-precision FPU (option PZS_VFP).
- * One instruction loads up to 15 neighbouring numbers, which a C compiler does not make use of: a
- * product takes a little more than one instruction for each multiply-add instead of more than two.
- * The instruction vmla.f32 rounds the product before it adds, and the sums run in the order of the
- * portable functions, so that the results have the same bits.
+ * Products of matrices and vectors for Arm processors with a single-precision FPU (option PZS_VFP),
+ * in a little more than one instruction for each multiply-add instead of more than two, because one
+ * instruction loads up to 15 numbers. The results have the same bits as the portable functions:
+ * vmla.f32 rounds the product before it adds, and the order of the sums is the same.
  *
- * Registers: s0 to s14 hold a part of a vector, s16 to s30 a part of a matrix row, and s15 the
- * number that goes with the whole row. A matrix of more columns is processed in groups of columns.
+ * Registers (a matrix of more columns is processed in groups of columns):
+ *   s0 to s14   a part of a vector
+ *   s15         number that goes with the whole row
+ *   s16 to s30  a part of a matrix row
  */
 #ifndef PZS_LIB_PRODUCT_VFP_H
 #define PZS_LIB_PRODUCT_VFP_H

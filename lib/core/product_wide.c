@@ -162,9 +162,9 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
 }
 
 /*
- * Define a function for pzs_wide_subtract_products. From each entry i, j of `cols` neighbouring
- * columns j of a matrix it subtracts the sum over q of sign_q * v_q[i] * v_q[j], with `count`
- * vectors v_q. In each row the columns fill COUNT vector registers, the last one at least in part.
+ * Define a function for pzs_wide_subtract_products that updates `cols` neighbouring columns j: from
+ * each entry i, j it subtracts the sum over q of sign_q * v_q[i] * v_q[j], with `count` vectors
+ * v_q. The columns fill COUNT vector registers, the last one at least in part.
  *   column in  v_q[0], the first entries of the vectors, `stride` reals apart
  *   row    in  v_q[j] for the first of the columns, `stride` reals apart
  */
@@ -357,11 +357,8 @@ AVX2 static void update_four_rows(pzs_real *block, size_t stride, const pzs_real
 }
 
 /*
- * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): subtract the
- * products of the entries of `count` vectors from a block of WIDE_BLOCK rows and columns. The block
- * to the right of the next one is fetched into the cache. The empty assembler statement keeps the
- * compiler from replacing a multiplication and a subtraction by one instruction that rounds only
- * once.
+ * Subtract the products of the entries of `count` vectors from a block of WIDE_BLOCK rows and
+ * columns, as a part of pzs_wide_update_rows.
  */
 AVX512 static void update_eight_rows(pzs_real *block, size_t stride, const pzs_real *column,
                                      const pzs_real *row, size_t count)
@@ -370,12 +367,15 @@ AVX512 static void update_eight_rows(pzs_real *block, size_t stride, const pzs_r
     UNROLLED
     for (unsigned line = 0; line < WIDE_BLOCK; line++) {
         sum[line] = *(const widest_vector *)(block + line * stride);
+        // Fetches the block to the right of the next one into the cache.
         __builtin_prefetch(block + line * stride + 2 * WIDE_BLOCK, 1);
     }
     for (size_t k = 0; k < count; k++, column += WIDE_BLOCK, row += WIDE_BLOCK) {
         const widest_vector entries = *(const widest_vector *)row;
         UNROLLED
         for (unsigned line = 0; line < WIDE_BLOCK; line++) {
+            // Keeps the compiler from joining multiplication and subtraction, which would round
+            // only once.
             widest_vector product = column[line] * entries;
             __asm__("" : "+v"(product));
             sum[line] -= product;

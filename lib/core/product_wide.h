@@ -63,11 +63,10 @@ void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict 
 void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *right, size_t count);
 
 /*
- * Copy vectors, the rows of a table, into groups of WIDE_BLOCK columns, which pzs_wide_update_rows
- * reads without gaps; the last group is filled up with zeros.
+ * Copy vectors, the rows of a table, into groups of WIDE_BLOCK columns for pzs_wide_update_rows.
+ * The last group is filled up with zeros.
  *   groups [groups][count][WIDE_BLOCK] out  entries of the vectors
- *   scaled [groups][count][WIDE_BLOCK] out  entries of the vectors, each vector multiplied by its
- *                                           factor
+ *   scaled [groups][count][WIDE_BLOCK] out  entries of the vectors times their factors
  *   table  [count][columns]            in   vectors, `stride` reals apart
  *   factor [count]                     in   factors, factor_stride reals apart
  */
@@ -76,12 +75,11 @@ void pzs_wide_group(pzs_real *restrict groups, pzs_real *restrict scaled,
                     size_t factor_stride, size_t count, size_t columns);
 
 /*
- * Update WIDE_BLOCK rows of a symmetric matrix [size][size] by `count` rank-one products: from each
- * entry i, j subtract the sum over k of column_k[i] * row_k[j]. The function uses AVX-512
- * instructions if the processor has them. The first row is row i, a multiple of WIDE_BLOCK; at the
- * end of the matrix there are fewer rows. In each row the entries up to the diagonal are updated,
- * and the entries behind it in the same WIDE_BLOCK x WIDE_BLOCK block.
+ * Update WIDE_BLOCK rows (fewer at the end) of a symmetric matrix [size][size] by rank-one
+ * products: from each entry i, j subtract the sum over k of column_k[i] * row_k[j]. The entries up
+ * to the diagonal block are updated, that block included. Uses AVX-512 if the processor has it.
  *   matrix                             in/out  rows of the matrix, `stride` reals apart
+ *   i                                  in      first row, a multiple of WIDE_BLOCK
  *   column [groups][count][WIDE_BLOCK] in      vectors column_k in groups of WIDE_BLOCK entries
  *   row    [groups][count][WIDE_BLOCK] in      vectors row_k in groups of WIDE_BLOCK entries
  */
@@ -89,12 +87,11 @@ void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i
                           const pzs_real *column, const pzs_real *row, size_t count);
 
 /*
- * Subtract `count` rank-one products from a symmetric matrix [size][size]: from each entry i, j the
- * sum over k of sign_k * vector_k[i] * vector_k[j], where each sign is 1 or -1. The entries on both
- * sides of the diagonal are computed.
+ * Subtract rank-one products from a symmetric matrix [size][size], on both sides of the diagonal:
+ * from each entry i, j the sum over k of sign_k * vector_k[i] * vector_k[j].
  *   matrix              in/out  rows of the matrix, `stride` reals apart
  *   vector [count]      in      vectors, `stride` reals apart
- *   sign   [count]      in      their signs, sign_stride reals apart
+ *   sign   [count]      in      their signs (1 or -1), sign_stride reals apart
  */
 void pzs_wide_subtract_products(pzs_real *restrict matrix, size_t stride, size_t size,
                                 const pzs_real *restrict vector, const pzs_real *restrict sign,

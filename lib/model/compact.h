@@ -12,20 +12,18 @@
 
 /*
  * Compute the data of an element for one corner and one direction (surface coordinate theta1 or
- * theta2), from the nodes at this corner and at the neighbouring corner in this direction. The
- * derivative of the displacement is the difference between the displacement vectors of both nodes,
- * divided by the distance of the nodes.
- *   inverse_length          in   1 divided by the distance between the corner and its neighbour
- *                                (1/m); negative if the surface coordinate is smaller at the
- *                                neighbour
- *   middle                  in   height of the middle of the shell above the reference surface,
- *                                on which the nodes lie (m)
- *   s, t                    out  derivative of the displacement with respect to the
- *                                displacements of the corner and of the neighbour (1/m)
- *   g_mean                  out  base vector in this direction, mean of both faces of the shell
- *                                (dimensionless)
- *   g_diff                  out  base vector of the outer face minus that of the inner face,
- *                                divided by the thickness (1/m)
+ * theta2), from the nodes at this corner and at its neighbour in this direction. The derivative of
+ * the displacement is the difference of both nodal displacements, divided by the distance of the
+ * nodes.
+ *   inverse_length  in   1 / distance of the nodes (1/m); negative if the surface coordinate is
+ *                        smaller at the neighbour
+ *   middle          in   height of the middle of the shell above the nodes (m)
+ *   s, t            out  derivative of the displacement with respect to the displacements of the
+ *                        corner and of the neighbour (1/m)
+ *   g_mean          out  base vector in this direction, mean of both faces of the shell
+ *                        (dimensionless)
+ *   g_diff          out  base vector of the outer face minus that of the inner face, divided by the
+ *                        thickness (1/m)
  */
 void pzs_corner_tables(const pzs_node *corner, const pzs_node *neighbour, pzs_real inverse_length,
                        pzs_real middle, pzs_real s[3][3], pzs_real t[3][3], pzs_real g_mean[3],

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Charges and open electrodes in the undeformed state (pzs_model.h). The voltage of an open
- * electrode is one more unknown, coupled to all degrees of freedom under the electrode. A Schur
- * complement on the factors of the stiffness matrix eliminates this unknown: one solve for each
- * electrode gives its charge per unit of every input. From the small dense matrix of these charges
- * all voltages and charges follow without further solves.
+ * electrode is one more unknown, which a Schur complement eliminates: one solve for each electrode
+ * gives its charge per unit of every input. The small dense matrix of these charges gives all
+ * voltages and charges without further solves.
  */
 #include "electrode.h"
 #include "../core/guard.h"
@@ -262,11 +261,8 @@ pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *value, pzs_
 }
 
 /*
- * On open electrodes the charge is prescribed, not the voltage. In each row of the influence
- * matrix, the entries per volt on the open electrodes are converted to entries per unit of their
- * charge, by a solve with the matrix of their charges per volt. The entry of every other input is
- * then reduced by the product of these entries and the charges that the input causes on the open
- * electrodes.
+ * Convert the influence matrix from voltages of the open electrodes to their charges, which are
+ * prescribed.
  */
 pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
 {
@@ -280,7 +276,9 @@ pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
         pzs_real *row = influence + (size_t)i * inputs;
         for (uint32_t open = 0; open < electric->state.open.n; open++)
             per_charge[open] = row[pzs_electrode_open_input(electric->state.tables, open)];
+        // Converts the entries per volt on the open electrodes to entries per unit of their charge.
         pzs_linalg_solve(&electric->state.open, per_charge);
+        // Subtracts what the charges that input j causes on the open electrodes would contribute.
         for (uint32_t open = 0; open < electric->state.open.n; open++)
             for (uint32_t j = 0; j < inputs; j++)
                 row[j] -=

@@ -265,12 +265,11 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Place of one degree of freedom of an element in the stiffness matrix. The stored entry in the row
- * of degree of freedom a and the column of degree of freedom b has the index (base of a) + (step of
- * b). This is so because the matrix is stored in panels of PZS_TILE rows, in which successive
- * columns are PZS_TILE reals apart. `step` is PZS_TILE times the column. `base` is the index that
- * column 0 would have in the row; it may be negative where the panel does not store column 0. As an
- * unsigned number it then wraps round, but the sum is correct.
+ * Place of one degree of freedom of an element in the stiffness matrix. The entry in the row of
+ * degree of freedom a and the column of b has the index (base of a) + (step of b).
+ *   base  index that column 0 would have in the row; wraps round where the panel does not store
+ *         column 0, but the sum is correct
+ *   step  PZS_TILE times the column, because successive columns of a panel are PZS_TILE reals apart
  */
 typedef struct add_place {
     uint16_t dof;
@@ -312,7 +311,7 @@ static bool has_turned_node(const pzs_structure *structure, const uint16_t *node
 
 /*
  * Compute one row of a symmetric matrix over the degrees of freedom of some nodes from the matrix
- * over the components in the triads (local axes) of these nodes.
+ * in the triads (local axes) of these nodes.
  *   entry [SHELL_PACKED(count dof_per_node)] in   packed lower triangle of the matrix in the triads
  *   i                                        in   index of the row
  *   row   [count dof_per_node]               out  row along the axes of the degrees of freedom
@@ -560,11 +559,9 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force)
 }
 
 /*
- * Solve K u = r by conjugate gradients that start at u = 0 and are preconditioned by the factors of
- * the stiffness matrix K. The products with K are computed from the strains of the elements. The
- * first iteration is the plain solve by the factors, the others refine it. The iteration ends when
- * the squared error in the energy norm is below the rounding error of the energy of u, or after the
- * largest number of iterations (REFINEMENT_LIMIT).
+ * Solve K u = r by conjugate gradients, preconditioned by the factors of the stiffness matrix K.
+ * Products with K are computed from the strains of the elements. The first iteration is the plain
+ * solve by the factors, the others refine it, at most REFINEMENT_LIMIT.
  *   r [free_dof] in/out  in: force; out: residual force
  *   u [free_dof] out     displacement
  */
@@ -577,6 +574,8 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     memcpy(p, z, n * sizeof *p);
     memset(u, 0, n * sizeof *u);
     pzs_real residual_energy = pzs_linalg_inner(r, z, n);
+    // Ends when the squared error in the energy norm is below the rounding error of the energy of
+    // u.
     for (model->info.refinements = 0; model->info.refinements < REFINEMENT_LIMIT &&
                                       residual_energy > energy * PZS_EPSILON * PZS_EPSILON;) {
         memset(kp, 0, n * sizeof *kp);

@@ -10,15 +10,10 @@
 #include <string.h>
 
 /*
- * Base vectors at a corner of a shell element, from which strains are measured.
- *   mean [2][3]  base vectors along the surface coordinates theta1 and theta2, mean of both faces
- *                (dimensionless)
- *   diff [2][3]  base vectors of the outer face minus those of the inner face, divided by the
- *                thickness (1/m)
- *   beta [3]     director: position of the outer minus that of the inner face, divided by the
- *                thickness (dimensionless); in the undeformed state the normal
- *   q            displacement of the middle surface along the normal, minus the mean of both faces,
- *                divided by the thickness (dimensionless); in the undeformed state 0
+ * Base vectors at a corner of a shell element, from which strains are measured. Members as in
+ * shell_corner; in the undeformed state beta is the normal and q is 0.
+ *   mean [2][3]
+ *   diff [2][3]
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -106,14 +101,13 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 
 /*
  * Compute the change of the strains [10] at a corner of an element, to first order, when the
- * derivatives of the displacement along the surface change by `change`. The strains are 11, 22, 33
- * and 12, each as mean and difference of the two faces, 13 and 23. On one face, the strain in
- * direction a is g.l + l.l/2, with the base vector g and the derivative l of the displacement in
- * this direction. It changes by b.dl, with the deformed base vector b = g + l. The function
- * computes mean and difference of b.dl from the means and differences of b and dl. To subtract the
- * results of the two faces would cost digits, because they are nearly equal. The product of the
- * differences of b and dl, quadratic in the height, is added to the mean with the factor
- * height_squared[0] of the element type, and to the difference with height_squared[1].
+ * derivatives of the displacement change by `change`. The strains are 11, 22, 33 and 12, each as
+ * mean and difference of the two faces, 13 and 23.
+ *
+ * The strain of a face in direction a is g.l + l.l/2 and changes by (g + l).dl:
+ *   g, l  base vector, derivative of the displacement in this direction
+ * Mean and difference of the change are computed from those of g + l and dl. Subtracting the nearly
+ * equal results of both faces would cost digits.
  */
 static void corner_strains(const shape *base, const shell_corner *change,
                            const pzs_element_type *type, pzs_real strain[10])
@@ -121,6 +115,7 @@ static void corner_strains(const shape *base, const shell_corner *change,
     const pzs_real thickness = type->thickness;
     const pzs_real *square = type->height_squared[0], *slope = type->height_squared[1];
     for (int direction = 0; direction < 2; direction++) {
+        // Quadratic in the height: enters mean and difference with the factors of height_squared.
         const pzs_real quadratic = vector3_dot(base->diff[direction], change->diff[direction]);
         strain[2 * direction] = vector3_dot(base->mean[direction], change->mean[direction]) +
                                 square[direction] * quadratic;
@@ -196,8 +191,7 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
 
 /*
  * Compute the stresses at one corner of an element from the stress resultants of its four strain
- * modes (constant, linear and bilinear over the element). The map is the transpose of that from the
- * strains at the corners to the strain modes.
+ * modes by the transpose of the map from strains at the corners to strain modes (add_modes).
  *   stress [10] out  stresses conjugate to the strains 11, 22, 33 and 12 (each as mean and
  *                    difference of the two faces), 13 and 23
  */
@@ -409,10 +403,9 @@ static void all_derivatives(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Add the first variation of the strains of an element to the array `strain` [4][10], with ten
- * strains for each of the four strain modes (constant, linear and bilinear over the element). The
- * strains vary by a displacement increment v, at a shape deformed by the fraction `part` of a
- * displacement u.
+ * Add the first variation of the strains of an element to `strain` [4][10], ten strains for each of
+ * the four strain modes. The strains vary by a displacement increment v, at a shape deformed by the
+ * fraction `part` of a displacement u.
  *   derivative [4] in  derivatives of u along the surface coordinates at the four corners
  *   variation  [4] in  derivatives of v along the surface coordinates at the four corners
  */

@@ -3,13 +3,16 @@
  * The four-node shell element (called GEX7P4 by its author Plotnikova, 2013): one code for all
  * formulations of the element, which differ only in their tables.
  *
- * Each node has dof_per_node (6 or 7) degrees of freedom: the mean displacement u1 u2 u3 of the two
- * faces; the difference of u1 u2 u3 between outer and inner face, divided by the thickness; and, as
- * the seventh, q: the amount by which u3 of the middle surface exceeds the mean of the faces,
- * divided by the thickness. Strains are computed at the four corners, in the frame of the corner,
- * as means and differences of the two faces. They are combined into four strain modes 00, 01, 10
- * and 11; mode r1 r2 varies over the element as xi1^r1 xi2^r2 with the element coordinates xi1 and
- * xi2. Each mode has ten strains; of these 40 strains, 22 are taken into account.
+ * Degrees of freedom of a node (dof_per_node: 6 or 7):
+ *   u1 u2 u3  mean displacement of the two faces
+ *   u1 u2 u3  difference between outer and inner face, divided by the thickness
+ *   q         only if dof_per_node is 7: u3 of the middle surface minus the mean u3 of the faces,
+ *             divided by the thickness
+ *
+ * Strains are computed at the four corners, in the frame of the corner, as means and differences of
+ * the two faces. They are combined into the strain modes 00, 01, 10 and 11 with ten strains each,
+ * of which 22 are taken into account. Mode r1 r2 varies as xi1^r1 xi2^r2 with the element
+ * coordinates xi1, xi2.
  */
 #ifndef PZS_LIB_SHELL_H
 #define PZS_LIB_SHELL_H
@@ -22,13 +25,13 @@ enum { SHELL_NODES = 4, SHELL_STRAINS = 10, SHELL_MODES = 4, SHELL_MAX = 28 };
 #define SHELL_PACKED(n) ((n) * ((n) + 1) / 2)
 
 /*
- * Internal force of an element in the undeformed state, computed from its strains.
+ * Internal force of an element in the undeformed state, computed from its strains. Strains are
+ * formed as differences before any stiffness multiplies them, so the force keeps digits that a
+ * product with the stiffness matrix loses on thin shells.
  *   displacement [4 dof_per_node] in   nodal displacement
  *                                      (m, or 1 for differences over the thickness)
  *   force        [4 dof_per_node] out  nodal force (N and N m); may be the same array as
  *                                      `displacement`
- * The small strains are formed as differences before anything is multiplied by a stiffness, so the
- * force keeps the digits that a product with the stiffness matrix loses on thin shells.
  */
 void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node,
                      const pzs_real *displacement, pzs_real *force);
@@ -42,7 +45,7 @@ void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pz
 
 /*
  * Nodal force of prescribed stress resultants (of actuation or temperature) that are constant over
- * an element, in the undeformed state: minus the internal force of these resultants.
+ * an element: minus the internal force of these resultants in the undeformed state.
  *   h0    [10]             in   resultants times the area of the element (N m), in the strain order
  *                               of pzs_element_type.d
  *   force [4 dof_per_node] out  nodal force (N and N m)
@@ -51,17 +54,15 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
                                 const pzs_real *h0, pzs_real *force);
 
 /*
- * Geometry of a deformed element at one corner, or a change of this geometry.
+ * Geometry of a deformed element at one corner, or its change under a displacement.
  *   mean [2][3]  base vectors along the surface coordinates theta1 and theta2, mean of both faces
- *                (dimensionless)
+ *                (dimensionless); change: derivatives of the displacement
  *   diff [2][3]  base vectors of the outer face minus those of the inner face, divided by the
- *                thickness (1/m)
+ *                thickness (1/m); change: derivatives of the displacement
  *   beta [3]     director: position of the outer minus that of the inner face, divided by the
  *                thickness (dimensionless)
  *   q            displacement u3 of the middle surface minus the mean of both faces, divided by the
  *                thickness (dimensionless)
- * In a change under a displacement, mean and diff are derivatives of the displacement along the
- * surface, and beta and q are the changes of director and q.
  */
 typedef struct shell_corner {
     pzs_real mean[2][3];
@@ -91,13 +92,14 @@ void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
 
 /*
  * Tangent stiffness K and internal force f of an element, for Newton's method with stress
- * resultants H that are independent of the displacement:
+ * resultants H that are independent of the displacement u:
  *   f = sum over m of L_m^T H_m,   H = D e(u) + H0
  *   K = sum over m of (L_m^T D_m L_m + G_m A_m)
- * over the four strain modes m (constant, linear and bilinear over the element), with the strains e
- * at the displacement u, their first variation L and second variation A, the stiffness D, the
- * prescribed resultants H0, and the resultants G for the geometric part of K.
- *   displacement [4 dof_per_node] in   nodal displacement
+ *   m        strain mode (constant, linear or bilinear over the element)
+ *   e, L, A  strains, their first and second variation
+ *   D        stiffness of the strains
+ *   H0, G    prescribed resultants; resultants for the geometric part of K
+ *   displacement [4 dof_per_node] in   nodal displacement u
  *                                      (m, or 1 for differences over the thickness)
  *   given        [10]             in   H0, constant over the element, times its area (N m), in the
  *                                      strain order of pzs_element_type.d; NULL: zero
@@ -110,8 +112,8 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
                       const pzs_real *resultant, pzs_real *force, pzs_real *stiffness);
 
 /*
- * Stress resultants of an element, extrapolated along an increment of the displacement: the
- * stiffness of the strains times (strains + their first variation), plus the prescribed resultants.
+ * Stress resultants of an element, extrapolated along an increment of the displacement:
+ *   stiffness of the strains * (strains + first variation of the strains) + prescribed resultants
  *   du        [4 dof_per_node] in   increment (m, or 1 for differences over the thickness); NULL:
  *                                   no extrapolation
  *   given     [10]             in   prescribed resultants, constant over the element, times its
@@ -139,21 +141,19 @@ void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
 
 /*
  * Compute the stresses at the four corners of an element from the stress resultants of its strain
- * modes (constant, linear and bilinear over the element), with the corrections for warp and skew.
- *   resultant [22]    in   stress resultants times the area (N m), mode after mode: ten of the
- *                          constant mode 00, five of mode 01, five of mode 10 and two of mode 11,
- *                          in the order of kept_strain
- *   stress    [4][10] out  stresses at each corner times a quarter of the area (N m), one for
- *                          each of the ten strains, in the order of pzs_element_type.d
+ * modes, with the corrections for warp and skew.
+ *   resultant [22]    in   stress resultants times the area (N m), mode after mode in the order of
+ *                          kept_strain
+ *   stress    [4][10] out  stresses at each corner times a quarter of the area (N m), in the order
+ *                          of pzs_element_type.d
  */
 void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
                         pzs_real stress[4][10]);
 
 /*
- * Replace the strains of the four strain modes (constant, linear and bilinear over the element) of
- * a skewed element by their stress resultants, in place. Of the ten strains of each mode, only
- * those that the mode takes into account (kept_strain) are read; they are already corrected for the
- * warp of the element.
+ * Replace the strains of the four strain modes of a skewed element by their stress resultants, in
+ * place. Only the strains of kept_strain are read; they must be corrected for the warp of the
+ * element.
  *   strain [4][10] in/out  in: strains; out: resultants times the area of the element (N m)
  */
 void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4][10]);

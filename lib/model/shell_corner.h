@@ -30,10 +30,8 @@ static const pzs_real mode_sign[4][4] = {
 
 /*
  * Number (kept_strains) and list (kept_strain) of the strains that the element takes into account
- * in each of its strain modes, which are constant (00), linear (01, 10) or bilinear (11) over the
- * element. Mode 00 has all ten strains: 11, 22, 33 and 12, each as mean and as difference of the
- * two faces, and 13 and 23. Mode 01 has the means and differences of 11 and 33, and 13. Mode 10 has
- * those of 22 and 33, and 23. Mode 11 has mean and difference of 33.
+ * in each of its strain modes: 00 (constant over the element), 01 and 10 (linear), 11 (bilinear). M
+ * and D are mean and difference of the two faces.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {

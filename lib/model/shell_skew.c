@@ -8,17 +8,15 @@
 
 /*
  * Correct the in-plane strains of an element for its skew alpha_1, alpha_2 (deviation from a
- * parallelogram) and its length ratio r (all in pzs_element_type.skew). Strain mode ab varies over
- * the element as xi1^a xi2^b with the element coordinates. Let e01_11 be strain 11 in mode 01, and
- * so on; all strains are means (face = 0) or differences (face = 1) of the two faces.
+ * parallelogram) and its length ratio r, all in pzs_element_type.skew. Strain eab_11 is strain 11
+ * in mode ab, which varies as xi1^a xi2^b with the element coordinates.
+ *   face in  0: the strains are means of the two faces, 1: differences
  *
- * Before the call, mode 00 holds the mean of each strain over the four corners. First these means
- * become the strains at the centre of the element: c is subtracted from e00_11, and c / r^2 from
- * e00_22, with
+ * Mode 00 holds the mean over the four corners, afterwards the strain at the centre: c is
+ * subtracted from e00_11, and c / r^2 from e00_22, with
  *   b = r (e10_22 - alpha_2 e00_22) - alpha_1 e00_12,
  *   c = (alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r b) / (1 - alpha_1^2 - alpha_2^2).
- * Then the parts of modes 01 and 10 that a constant strain causes are subtracted, where e00_11 and
- * e00_22 are the strains at the centre:
+ * Then the parts that a constant strain causes are subtracted, by the strains at the centre:
  *   from e01_11  2 alpha_1 e00_11 + alpha_2 r e00_12,
  *   from e10_22  2 alpha_2 e00_22 + (alpha_1 / r) e00_12.
  */

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Correction of the strains of a quadrilateral element that is not a parallelogram. Strain mode ab
- * is the part of the strains that varies over the element as xi1^a xi2^b with the element
- * coordinates xi1 and xi2.
- *
- * With the base vectors g_1, g_2 and the hourglass vector g_h of the element, its skew is alpha_a =
- * g_h . g^a (dual base vectors g^a), and its area varies as 1 + alpha_1 xi2 + alpha_2 xi1. A
- * constant strain then appears in the linear strain modes 01 and 10 too, and the mean over the
+ * Correction of the strains of a quadrilateral element that is not a parallelogram. On such an
+ * element a constant strain appears in the linear strain modes 01 and 10 too, and the mean over the
  * corners differs from the value at the centre. Multiples of other strains remove both effects:
- * mode 00 holds the strain at the centre, and the other modes vanish under a constant strain. On a
- * parallelogram (alpha = 0) nothing changes.
+ * mode 00 then holds the strain at the centre, and a constant strain gives zero in the other modes.
+ *
+ *   alpha_a = g_h . g^a                     skew; 0 on a parallelogram
+ *   area ~ 1 + alpha_1 xi2 + alpha_2 xi1
+ *   g_h       hourglass vector of the element
+ *   g^a       dual base vectors
+ *   xi1, xi2  element coordinates; mode ab varies as xi1^a xi2^b
  */
 #ifndef PZS_LIB_SHELL_SKEW_H
 #define PZS_LIB_SHELL_SKEW_H
@@ -27,12 +27,11 @@ static inline bool shell_is_skewed(const pzs_element_type *type)
 }
 
 /*
- * Correct the strains of an element's four strain modes (constant, linear and bilinear over the
- * element) for the skew of the element, its deviation from a parallelogram.
+ * Correct the strains of an element's four strain modes for the skew of the element, its deviation
+ * from a parallelogram.
  *   skew   [3]     in      pzs_element_type.skew
  *   strain [4][10] in/out  ten strains of each mode, already corrected for the warp of the element
- *                          (pzs_element_type.warp); those that the element does not take into
- *                          account in a mode (kept_strain) are neither read nor written
+ *                          (pzs_element_type.warp); strains outside kept_strain are not used
  */
 void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real strain[4][10]);
 
