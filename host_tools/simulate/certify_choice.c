@@ -1,0 +1,327 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Choice of the settings of the vibration damper (certify_trial.h). */
+#include <math.h>
+#include <string.h>
+#include "certify_trial.h"
+#include "load_step.h"
+
+static const double two_pi = 6.283185307179586;
+
+/*
+ * Settings of the vibration damper (stage of the control tick that damps vibration) from which the
+ * stability tests trial_choose one row.
+ *   damping  strength of the damping
+ *   mix      weight of the change of velocity in the computed deviation from equilibrium
+ *   follow   speed at which the voltages approach the statically optimal voltages
+ *   drift    random change of the loads that the observer assumes
+ *   kick     random change of the velocity that the observer assumes
+ *   later    assumed additional age of the sensor readings (ticks)
+ * Units and definitions are those of damper_settings.
+ *
+ * The first three settle a load step fast. The larger `drift` is, the faster the observer estimates
+ * a load, and the more the noise of the sensors moves the voltages: smaller ones come first. The
+ * other settings tolerate larger deviations of the readings' delay.
+ */
+static const struct {
+    double damping, mix, follow, drift, kick;
+    int later;
+} choices[] = {{0.75, 0.75, 0.317, 0.21, 0.25, 0}, {0.7, 0.65, 0.31, 0.38, 0.12, 0},
+               {0.65, 0.5, 0.317, 0.5, 0.12, 0},   {0.75, 0, 0.317, 0.21, 0.25, 0},
+               {0.5, 0, 0.317, 0.21, 0.25, 0},     {0.5, 0, 0.317, 0.1, 0.25, 0},
+               {0.35, 0, 0.317, 0.05, 0.25, 0},    {0.75, 0.75, 0.317, 0.21, 0.25, 1},
+               {0.5, 0.75, 0.317, 0.21, 0.25, 1}};
+enum { CHOICES = sizeof choices / sizeof *choices };
+
+/*
+ * Largest acceptable ratio of the settling time after fast target jumps to that of the first
+ * settings that passed all tests. Up to this ratio, settings that tolerate a larger deviation of
+ * the readings' delay are preferred to these.
+ */
+static const double slowest = 1.25;
+
+/*
+ * Regularisations of the voltages, relative to the mean diagonal entry of the Hessian, that are
+ * tried for a loop that is not stable. Some combinations of voltages hardly move the target, but
+ * they move vibration modes. Without regularisation the controller uses large voltages of this kind
+ * to reduce small errors of the shape, which excites the modes. Regularisation keeps these voltages
+ * small.
+ */
+static const double cures[] = {1e-4, 1e-2};
+
+/*
+ * Angle by which the phase of the first vibration mode that the loop observes advances in one tick
+ * (rad): angular frequency times tick interval. 0 where the loop observes no mode.
+ */
+static double first_angle(const trial *trial)
+{
+    const damper *damper = &trial->damper;
+    return damper->modes > 0 ? two_pi * damper->frequency[0] / damper->rate : 0;
+}
+
+/*
+ * Set the options of the vibration damper to the settings in one row of the table `choices`.
+ *   choice in  index of the row
+ */
+static void set_options(const trial *trial, int choice, damper_options *options)
+{
+    damper_settings settings = damper_default_settings();
+    settings.damping = choices[choice].damping;
+    settings.mix = choices[choice].mix;
+    settings.follow = choices[choice].follow;
+    settings.drift = choices[choice].drift;
+    settings.kick = choices[choice].kick;
+    settings.later = choices[choice].later;
+    *options = damper_options_of(trial->analysis);
+    options->settings = settings;
+    options->delay = trial->analysis->design.simulate.delay + settings.later;
+}
+
+/*
+ * Measure the time in which the loop with one choice of settings compensates a load step.
+ *   periods out  time (periods of the first observed mode); NAN where no mode is observed, or where
+ *                no load can be compensated
+ * Returns 0, or -1 with error filled.
+ */
+static int measure_load_step(trial *trial, int choice, double *periods, char *error)
+{
+    damper_options options;
+    set_options(trial, choice, &options);
+    *periods = (double)NAN;
+    if (trial_use(trial, &options, error) < 0)
+        return -1;
+    if (trial->damper.modes == 0)
+        return 0;
+    return load_step_periods(&trial->rig, trial->damper.frequency[0], periods, error);
+}
+
+/*
+ * Number of storms (simulations with fast jumps of the target) that may fail to settle with the
+ * next choice of settings until it is known to be no better than the best one so far.
+ */
+static int enough_failures(const certificate_loop *best)
+{
+    const int failed = best->is_stable ? 0 : best->failed + best->target.failed;
+    if (!best->is_made || failed > ENOUGH)
+        return ENOUGH;
+    return failed > 0 ? failed : 1;
+}
+
+/*
+ * Test the stability of the control loop with one choice of settings of the vibration damper by
+ * simulations. They end where the loop is no better than the best one so far.
+ *   older   in   1: the loop is known to tolerate readings that are one tick older; otherwise 0
+ *   options out  options of the vibration damper with these settings
+ * Returns 0, or -1 with error filled.
+ */
+static int try_choice(trial *trial, int choice, int older, damper_options *options,
+                      certificate_loop *loop, char *error)
+{
+    const int enough = enough_failures(&trial->analysis->certificate.loop);
+    bool is_stable;
+    memset(loop, 0, sizeof *loop);
+    set_options(trial, choice, options);
+    if (trial_use(trial, options, error) < 0 ||
+        trial_measure_growth(&trial->rig, loop, &is_stable, error) < 0 ||
+        (is_stable && trial_run_storms(&trial->rig, STORMS, enough, loop, error) < 0))
+        return -1;
+    loop->is_made = true;
+    loop->is_stable = is_stable && loop->failed == 0;
+    if (loop->is_stable && trial_certify_target(trial, enough, &loop->target, error) < 0)
+        return -1;
+    loop->is_stable = loop->is_stable && (!loop->target.is_made || loop->target.is_stable);
+    loop->modes = (int)trial->rig.modal.modes;
+    loop->observed = trial->damper.modes;
+    loop->has_slow_mode = trial->damper.has_slow_mode;
+    if (loop->observed > 0) {
+        loop->observed_from = trial->damper.frequency[0];
+        loop->observed_to = trial->damper.frequency[loop->observed - 1];
+    }
+    loop->delay = trial->analysis->design.simulate.delay;
+    loop->bandwidth = trial->analysis->design.simulate.imperfections.bandwidth;
+    loop->older = older;
+    loop->angle = first_angle(trial);
+    loop->less_hysteresis = trial->blocks.compensation.is_used ? TRIAL_LESS_HYSTERESIS : 0;
+    return loop->is_stable ? trial_try_neighbouring_ages(trial, loop, error) : 0;
+}
+
+/*
+ * Return a score for how well a loop tolerates a change of the readings' delay by one tick: 2 if it
+ * is stable with a longer delay on every simulated structure, plus 1 if it is stable with a shorter
+ * one. Longer delays count more, because filters and queues outside the model lengthen the delay.
+ */
+static int tolerance_of(const certificate_loop *loop)
+{
+    return 2 * (certificate_older(loop) > 0) + (certificate_newer(loop) > 0);
+}
+
+/*
+ * Whether a loop stays stable with readings that are one tick older and one tick newer than the
+ * scene file states, so that no further settings need to be tried. If the scene file states
+ * readings without delay, newer readings are not required, because there are none.
+ */
+static bool tolerates_all(const certificate_loop *loop)
+{
+    return loop->is_stable && tolerance_of(loop) == 2 + (loop->delay > 0);
+}
+
+/*
+ * Whether a loop with other settings is better than the best loop so far. A loop that passes all
+ * tests is better than one that does not. Among loops that fail, that with fewer failed storms
+ * (simulations with fast jumps of the target) is better. Among loops that pass, that which
+ * tolerates the larger deviation of the readings' delay is better, unless it settles much later.
+ *   fastest in  mean number of ticks until the shape settles, with the first settings that pass
+ */
+static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
+{
+    if (!best->is_made || loop->is_stable != best->is_stable)
+        return !best->is_made || loop->is_stable;
+    if (!loop->is_stable)
+        return loop->failed + loop->target.failed < best->failed + best->target.failed;
+    return tolerance_of(loop) > tolerance_of(best) && loop->ticks <= slowest * fastest;
+}
+
+/*
+ * Determine whether the loop with one choice of settings of the vibration damper tolerates readings
+ * that are one tick older than the scene file states. Returns 0, or -1 with error filled.
+ */
+static int try_older(trial *trial, int choice, bool *tolerates, char *error)
+{
+    damper_options options;
+    set_options(trial, choice, &options);
+    if (trial_use(trial, &options, error) < 0)
+        return -1;
+    return trial_try_age(&trial->rig, STORMS, 1, tolerates, error);
+}
+
+/*
+ * Test one choice of settings of the vibration damper, and keep it where it is better than the best
+ * one so far. Once settings have passed all tests, others can only be better by tolerating readings
+ * that are one tick older, which is then tested first.
+ *   load_step in      time in which the loop compensates a load step with these settings (periods)
+ *   fastest   in/out  mean number of ticks of a storm with the first settings that pass
+ * Returns 0, or -1 with error filled.
+ */
+static int compare_choice(trial *trial, int choice, double load_step, double *fastest, char *error)
+{
+    certificate *certificate = &trial->analysis->certificate;
+    certificate_loop loop;
+    damper_options options;
+    bool tolerates = true;
+    const bool has_stable = certificate->loop.is_stable;
+    if (has_stable && try_older(trial, choice, &tolerates, error) < 0)
+        return -1;
+    if (!tolerates)
+        return 0;
+    if (try_choice(trial, choice, has_stable, &options, &loop, error) < 0)
+        return -1;
+    loop.load_step = load_step;
+    if (!is_better(&loop, &certificate->loop, *fastest))
+        return 0;
+    if (!certificate->loop.is_stable)
+        *fastest = loop.ticks;
+    certificate->loop = loop;
+    certificate->settings = options.settings;
+    certificate->has_settings = true;
+    return 0;
+}
+
+/*
+ * Results so far of one row of the table `choices` (settings of the vibration damper), while the
+ * best settings are searched.
+ */
+typedef struct candidate {
+    bool is_measured, is_tried;
+    double load_step; /* time until the loop with these settings has compensated a load that appears
+                         at once (periods of the first vibration mode that the loop observes) */
+} candidate;
+
+/*
+ * Test the settings of the vibration damper in one row of the table `choices`, and keep them if
+ * they are better than the best ones so far. They are not tested twice, nor if they assume readings
+ * older than PZS_DELAY_LIMIT ticks.
+ *   only_fast in      true: leave out settings that compensate a load step more slowly than in
+ *       CERTIFICATE_LOAD_STEP periods
+ *   candidate in/out  results so far of this row
+ *   fastest   in/out  mean number of ticks in which storms (simulations with fast jumps of the
+ *       target) settle with the first settings that passed all tests
+ * Returns 0, or -1 with error filled.
+ */
+static int consider(trial *trial, int choice, bool only_fast, candidate *candidate, double *fastest,
+                    char *error)
+{
+    const int delay = trial->analysis->design.simulate.delay + choices[choice].later;
+    if (candidate->is_tried || delay > PZS_DELAY_LIMIT)
+        return 0;
+    if (!candidate->is_measured &&
+        measure_load_step(trial, choice, &candidate->load_step, error) < 0)
+        return -1;
+    candidate->is_measured = true;
+    if (only_fast && !(candidate->load_step <= CERTIFICATE_LOAD_STEP))
+        return 0;
+    candidate->is_tried = true;
+    return compare_choice(trial, choice, candidate->load_step, fastest, error);
+}
+
+int trial_choose(trial *trial, char *error)
+{
+    const certificate_loop *best = &trial->analysis->certificate.loop;
+    const scene_control *control = &trial->analysis->design.control;
+    candidate of[CHOICES] = {{false, false, 0}};
+    double fastest = 0;
+    damper_options first;
+    set_options(trial, 0, &first);
+    if (trial_use(trial, &first, error) < 0)
+        return -1;
+    const double angle = first_angle(trial);
+    const bool asks = angle > 0 && angle < CERTIFICATE_ANGLE && control->delay_margin == 0;
+    for (int i = 0; i < CHOICES && asks && !tolerates_all(best); i++)
+        if (consider(trial, i, true, &of[i], &fastest, error) < 0)
+            return -1;
+    if (best->is_stable)
+        return 0;
+    for (int i = 0; i < CHOICES && !tolerates_all(best); i++)
+        if (consider(trial, i, false, &of[i], &fastest, error) < 0)
+            return -1;
+    if (control->delay_margin > 0 && best->is_stable && certificate_older(best) == 0)
+        return scene_fault(control->margin_at, error,
+                           "delay_margin 1: no settings of the loop stay stable with readings one "
+                           "tick older; write the largest age as simulate.sensors.delay");
+    return 0;
+}
+
+/*
+ * Mean diagonal entry of the Hessian of the voltage optimisation problem, to which a relative
+ * regularisation of the scene refers.
+ */
+static double mean_diagonal(const design *design)
+{
+    const size_t amplifiers = (size_t)design->amplifiers;
+    double trace = 0;
+    for (size_t k = 0; k < amplifiers; k++)
+        trace += design->hessian[k * amplifiers + k];
+    return trace / (double)amplifiers;
+}
+
+int trial_find_cure(trial *trial, certificate_loop *loop, char *error)
+{
+    const design *design = &trial->analysis->design;
+    const damper_options options = {trial->analysis->certificate.rate, design->simulate.delay,
+                                    damper_default_settings()};
+    for (size_t i = 0; i < sizeof cures / sizeof *cures && !(loop->cure > 0); i++) {
+        const double regularisation = cures[i] * mean_diagonal(design);
+        certificate_loop other;
+        bool is_stable;
+        if (!(regularisation > design->problem.regularisation))
+            continue;
+        memset(&other, 0, sizeof other);
+        if (trial_use(trial, &options, error) < 0)
+            return -1;
+        trial->blocks.problem.regularisation = regularisation;
+        if (trial_measure_growth(&trial->rig, &other, &is_stable, error) < 0 ||
+            (is_stable && trial_run_storms(&trial->rig, STORMS / SEEDS, 1, &other, error) < 0))
+            return -1;
+        if (is_stable && other.failed == 0)
+            loop->cure = cures[i];
+    }
+    return 0;
+}

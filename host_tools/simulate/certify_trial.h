@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * A control loop on trial: its tables for one choice of settings, and the single tests of its
+ * stability. The files of the certificate (certify.h) share this header.
+ */
+#ifndef CERTIFY_TRIAL_H
+#define CERTIFY_TRIAL_H
+
+#include "../model/analysis.h"
+#include "storm_batch.h"
+
+enum {
+    PLANTS = 5, /* number of structures on which storms (simulations with fast jumps of the target)
+                   are run: the model and four that differ from it */
+    ENOUGH = 3, /* largest number of failures (simulations with fast target jumps that do not
+                   settle) after which no further simulation is run */
+    SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps
+                 */
+    STORMS = PLANTS * 2 * SEEDS
+};
+
+/*
+ * Fraction (0 to 1) of the hysteresis in the scene file that the simulated ceramic lacks. It is
+ * used in those storms (simulations with fast target jumps) that run the second random sequence of
+ * targets. The controller compensates the full hysteresis, twice that of the ceramic, so that small
+ * voltage changes act more strongly than it assumes.
+ */
+#define TRIAL_LESS_HYSTERESIS 0.5
+
+/*
+ * A control loop on trial: its generated tables for one choice of settings of the vibration damper
+ * and one tick rate.
+ */
+typedef struct trial {
+    analysis *analysis;
+    estimator estimator;
+    const estimator *few; /* estimator that computes the shape from few sensors; NULL: every target
+                             node is measured */
+    damper damper;
+    loop_blocks blocks;
+    storm_rig rig;       /* storms (simulations with fast jumps of the target) on the structure that
+                            vibrates about its undeformed state */
+    storm_rig at_target; /* storms (simulations with fast jumps of the target) on the structure that
+                            vibrates about the equilibrium at its target shape */
+    deformed deformed;
+    bool has_target; /* true where the structure was linearised about the equilibrium at its target,
+                        so that `at_target` and `deformed` may be used */
+    char no_target[SCENE_ERROR]; /* why the loop cannot be simulated on the structure about the
+                                    equilibrium at its target, where the scene's kinematics is not
+                                    linear */
+} trial;
+
+/* ---- tables of the control loop (certify_trial.c) ----------------------- */
+
+/*
+ * Replace the tables of the control loop by those for another tick rate and other settings of the
+ * vibration damper (stage of the tick that damps vibration). Returns 0, or -1 with error filled.
+ */
+int trial_use(trial *trial, const damper_options *options, char *error);
+
+/*
+ * Prepare a control loop for its tests on the undeformed structure. Returns 0, or -1 with error
+ * filled; call trial_close in either case.
+ */
+int trial_open(trial *trial, analysis *analysis, char *error);
+
+/*
+ * Prepare storms (simulations with fast jumps of the target) on the structure linearised about the
+ * equilibrium at its target, where the scene's kinematics is not linear. Where there is no
+ * equilibrium at the target, the reason is kept. Returns 0, or -1 with error filled.
+ */
+int trial_open_target(trial *trial, char *error);
+
+void trial_close(trial *trial);
+
+/* ---- single tests (certify_tests.c) ------------------------------------- */
+
+/*
+ * Simulation that measures the growth of small vibrations of the control loop on one structure.
+ */
+storm_task trial_growth_task(const storm_rig *rig, double gain, double frequency, int more_delay);
+
+/*
+ * Whether a simulation of a batch has passed. One that measures the growth of small vibrations has
+ * passed if their amplitude grows by less than an eighth in its second half. The measurement cannot
+ * distinguish smaller growth from none.
+ */
+bool trial_has_passed(const storm_task *task, const storm_result *result);
+
+/*
+ * Measure the growth of small vibrations of the control loop on structures with all combinations of
+ * static responses of 0.8, 1 and 1.33 and natural frequencies of 0.9, 1 and 1.1, both relative to
+ * the controller's model. Returns 0, or -1 with error filled.
+ */
+int trial_measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is_stable,
+                         char *error);
+
+/*
+ * Return the structure, the step limits and the targets of the i-th storm (simulation with fast
+ * jumps of the target), with readings that are `older` ticks older than the scene file states. In
+ * storms with the last sequence of targets some ticks are missed, and the loop is not informed of
+ * them.
+ */
+storm_plant trial_plant(int i, int older);
+
+/*
+ * Run the first `count` storms (simulations with fast jumps of the target, which differ in
+ * structure, limits and targets).
+ *   enough  in  number of storms that fail to settle after which the others are left out
+ * Returns 0, or -1 with error filled.
+ */
+int trial_run_storms(const storm_rig *rig, int count, int enough, certificate_loop *loop,
+                     char *error);
+
+/*
+ * Test the stability of the loop on the structure linearised about the equilibrium at its target
+ * shape. The growth of small vibrations is measured on structures with other static responses and
+ * frequencies than this one. If the vibrations decay on all of them, a third of the storms
+ * (simulations with fast jumps of the target) are run: those with the first of three random
+ * sequences of targets. If the structure has no such equilibrium, only the reason is stored.
+ *   enough  in  number of storms that fail to settle after which the others are left out
+ * Returns 0, or -1 with error filled.
+ */
+int trial_certify_target(const trial *trial, int enough, certificate_target *target, char *error);
+
+/*
+ * Store in `context` whether a simulation of the loop has passed. Returns whether the next
+ * simulation is to be run: the first that fails decides.
+ */
+bool trial_visit_pass(void *context, const storm_task *task, const storm_result *result);
+
+/*
+ * Test the control loop with sensor readings that are `older` ticks older than the scene file
+ * states. The structures are the model, and others with higher or lower static responses and
+ * frequencies.
+ *   storms  in   number of storms (simulations with fast jumps of the target) to run
+ *   settles out  whether small vibrations decay and the shape settles after the jumps
+ * Returns 0, or -1 with error filled.
+ */
+int trial_try_age(const storm_rig *rig, int storms, int older, bool *settles, char *error);
+
+/*
+ * Count by how many ticks the sensor readings may be older (sign = 1) or newer (sign = -1) than the
+ * scene file states. The count ends where small vibrations grow, or where the shape no longer
+ * settles after fast jumps of the target.
+ *   storms  in  number of storms (simulations with fast jumps of the target) for each age
+ *   most    in  largest number of ticks to try
+ *   stood   in/out  number of ticks with which the loop has passed these tests
+ */
+int trial_count_ages(const storm_rig *rig, int storms, int sign, int most, int *stood, char *error);
+
+/*
+ * Determine whether a loop that has passed its tests also passes them with sensor readings one tick
+ * older, or one tick newer, than the scene file states. It is tested on the undeformed structure.
+ * If the loop was also tested on the structure at its target shape (target->is_made), this test is
+ * repeated there, too. Returns 0, or -1 with error filled.
+ */
+int trial_try_neighbouring_ages(const trial *trial, certificate_loop *loop, char *error);
+
+/* ---- choice of the settings (certify_choice.c) -------------------------- */
+
+/*
+ * Choose the settings of the vibration damper: settings that compensate a load step fast enough and
+ * pass all tests, or, if there are none, other settings that pass. Fast compensation is not
+ * required in two cases: if the phase of the first observed mode advances by CERTIFICATE_ANGLE or
+ * more in a tick, or if the scene file requires a margin of the readings' delay (delay_margin). In
+ * the latter case the loop must pass with readings one tick older. Returns 0, or -1 with error
+ * filled.
+ */
+int trial_choose(trial *trial, char *error);
+
+/*
+ * For a loop that is not stable, find a regularisation with which small vibrations decay and the
+ * first ten storms (simulations with fast jumps of the target) settle. The vibration damper has its
+ * default settings. Returns 0, or -1 with error filled.
+ */
+int trial_find_cure(trial *trial, certificate_loop *loop, char *error);
+
+#endif
