@@ -21,19 +21,15 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Transition matrix of a control loop over one tick, while it is filled. It multiplies the vector
- * of states just before a tick. The static coordinate of a vibration mode under given voltages is
- * its modal coordinate in equilibrium, computed with the model. For each mode there are these
- * states:
- *   e     deviation of the modal coordinate from equilibrium under the mean output voltages
- *   p     modal velocity divided by the angular frequency
- *   h     [delay + 1] static coordinates under the voltages by which the controller answers the
- *       measured shape, for the last delay + 1 measurements, the newest first
- *   and where the amplifiers lag, static coordinates under two sets of voltages: their output
- *       voltages at the tick, and their mean output voltages in the interval before the tick
- * The controller acts against what it measures. A measurement arrives `delay` ticks late, so that
- * the static coordinate under the voltages commanded at tick t is -h of the measurement at tick t -
- * delay.
+ * Transition matrix of a control loop over one tick, while it is filled. It multiplies the states
+ * just before a tick. Static coordinates are modal coordinates in equilibrium according to the
+ * model. States of each vibration mode, each for all modes in turn:
+ *   e       deviation of the modal coordinate from equilibrium under the mean output voltages
+ *   p       modal velocity divided by the angular frequency
+ *   h       [delay + 1] static coordinates under the voltages that answer the last delay + 1
+ *       measurements, the newest first; the commanded voltages are -h of `delay` ticks before
+ *   output  only where the amplifiers lag: static coordinates under their output voltages at the
+ *       tick, and under their mean output voltages in the interval before it
  */
 typedef struct transition {
     const double *loop; /* [modes][stride] loop matrix. If the controller measures mode j with the
@@ -54,11 +50,9 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add to a row of the transition matrix `factor` times h, the coordinate of vibration mode i that
- * the controller measures at the coming tick and answers with voltages. It is a sum of two terms.
- * One is the loop matrix times the deviations e of all modes from equilibrium. The other is the
- * static coordinate of mode i that the voltages really cause, minus the one that the model
- * predicts.
+ * Add to a row of the transition matrix `factor` times h of vibration mode i, the static coordinate
+ * that the controller measures at the coming tick: the loop matrix times the deviations e of all
+ * modes, plus the static coordinate that the voltages cause, minus the one that the model predicts.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {
@@ -100,14 +94,12 @@ static void add_driven(const transition *transition, double *row, size_t i, doub
 }
 
 /*
- * Fill the two rows of vibration mode i in the transition matrix for its states e, the deviation of
- * the modal coordinate from static equilibrium, and p, the modal velocity divided by the angular
- * frequency. At the tick the mean output voltages of the amplifiers change, and the equilibrium
- * moves by `change`. In the model, `change` is the static coordinate after the tick minus that
- * before; in the structure it is conditions->gain times as large. Until the next tick, the mode
- * vibrates freely, with the 2 x 2 propagator `turn`:
- *     e' = turn[0] (e - change) + turn[1] p
- *     p' = turn[2] (e - change) + turn[3] p
+ * Fill the two rows of vibration mode i in the transition matrix for the states e and p. At the
+ * tick the equilibrium moves by `change`; then the mode vibrates freely until the next tick:
+ *   e' = turn[0] (e - change) + turn[1] p
+ *   p' = turn[2] (e - change) + turn[3] p
+ *   turn    2 x 2 propagator of free vibration over a tick interval
+ *   change  static coordinate after the tick minus that before, times conditions->gain
  */
 static void fill_vibration(const transition *transition, size_t i, const double turn[4])
 {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Certificate of stability. The control step treats each shape as an equilibrium; the certificate
- * says whether the loop is stable on a structure with mass.
- *
- * The plant consists of the lowest vibration modes with their damping ratios, voltages that are
- * constant between the ticks, and the static response of the modes left out. The step is that of
- * pzs_tick without limits. With shape y, voltages v, influence matrix B, mode shapes C, modal
- * coordinates q and their static response g per volt, the voltages compensate the disturbance d = y
- * - B v = C (q - g v) measured `delay` ticks before: v' = -F (q - g v) with F = (B'W^2 B +
- * regularisation)^-1 B'W^2 C and the weights W. The deviation q - g v from the static equilibrium
- * depends on the product g F alone, for any number of amplifiers. Voltage limits and step limits
- * only slow the growth of vibration down.
+ * Certificate of stability: whether the control loop, whose step treats each shape as an
+ * equilibrium, is stable on a structure with mass. The plant has the lowest vibration modes with
+ * their damping ratios, the static response of the other modes, and voltages that are constant
+ * between ticks. The controller is pzs_tick without limits, which only slow down the growth of
+ * vibration:
+ *   v' = -F (q - g v),  F = (B'W^2 B + regularisation)^-1 B'W^2 C.
+ *   v, v'  voltages before and after the tick
+ *   q, g   modal coordinates measured `delay` ticks before, and their static response per volt
+ *   B, C   influence matrix and mode shapes
+ *   W      weights of the targets
+ * The deviation q - g v from equilibrium depends on the product g F alone.
  */
 #ifndef CERTIFICATE_H
 #define CERTIFICATE_H
@@ -31,11 +31,9 @@ enum {
 #define CERTIFICATE_TOLERANCE 0.05
 
 /*
- * CERTIFICATE_LOAD_STEP: longest permitted time until the control loop has reduced the effect of a
- * suddenly applied load to 5 % (periods of the first observed vibration mode). It applies if the
- * phase angle of this mode in a tick (angular frequency times tick interval) is below
- * CERTIFICATE_ANGLE (rad). At a larger angle, the ticks in a period are too few to damp the mode in
- * full and to follow loads quickly.
+ * CERTIFICATE_LOAD_STEP: longest permitted time until the loop has reduced the effect of a suddenly
+ * applied load to 5 % (periods of the first observed mode). It applies where the phase angle of
+ * this mode in a tick is below CERTIFICATE_ANGLE (rad): at larger angles the ticks are too few.
  */
 #define CERTIFICATE_LOAD_STEP 2.0
 #define CERTIFICATE_ANGLE 0.6
@@ -44,12 +42,9 @@ enum {
 #define CERTIFICATE_LOAD_MOST 8.0
 
 /*
- * Certificate of a control loop (result of simulations that test whether it is stable) on the
- * deformed structure, linearised about the equilibrium at the target shape. Deformation and
- * prestress change its response and its modes. The controller uses the same tables as in the
- * firmware, which are not adapted to the deformed structure. The simulated structures have 0.8 to
- * 1.33 times the static response and 0.9 to 1.1 times the natural frequencies of the deformed
- * structure.
+ * Certificate of a control loop on the structure deformed to its target shape: simulations with the
+ * linearised structure there and the unchanged tables of the firmware. The simulated structures
+ * have 0.8 to 1.33 times its static response and 0.9 to 1.1 times its natural frequencies.
  */
 typedef struct certificate_target {
     bool is_made;
@@ -84,10 +79,9 @@ typedef struct certificate_target {
 } certificate_target;
 
 /*
- * Certificate of a control loop with a vibration model (result of simulations that test whether it
- * is stable; simulate/certify.h). The loop is simulated with structures that differ from the model.
- * The members describe the growth of small vibrations, the result of storms (simulations with fast
- * jumps of the target), and the largest deviations from the model with which the loop is stable.
+ * Certificate of a control loop with a vibration model: result of simulations with structures that
+ * differ from the model (simulate/certify.h). A storm is a simulation with fast jumps of the
+ * target.
  */
 typedef struct certificate_loop {
     bool is_made;
@@ -242,16 +236,14 @@ typedef struct certificate_conditions {
 } certificate_conditions;
 
 /*
- * Spectral radius of the control loop on the vibration modes of a structure.
- *   loop [modes][modes] in loop matrix. The controller reacts to a measured unit of mode j by
- *       subtracting voltages. Entry (i, j) is the modal coordinate of mode i in static equilibrium
- *       under the subtracted voltages.
- *   square  [modes]        in  squares of the angular frequencies (rad^2/s^2)
- *   damping [modes]        in  damping ratios
- *   conditions             in  response of the structure, delay, interval and lag
- *   squarings              in  number of matrix squarings from which the spectral radius is
- *                       computed
- * Returns NAN where memory runs out.
+ * Return the spectral radius of the control loop on the vibration modes of a structure; NAN where
+ * memory runs out.
+ *   loop [modes][modes] in  loop matrix: entry (i, j) is the static coordinate of mode i under the
+ *       voltages that the controller subtracts for a measured unit of mode j
+ *   square  [modes]     in  squares of the angular frequencies (rad^2/s^2)
+ *   damping [modes]     in  damping ratios
+ *   conditions          in  response of the structure, delay, interval and lag
+ *   squarings           in  number of matrix squarings from which the radius is computed
  */
 double certificate_radius(const double *loop, const double *square, int modes,
                           const double *damping, const certificate_conditions *conditions,

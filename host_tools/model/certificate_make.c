@@ -274,9 +274,7 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 
 /*
  * Control loop whose stability is tested.
- *   matrix    [modes][modes] loop matrix. If the controller measures mode j with the coordinate 1,
- *       it subtracts certain voltages from those commanded. Entry (i, j) is the modal coordinate of
- *       mode i in static equilibrium under these voltages
+ *   matrix    [modes][modes] loop matrix, as for certificate_radius
  *   square    [modes] squared angular frequencies (rad^2/s^2)
  *   damping   [modes] damping ratios
  *   delay     delay of the sensor readings (ticks)
@@ -289,10 +287,9 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Conditions of a stability test on a structure that differs from the model. All natural
- * frequencies of the structure are `frequency` times those of the model. The test keeps the
- * frequencies of the model and multiplies the tick interval and the lag of the amplifiers by
- * `frequency` instead, which has the same effect.
+ * Return the conditions of a stability test on a structure that differs from the model. The tick
+ * interval and the lag are multiplied by `frequency`, which has the same effect as multiplying all
+ * natural frequencies.
  *   gain      in  static response of the structure to voltages, relative to the model
  *   frequency in  natural frequencies of the structure, relative to the model
  *   interval  in  time between ticks (s)

@@ -7,11 +7,10 @@
 
 /*
  * Compute the vibration modes of the scene and the stability of its control loop in the reference
- * state. A certificate that is already computed is not changed. A scene without modes or without a
- * control loop is not an error; members of the certificate say what is unknown and why.
- *   analysis in  analysis of the scene in the reference state; where the scene has a target, its
- *                influence matrix must be computed, and not yet be replaced by that of the deformed
- *                structure
+ * state, unless the certificate has them already. What is unknown, and why, is a member of the
+ * certificate, not an error.
+ *   analysis in  analysis of the scene in the reference state; a target needs the influence matrix,
+ *       not yet replaced by that of the deformed structure
  */
 void certificate_make(certificate *certificate, const analysis *analysis);
 

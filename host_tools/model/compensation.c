@@ -45,22 +45,18 @@ static double offset_of(const pzs_hysteresis *tables)
 }
 
 /*
- * Lower limit of a ratio of slopes of the hysteresis model whose inverse a control loop uses. The
- * slope is the change of the voltage that acts on the ceramic per volt of the amplifier. The ratio
- * is the slope just after a reversal of the voltage, divided by the slope far from a reversal. It
- * limits the error on a ceramic without hysteresis, whose slope is the same everywhere: the inverse
- * enlarges small changes after a reversal by at most 1/0.6.
+ * Least permitted ratio of two slopes of the hysteresis model that a loop inverts (effective volts
+ * per volt of the amplifier): just after a reversal of the voltage, to far from one. On a ceramic
+ * without hysteresis, the inverse then enlarges small changes by at most 1/0.6.
  */
 static const double least_after_reversal = 0.6;
 
 /*
- * Make the hysteresis model weaker on one side of the middle of the voltage range. Weight is moved
- * from play operators (elements with backlash) to the slope of the piecewise linear part, until the
- * smallest slope is at least 0.6 of the sum of this slope and all weights. The operators with the
- * smallest slack, which are first in the list, lose their weight first.
- *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part of the model on
- *                                               this side (dimensionless)
- *   weight                              in/out  weights of the plays on this side (dimensionless)
+ * Weaken the hysteresis model on one side of the middle of the voltage range. Weight moves from
+ * play operators, those with the smallest slack first, to the slopes, until the smallest slope is
+ * `least_after_reversal` of the sum of this slope and all weights.
+ *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part (dimensionless)
+ *   weight                              in/out  weights of the play operators (dimensionless)
  */
 static void weaken_side(double *slope, scene_short_list *weight)
 {

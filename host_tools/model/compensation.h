@@ -43,12 +43,10 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
 void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 
 /*
- * Weaken the hysteresis model whose inverse a control loop uses, for safety. If the ceramic has
- * less hysteresis than the model, the inverse enlarges small voltage changes too much, and the loop
- * gain rises. Play operators (elements with backlash) are therefore replaced by a larger slope,
- * those with the smallest slack first. This ends where a change after a reversal of the voltage has
- * at least 0.6 of the effect of a change far from a reversal. Feedback of the sensor readings
- * corrects the remaining hysteresis.
+ * Weaken the hysteresis model whose inverse a control loop uses. On a ceramic with less hysteresis,
+ * the full inverse would enlarge small voltage changes and raise the loop gain. Play operators
+ * (elements with backlash) are replaced by a larger slope until a change after a reversal of the
+ * voltage has at least 0.6 of the effect of a change far from one.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

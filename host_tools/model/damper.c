@@ -270,11 +270,10 @@ static void fill_noise(const builder *builder, double *noise)
 }
 
 /*
- * Compute the weight of each sensor in the fit of vibration modes to readings. If sensors measure
- * the shape, it is the inverse variance of the sensor's noise. If every target node is measured, no
- * noise is known. The weight is then 1, or the squared target weight if the target has free
- * functions (shapes that may be added at no cost). All weights are scaled so that the weighted
- * readings of a mode have a root mean square of about 1.
+ * Compute the weight of each sensor in the fit of vibration modes to readings: the inverse variance
+ * of its noise. Without sensors, it is 1 for every target node, or the squared target weight where
+ * the target has free functions. The weights are scaled so that the weighted readings of a mode
+ * have a root mean square of about 1.
  */
 static void fill_precision(builder *builder)
 {
@@ -299,11 +298,10 @@ static void fill_precision(builder *builder)
 }
 
 /*
- * Compute three sums over the observed vibration modes, where the reading of a mode is what a
- * sensor shows per unit of its modal coordinate. overlap [modes][modes]: product of the readings of
- * two modes, summed over the sensors with the weight of each. square [modes]: squared mode shape,
- * summed over the targets with squared weights. lift [inputs][modes]: product of a column of the
- * influence matrix and a mode shape, summed likewise.
+ * Compute three products of the observed vibration modes.
+ *   overlap [modes][modes]   readings of two modes, summed over the sensors with their weights
+ *   square  [modes]          squared mode shape, summed over the targets with squared weights
+ *   lift    [inputs][modes]  influence matrix times mode shape, summed over the targets likewise
  */
 static void fill_products(builder *builder)
 {

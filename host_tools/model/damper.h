@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the control tick that damps vibration (pzs_vibration), for one scene: which vibration
- * modes the tick observes, how the sensors and the outputs move in these modes, and the gains
- * (damper_gains.h). The tick observes modes that move the outputs and whose phase advances by at
- * most 2 rad in a tick, from the lowest on. Their number is at most that of the amplifiers that are
- * not held at one voltage, and below that of the sensors. Modal coordinates are scaled so that a
- * unit moves the outputs by a root mean square of 1.
+ * Tables of the control tick that damps vibration (pzs_vibration): the observed modes, their shapes
+ * at sensors and outputs, and the gains (damper_gains.h). The tick observes, from the lowest on,
+ * modes that move the outputs and advance by at most 2 rad a tick: at most as many as amplifiers
+ * that are not held at one voltage, and fewer than sensors. A unit modal coordinate moves the
+ * outputs by a root mean square of 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H
@@ -46,12 +45,11 @@ typedef struct damper_options {
 damper_options damper_options_of(const analysis *analysis);
 
 /*
- * Make the tables of a control tick that damps vibration for given options, whether the loop needs
- * them or not.
+ * Make the tables of a control tick that damps vibration, whether the loop needs them or not.
  *   analysis   in  analysis with the least-squares problem for the voltages and the result of the
- *              stability tests; must outlive the damper
- *   estimator  in  the controller's estimator of the shape; must outlive the damper; NULL: every
- *              target node is measured
+ *       stability tests; must outlive the damper
+ *   estimator  in  shape estimator of the controller, which must outlive the damper; NULL: every
+ *       target node is measured
  *   options    in  tick rate, age of the readings and settings
  * Returns 0, or -1 with error filled and `damper` unchanged.
  */
@@ -59,13 +57,13 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
                 const damper_options *options, char *error);
 
 /*
- * Make the tables of a control tick that damps vibration if they are needed: the scene has a tick
- * rate and densities, and its control step alone would be unstable (certificate_refuses).
- * Otherwise, and with the option `quasi_static` of the analysis, the damper is left unused.
+ * Make the tables of a control tick that damps vibration if the scene has a tick rate and
+ * densities, and its control step alone would be unstable (certificate_refuses). Otherwise, and
+ * with the option `quasi_static`, the damper is left unused.
  *   analysis   in  analysis with the least-squares problem for the voltages and the result of the
- *              stability tests; must outlive the damper
- *   estimator  in  the controller's estimator of the shape; must outlive the damper; NULL: every
- *              target node is measured
+ *       stability tests; must outlive the damper
+ *   estimator  in  shape estimator of the controller, which must outlive the damper; NULL: every
+ *       target node is measured
  * Returns 0, or -1 with error filled and the damper unused.
  */
 int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error);

@@ -170,11 +170,13 @@ static double add_change(doubling *doubling, const double *next)
 }
 
 /*
- * One iteration of the structured doubling that solves the discrete Riccati equation. With w = (1 +
- * g h)^-1, the matrices h, g and a become h + a' h w a, g + a w g a' and a w a, where ' is the
- * transpose; h converges to the solution. Before the first iteration a is the transposed transition
- * matrix, g the information of the measurement and h the process noise. Returns the relative change
- * of h, or NAN where a matrix is singular.
+ * Do one iteration of the structured doubling for the discrete Riccati equation, whose solution is
+ * the limit of h. Returns the relative change of h, or NAN where a matrix is singular. With w = (1
+ * + g h)^-1 and the transpose ':
+ *   h becomes h + a' h w a,  g becomes g + a w g a',  a becomes a w a.
+ *   a  at first the transposed transition matrix
+ *   g  at first the information of the measurement
+ *   h  at first the process noise
  */
 static double double_once(doubling *doubling)
 {

@@ -1,20 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Gains of the control tick that damps vibration (pzs_vibration), from a modal model: propagators
- * of free vibration, observer, and damping gradient. The damping gradient is the term that the tick
- * subtracts from the gradient of its objective to damp vibration.
- *
- * The observer is a stationary Kalman filter. Its states are, for each mode, the position q, the
- * velocity p divided by the angular frequency, and the static position w under the loads. With the
- * voltages v, and the static coordinate g per volt, the deviation from equilibrium is d = q - g v -
- * w. Over one tick, d and p follow the propagator of free vibration. There is process noise of p
- * and w. The readings are scaled by their sensors' noise, so that its variance is 1. With
- * transition matrix A, scaled readings C per unit of each state, and process noise Q, the
- * covariance P solves the Riccati equation P = A P A' - A P C' (C P C' + 1)^-1 C P A' + Q.
- *
- * All settings are dimensionless. Noise settings are divided by the noise of the sensors. Damping,
- * frequency limits and rates are given in terms of the phase angle of a mode in a tick, which is
- * its angular frequency times the tick interval (rad).
+ * of free vibration, observer, and the damping term subtracted from the gradient of the tick's
+ * objective. The observer is a stationary Kalman filter, whose covariance P solves
+ *   P = A P A' - A P C' (C P C' + 1)^-1 C P A' + Q.
+ *   states  of each mode: position q, velocity p over angular frequency, static position w under
+ *       loads
+ *   A       transition matrix: free vibration of p and of the deviation q - g v - w, with the
+ *       voltages v and the static coordinate g per volt
+ *   C       readings per unit of each state, divided by the noise of their sensors
+ *   Q       process noise of p and w
+ * All settings are dimensionless: noise relative to that of the sensors; damping, frequencies and
+ * rates by the phase angle of a mode in a tick (angular frequency times tick interval, rad).
  */
 #ifndef DAMPER_GAINS_H
 #define DAMPER_GAINS_H

@@ -51,12 +51,10 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Transform a load vector from the local axes of one node to those of another, so that it can be
- * interpolated between the nodes. With Cartesian kinematics (element option `cartesian`), a load
- * with a fixed direction in space keeps this direction. Otherwise, and for loads along local axes
- * such as a pressure, the vector keeps its components. A pressure is normal to the surface at each
- * node. If its vectors at two nodes were added in space, their sum would be shorter than the sum of
- * their sizes.
+ * Carry a load vector from the local axes of one node to those of another, for interpolation
+ * between nodes. With Cartesian kinematics, a load with a fixed direction in space keeps this
+ * direction. Otherwise, and for loads along local axes, the components are kept: pressures at two
+ * nodes, added in space, would lose size.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])

@@ -23,27 +23,23 @@ LOAD_TYPES(LOAD_FORCES)
 load_forces load_forces_add;
 
 /*
- * load_temperatures returns the temperatures of the inner and outer face under a temperature load.
- * load_temperature_resultants computes the stress resultants that a temperature load prescribes in
- * one element, multiplied by the area of the element.
- *   h0  [10] out  resultants times area (N m) for mean and difference of both faces for the strains
- *       11, 22, 33 and 12; then the strains 13 and 23
+ * Temperature loads. load_temperatures returns the temperatures of both faces;
+ * load_temperature_resultants computes the prescribed resultants in one element, times its area.
+ *   h0  [10] out  resultants (N m) for mean and difference of both faces of the strains 11, 22, 33
+ *       and 12; then the strains 13 and 23
  */
 laminate_field load_temperatures(const scene_load *load);
 void load_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
                                  double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute two base vectors of a face at a corner of an element, from which the nodal forces of a
- * pressure follow, for elements with interpolated displacement vectors (Cartesian kinematics). They
- * run along the two straight sides (chords) of the element that meet at the corner. A chord over an
- * arc of the angle a is inclined by a/2 to the tangent plane at the corner, so that the pressure
- * has an in-plane nodal force. With the inclination a/2 this force would be too large. The
- * inclination is reduced to 1/(a/2) - cot(a/2), about a third of a/2. The in-plane nodal forces
- * then have the same resultant and moment as the pressure on the arc.
+ * Compute two base vectors of a face at a corner of an element, for the nodal forces of a pressure
+ * with Cartesian kinematics. They run along the straight sides (chords) that meet at the corner. A
+ * chord over an arc of angle a leans by a/2 to the tangent plane; the lean is reduced to 1/(a/2) -
+ * cot(a/2), so that the in-plane nodal forces have the resultant and moment of the pressure on the
+ * arc.
  *   flat [2][2] out  components of the base vectors in the tangent plane
- *   lean [2]    out  component of each base vector normal to the tangent plane, with the reduced
- *       inclination
+ *   lean [2]    out  component of each base vector normal to it, reduced
  * Returns the area that the two base vectors span.
  */
 double load_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],

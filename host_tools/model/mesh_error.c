@@ -16,15 +16,12 @@
 static const double LEAST_UNCERTAINTY = 1e-9;
 
 /*
- * Return the expected error of an extrapolated result if the results on finer and finer meshes
- * converge more slowly than with second order. The extrapolated result is the finest result plus
- * last/3, as for second order. The differences between further meshes are expected to be a
- * geometric series, each `ratio` times smaller than the one before, with the sum last/(ratio - 1).
- * The error is this sum less last/3.
+ * Return the expected error of a result extrapolated with second order where the convergence is
+ * slower. Differences between further meshes are taken as a geometric series with the sum
+ * last/(ratio - 1), of which the extrapolation contains last/3.
  *   last  in  difference between the results on the two finest meshes
- *   ratio in  difference between the results on the second and the third finest mesh, divided by
- *       `last`; 4 for convergence of second order; values below SLOWEST, of a sequence that hardly
- *       converges, count as SLOWEST
+ *   ratio in  difference between the second and the third finest, divided by `last`; 4 for second
+ *       order; values below SLOWEST count as SLOWEST
  */
 static double remaining_error(double last, double ratio)
 {
@@ -33,9 +30,9 @@ static double remaining_error(double last, double ratio)
 }
 
 /*
- * Error of the extrapolated value where the results first rise and then fall with finer meshes, or
- * first fall and then rise. Such results behave as limit + a h - b h^2, with the element size h and
- * a and b of the same sign; extrapolation of second order leaves the error 2/3 a h.
+ * Return the error of the extrapolated value where the results first rise and then fall with finer
+ * meshes, or the reverse. They behave as limit + a h - b h^2 with element size h and a, b of the
+ * same sign; second-order extrapolation leaves 2/3 a h.
  *   last   in  difference between the results on the two finest meshes
  *   before in  difference between the results on the second and the third finest mesh
  */

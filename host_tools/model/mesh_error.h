@@ -42,20 +42,18 @@ typedef struct mesh_error {
 } mesh_error;
 
 /*
- * Estimate the discretisation error from the results on two or three meshes. The element size
- * halves from one mesh to the next.
+ * Estimate the discretisation error from the results on two or three meshes, the element size of
+ * which halves from one to the next. The result is extrapolated with second order, the order of the
+ * element's displacement. The uncertainty, at least 1e-9 of the result, is
+ * - for two meshes, 1.5 |d|;
+ * - for three meshes, the larger of |d| and |c|/4;
+ * - for three meshes that converge more slowly, in addition |d|/(c/d - 1) - |d|/3;
+ * - for results that rise and then fall, or the reverse, (4 |d| + |c|)/3.
+ *
+ *   d  difference between the results on the two finest meshes
+ *   c  difference between the results on the second and the third finest mesh
  *   value [meshes] in  results, that of the finest mesh first
  *   meshes         in  2 or 3
- * The extrapolated value assumes convergence of second order, which is the order of the element's
- * displacement. Let d be the difference between the results on the two finest meshes, and c that
- * between the second and the third finest. The uncertainty of the extrapolated value is 1.5 |d| for
- * two meshes, and the larger of |d| and |c|/4 for three.
- *
- * There are two exceptions with three meshes. If the results converge more slowly than with second
- * order, the expected remaining error |d|/(c/d - 1) - |d|/3 is added, as if further differences
- * shrank by the same factor c/d. If the results rise and then fall, or fall and then rise, the
- * uncertainty is (4 |d| + |c|)/3: the results are taken as limit + a h - b h^2 with the element
- * size h. The uncertainty is at least 1e-9 of the result, for rounding errors.
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 

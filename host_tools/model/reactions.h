@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reactions: forces and moments of the supports on the shell, at small and at large displacements.
- *
- * The reaction on a constrained dof is the internal force of the elements minus the forces of
- * loads, springs and contact. The internal forces of an element do no work on a rigid motion.
- * Reactions, loads, spring forces and contact forces are therefore in equilibrium; the error is
- * only that of the displacement.
- *
- * Points and directors are those of the deformed shell under nonlinear kinematics, and those of the
- * undeformed shell under linear kinematics. Only the host computes reactions; the tables of a
- * device do not contain the constrained dof.
+ * Reactions: forces and moments of the supports on the shell. The reaction on a constrained dof is
+ * the internal force of the elements minus the forces of loads, springs and contact; all of them
+ * are in equilibrium up to the error of the displacement. Points and directors are those of the
+ * deformed shell under nonlinear kinematics, of the undeformed shell under linear kinematics. Host
+ * only: device tables have no constrained dof.
  */
 #ifndef REACTIONS_H
 #define REACTIONS_H

@@ -213,12 +213,9 @@ static void integrate(const stress_field *field, int element, const double *rate
 }
 
 /*
- * Compute the transverse shear stresses s_13 and s_23 from the gradient of the in-plane stresses,
- * by integrating the equations of equilibrium from the inner face of the laminate, where they
- * vanish. On a curved shell a length along the principal direction a changes with the height z by
- * the factor c_a = 1 + k_a z, with the principal curvature k_a. The equations of equilibrium can be
- * integrated for the products c_1^2 c_2 s_13 and c_2^2 c_1 s_23. These products are stored in
- * `out`.
+ * Compute the transverse shear stresses from the gradient of the in-plane stresses: integrate the
+ * equations of equilibrium (stress_equilibrium.h) from the inner face, where the stresses vanish.
+ *   out  products c_1^2 c_2 s_13 and c_2^2 c_1 s_23 (profile)
  */
 static void balance(const stress_field *field, const stencil *stencil, gradient slope, profile out)
 {
@@ -304,11 +301,11 @@ static void plane_stress(const laminate_ply *ply, const double bent[6], double z
 }
 
 /*
- * Compute the gradient of the in-plane stresses that belongs to a unit gradient of one normal force
- * or bending moment of the laminate. The force or moment in direction a (1 or 2) changes along the
- * direction a.
- *   flex [6][6]  in  membrane strains and curvatures of the laminate per unit of force and moment
- *   pattern      in  0 or 1: normal force 11 or 22; 2 or 3: bending moment 11 or 22
+ * Compute the gradient of the in-plane stresses under a unit gradient of one normal force or
+ * bending moment of the laminate. The force or moment in direction a changes along a.
+ *   flex [6][6]  in   membrane strains and curvatures of the laminate per unit of force and moment
+ *   pattern      in   0 or 1: normal force 11 or 22; 2 or 3: bending moment 11 or 22
+ *   slope        out  the gradient
  */
 static void unit_gradient(const stress_field *field, const stencil *stencil, double flex[6][6],
                           int pattern, gradient slope)

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Stresses and strains of a solved structure, recovered from its displacement on the host.
- *
- * Strains and in-plane stresses are those at the centre of each element. The in-plane strains vary
- * linearly through the thickness; on a curved shell, the different lengths at each height are taken
- * into account exactly. With the element option lin33 (every ply thickens freely) the thickness
- * strain of each ply follows from one normal stress 33 that all plies share; without this option
- * the thickness strain is linear through the thickness, too. The transverse shear stresses and the
- * normal stress 33 follow from the equilibrium of the in-plane stresses through the thickness
- * (stress_equilibrium.c). At large rotations the strains are those of Green and Lagrange and the
- * stresses are the second Piola-Kirchhoff stresses, in the directions of the undeformed shell.
+ * - In-plane strains and stresses are those at the element's centre; strains are linear through the
+ *   thickness, with the exact lengths at each height of a curved shell.
+ * - With the element option lin33, the thickness strain of each ply follows from one normal stress
+ *   33 of all plies; otherwise it is linear too.
+ * - Transverse shear and normal stresses follow from equilibrium (stress_equilibrium.c).
+ * - At large rotations, strains are Green's and stresses second Piola-Kirchhoff stresses, in the
+ *   directions of the undeformed shell.
  */
 #ifndef STRESS_FIELD_H
 #define STRESS_FIELD_H
@@ -106,11 +104,9 @@ typedef struct stress_field {
 } stress_field;
 
 /*
- * Compute the strains and stress resultants of all elements, and the in-plane stresses of their
- * layers. The transverse shear stresses and the normal stress 33 are left to stress_equilibrium.
- * The stress field points to the numerical model and to the given displacement and input values,
- * which must remain valid until the field is freed. Returns 0, or -1 if memory runs out; the field
- * must be freed in both cases.
+ * Compute the strains and resultants of all elements and the in-plane stresses of their layers; the
+ * other stresses are left to stress_equilibrium. The field keeps pointers to model, displacement
+ * and input values. Returns 0, or -1 if memory runs out; call stress_free in both cases.
  */
 int stress_field_fill(stress_field *field, const stress_state *state);
 void stress_free(stress_field *field);

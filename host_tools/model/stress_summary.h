@@ -51,12 +51,13 @@ bool stress_is_zero(const stress_summary *summary);
 double stress_mises(const double stress[STRESS_COMPONENTS]);
 
 /*
- * Return the reserve factor of a ply: the factor by which its in-plane stresses, in material axes,
- * may be multiplied before the strength criterion of its material is met. The factor is infinite
- * without stress. X and Y are the strengths along the directions 1 and 2, under tension or
- * compression according to the sign of the stress, and S is the strength under shear:
+ * Return the reserve factor of a ply: the factor on its in-plane stresses s at which the strength
+ * criterion of its material is met, infinite without stress.
  *   Tsai-Hill       1/sqrt((s_11/X)^2 - s_11 s_22/X^2 + (s_22/Y)^2 + (s_12/S)^2)
  *   maximum stress  the least of X/|s_11|, Y/|s_22|, S/|s_12|
+ *   X, Y            strengths along the material axes 1, 2 in tension or compression, as the stress
+ *       is
+ *   S               strength in shear
  */
 double stress_reserve(const scene_strength *strength, const double stress[STRESS_COMPONENTS]);
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Weighted least squares without voltage limits, computed for comparison with the optimum within
- * the limits. The voltages v minimise |W (B v - e)|^2 + r |v - v0|^2, so that (B'W^2 B + r I) v =
- * B'W^2 e + r v0. W holds the weights, B is the influence matrix, e the error to be corrected, r
- * the regularisation and v0 the reference voltages. These normal equations are factored by
- * Cholesky's method with pivoting, and the solution is refined with residuals computed from B
- * itself. A voltage whose column of B depends linearly on others stays at 0 V.
+ * Weighted least squares without voltage limits, for comparison with the optimum within the limits.
+ * The normal equations are factored by pivoted Cholesky and the solution refined with residuals
+ * from B:
+ *   (B'W^2 B + r I) v = B'W^2 e + r v0.
+ *   v, v0  voltages and reference voltages
+ *   W, B   weights and influence matrix
+ *   e, r   error to be corrected, and regularisation
+ * A voltage whose column of B depends linearly on others stays at 0 V.
  */
 #ifndef UNCONSTRAINED_H
 #define UNCONSTRAINED_H

@@ -35,12 +35,12 @@ static void trial_free(trial *trial)
 }
 
 /*
- * Set up a controller that minimises the shape error under other voltage limits than those of the
- * scene.
+ * Set up a controller that minimises the shape error under limits other than the scene's.
  *   influence  [targets][amplifiers] in  influence matrix; NULL: that of the reference state
- *   common  in  limits that apply to all amplifiers: those of the scene, given limits, or none
- * Returns the status of the library. With PZS_E_LIMITS no voltage is permitted for some amplifier,
- * and `error` is filled.
+ *   common                           in  limits that apply to all amplifiers: those of the scene,
+ *       given limits, or none
+ * Returns the status of the library; PZS_E_LIMITS with error filled if an amplifier has no
+ * permitted voltage.
  */
 static pzs_status trial_start(trial *trial, const design *design, common_limits common,
                               const double *influence, char *error)
@@ -124,8 +124,8 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
 }
 
 /*
- * Compute the optimal voltages within the limits by one step of the controller. A step that stops
- * because its active-set solver has used up its iterations is continued by further steps.
+ * Compute the optimal voltages within the limits by controller steps: one, and further ones where
+ * the active-set solver has used up its iterations.
  *   influence [targets][amplifiers] in      influence matrix; NULL: that of the reference state
  *   wanted    [targets]             in      displacements that the voltages are to cause
  *   reach                           in      largest change of any voltage (V), or INFINITY

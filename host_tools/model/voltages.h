@@ -62,19 +62,14 @@ typedef struct voltages {
 } voltages;
 
 /*
- * Functions that compute voltages for the scene's target. The influence matrix must be computed
- * before. The argument `common` selects which limits common to all amplifiers apply (design.h); the
- * limits of each amplifier always apply, too.
- *   voltages_optimum      optimum within the limits. On a nonlinear structure
- *       (analysis->is_nonlinear) it is found by a Gauss-Newton method with the influence matrix at
- *       the last shape. The method starts from the linear optimum. If the structure has no
- *       equilibrium there, the voltages are halved until it has one. No voltage changes by more
- *       than a trust radius in an iteration, which shrinks where the error does not decrease.
- *   voltages_linear       optimum of the linear model; the shape is that of the linear or nonlinear
- *       structure, as analysis->is_nonlinear says
+ * Compute voltages for the scene's target. The influence matrix must be computed before. `common`
+ * selects limits common to all amplifiers (design.h); the limits of each amplifier always apply.
+ *   voltages_optimum      optimum within the limits; for analysis->is_nonlinear a Gauss-Newton
+ *       method with a trust radius, from the linear optimum (halved until an equilibrium exists)
+ *   voltages_linear       optimum of the linear model; its shape as analysis->is_nonlinear says
  *   voltages_clipped      least squares of the linear model without limits, then clipped
  *   voltages_regularised  regularised least squares of the linear model, then clipped, with the
- *       parameter that leaves the smallest error of the linear model
+ *       regularisation of the smallest error
  *   voltages_given        given voltages, unchanged
  * Each returns 0, or -1 with error filled.
  */

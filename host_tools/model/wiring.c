@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Search for faults of electrodes and cables (function wiring_find of calibrate.h). Each electrode
- * e has a gain g_e and is connected to an amplifier a(e). The measured shapes S are the sum over e
- * of g_e V_a(e) B_e', where V_a holds the voltages of amplifier a and B_e is a column of the
- * model's influence matrix. For any wiring a, the gains are a linear least-squares problem whose
- * matrix has the entries (V'V)_a(e)a(f) (B'B)_ef. Two cables are swapped where exchanging them
- * lowers the remaining sum of squares. Afterwards a gain near 0 shows a dead electrode, and a
- * negative gain a reversed wire.
+ * Search for faults of electrodes and cables (wiring_find in calibrate.h). For any wiring a, the
+ * gains g_e follow from the linear least squares of the measured shapes
+ *   S = sum over electrodes e of g_e V_a(e) B_e'.
+ *   a(e)    amplifier to which electrode e is connected
+ *   V_a(e)  voltages of this amplifier in all measurements
+ *   B_e     column of the model's influence matrix
+ * Cables are swapped where exchanging them lowers the sum of squares. Then a gain near 0 shows a
+ * dead electrode, a negative gain a reversed wire.
  */
 #include <math.h>
 #include <stdlib.h>

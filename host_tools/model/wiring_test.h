@@ -20,26 +20,24 @@ typedef struct wiring_test {
 
 /*
  * Make the tables of the self-test of amplifiers, cables and sensors. A test pulse lasts as long as
- * the scene file says. If the scene file gives no duration, the pulse lasts six periods of the
- * first vibration mode, where the natural frequencies are known. In any case it lasts long enough
- * for its height under the step limits (largest voltage change in one tick) of the amplifiers.
- *   analysis  in  analysis with computed influence matrix and, if pulses last six periods, with
- *                 computed vibration modes; must outlive the self-test
- *   estimator in  estimator of the controller, which must outlive the self-test; NULL: every target
- *                 node is measured
+ * the scene file says, or six periods of the first vibration mode where known, and at least as long
+ * as its height needs under the step limits.
+ *   analysis  in  analysis with influence matrix and, for the six periods, vibration modes; must
+ *       outlive the self-test
+ *   estimator in  shape estimator of the controller, which must outlive the self-test; NULL: every
+ *       target node is measured
  * Returns whether memory was available; call wiring_test_close in either case.
  */
 bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimator *estimator);
 
 /*
- * Make the tables of the test pulses with which the fault detector of a control loop that damps
- * vibration finds faulty electrodes. The heights are a part of the voltage ranges, and a pulse
- * lasts 3.2 periods of the first vibration mode. The member is_used is true if the scene file lets
- * the controller itself detect electrode faults.
- *   analysis  in  analysis with computed influence matrix and vibration modes; must outlive the
- *                 tables
- *   estimator in  estimator of the controller, which must outlive the tables; NULL: every target
- *                 node is measured
+ * Make the tables of the test pulses with which a loop that damps vibration finds faulty
+ * electrodes. Heights are a part of the voltage ranges; a pulse lasts 3.2 periods of the first
+ * mode. The member is_used is true if the scene file lets the controller itself detect electrode
+ * faults.
+ *   analysis  in  analysis with influence matrix and vibration modes; must outlive the tables
+ *   estimator in  shape estimator of the controller, which must outlive the tables; NULL: every
+ *       target node is measured
  * Returns whether memory was available; call wiring_test_close in either case.
  */
 bool wiring_test_detector_open(wiring_test *test, const analysis *analysis,
@@ -59,11 +57,10 @@ int wiring_test_tested(const wiring_test *test);
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 
 /*
- * List as text what the self-test of the wiring cannot detect. Three kinds of amplifiers are named:
- * those without a test pulse; those whose pulses change no sensor reading; and those whose response
- * may be hidden by the noise that the scene file states. For the last ones the text gives an
- * amplitude and a duration of the pulses that suffice. The text is empty where there is nothing to
- * list.
+ * List as text what the self-test of the wiring cannot detect: amplifiers without a test pulse,
+ * with pulses that change no reading, or with a response that the scene's noise may hide. For the
+ * last ones the text gives an amplitude and a duration that suffice. Empty where there is nothing
+ * to list.
  */
 void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 
