@@ -324,14 +324,20 @@ static bool apply_wide(pzs_optimiser *optimiser)
  */
 static bool apply_whole(pzs_optimiser *optimiser)
 {
-    const size_t inputs = optimiser->inputs;
+    pzs_real scaled[PZS_PENDING * PZS_DUAL_INPUTS];
+    long long zero[PZS_PENDING];
+    const size_t inputs = optimiser->inputs, width = optimiser->width;
     if (inputs >= PZS_DUAL_INPUTS || keeps_half(optimiser) || !product_is_wide(inputs))
         return false;
-    clear_exchanged(optimiser, 0, inputs);
-    pzs_wide_subtract_products(optimiser->tableau, optimiser->width, inputs, optimiser->pending,
-                               &optimiser->exchange->sign,
-                               sizeof *optimiser->exchange / sizeof(pzs_real),
-                               optimiser->pending_count);
+    for (uint32_t j = 0; j < optimiser->pending_count; j++) {
+        const pzs_exchange *exchange = &optimiser->exchange[j];
+        set_multiple(scaled + j * width, optimiser->pending + j * width, exchange->sign,
+                     optimiser_span(optimiser));
+        memset(optimiser->tableau + exchange->input * width, 0, width * sizeof(pzs_real));
+        zero[j] = exchange->input;
+    }
+    pzs_wide_update_whole(optimiser->tableau, width, inputs, scaled, optimiser->pending, zero,
+                          optimiser->pending_count);
     return true;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "product.h"
 #include "lane.h"
+#include "product_inline.h"
 #include "product_vfp.h"
 #include "product_wide.h"
 #include "unrolled.h"
@@ -20,7 +21,6 @@
 #define FEW PZS_BY_BITS(3, 2)
 #define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
 #define SOME PZS_BY_TILE(PZS_BY_BITS(3, 2), 4, 4)
-#define LANES PRODUCT_LANES
 
 #if !PZS_VFP
 
@@ -296,88 +296,33 @@ void pzs_product_subtract_rows(pzs_real *restrict vector, const pzs_real *restri
 
 /* ---- of two vectors ------------------------------------------------------------- */
 
-#define ADD_LANES PRODUCT_ADD_LANES
-
-/*
- * On a host with wide vector loops (product_wide.h), add the first entries of a long scalar product
- * to its partial sums. Returns the number of entries added, 0 on other processors.
- */
-static inline size_t add_wide(pzs_real sum[LANES], const pzs_real *left, const pzs_real *right,
-                              size_t count)
+pzs_real pzs_product_dot(const pzs_real *left, const pzs_real *right, size_t count)
 {
-    if (count < WIDE_DOT || !product_is_wide(count))
-        return 0;
-    pzs_wide_dot(sum, left, right, count / LANES * LANES);
-    return count / LANES * LANES;
+    if (count >= WIDE_DOT && product_is_wide(count))
+        return pzs_wide_dot(left, right, count);
+    return product_dot(left, right, count);
 }
-#define NONE_WIDE(sum, left, right, count) 0
 
-/*
- * Define a function that returns the sum of the expression TERM over the entries of two vectors.
- * The term of entry i in each group of LANES entries is added to partial sum i. The partial sums
- * are independent, and the bits of the result are the same at any vector width. Zeros that pad the
- * end of the vectors do not change the sum.
- */
-#define SUM_OF(name, TERM, FIRST)                                                                  \
-    pzs_real name(const pzs_real *left, const pzs_real *right, size_t count)                       \
-    {                                                                                              \
-        pzs_real sum[LANES] = {0};                                                                 \
-        size_t i = FIRST(sum, left, right, count);                                                 \
-        for (; i + LANES <= count; i += LANES) {                                                   \
-            UNROLLED                                                                               \
-            for (unsigned k = 0; k < LANES; k++)                                                   \
-                sum[k] += TERM(left[i + k], right[i + k]);                                         \
-        }                                                                                          \
-        for (; i + 4u <= count; i += 4u) {                                                         \
-            UNROLLED                                                                               \
-            for (unsigned k = 0; k < 4u; k++)                                                      \
-                sum[k] += TERM(left[i + k], right[i + k]);                                         \
-        }                                                                                          \
-        for (; i < count; i++)                                                                     \
-            sum[0] += TERM(left[i], right[i]);                                                     \
-        return ADD_LANES(sum);                                                                     \
-    }
+pzs_real pzs_product_dot_size(const pzs_real *left, const pzs_real *right, size_t count)
+{
+    return product_dot_size(left, right, count);
+}
 
-#define PRODUCT(x, y) (x) * (y)
-#define PRODUCT_SIZE(x, y) (x) * PZS_ABS(y)
-#define PRODUCT_SQUARE(x, y) ((x) * (y)) * ((x) * (y))
-SUM_OF(pzs_product_dot, PRODUCT, add_wide)
-SUM_OF(pzs_product_dot_size, PRODUCT_SIZE, NONE_WIDE)
-SUM_OF(pzs_product_energy, PRODUCT_SQUARE, NONE_WIDE)
+pzs_real pzs_product_energy(const pzs_real *weight, const pzs_real *vector, size_t count)
+{
+    return product_energy(weight, vector, count);
+}
 
 pzs_real pzs_product_weigh(pzs_real *restrict weighted_difference, const pzs_real *restrict weight,
                            const pzs_real *restrict left, const pzs_real *restrict right,
                            size_t count)
 {
-    pzs_real sum[LANES] = {0};
-    size_t i = 0;
-    for (; i + LANES <= count; i += LANES) {
-        UNROLLED
-        for (unsigned k = 0; k < LANES; k++) {
-            const pzs_real miss = left[i + k] - right[i + k],
-                           weighted = weight[i + k] * weight[i + k] * miss;
-            weighted_difference[i + k] = weighted;
-            sum[k] += weighted * miss;
-        }
-    }
-    for (; i < count; i++) {
-        const pzs_real miss = left[i] - right[i];
-        weighted_difference[i] = weight[i] * weight[i] * miss;
-        sum[0] += weighted_difference[i] * miss;
-    }
-    return ADD_LANES(sum);
+    if (product_is_wide(count))
+        return pzs_wide_weigh(weighted_difference, weight, left, right, count);
+    return product_weigh(weighted_difference, weight, left, right, count);
 }
 
 pzs_real pzs_product_largest(const pzs_real *vector, size_t count)
 {
-    pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;
-    for (size_t i = 0; i < count; i += 4u) {
-        s0 = vector[i] > s0 ? vector[i] : s0;
-        s1 = vector[i + 1u] > s1 ? vector[i + 1u] : s1;
-        s2 = vector[i + 2u] > s2 ? vector[i + 2u] : s2;
-        s3 = vector[i + 3u] > s3 ? vector[i + 3u] : s3;
-    }
-    s0 = s1 > s0 ? s1 : s0;
-    s2 = s3 > s2 ? s3 : s2;
-    return s2 > s0 ? s2 : s0;
+    return product_largest(vector, count);
 }

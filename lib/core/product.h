@@ -28,15 +28,6 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 #define PRODUCT_LONG_ROW 128u
 
 /*
- * PRODUCT_LANES: number of partial sums of a scalar product that are computed side by side.
- * PRODUCT_ADD_LANES: expression that adds the partial sums in the array `sum`, always in the same
- * order.
- */
-#define PRODUCT_LANES 8u
-#define PRODUCT_ADD_LANES(sum)                                                                     \
-    (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
-
-/*
  * Products with a sparse matrix of `cols` columns, ascending in each row. For finite vectors the
  * results have the same bits as pzs_product_matrix and pzs_product_sum_rows of the full matrix.
  *   pzs_product_sparse      product [rows.count] = matrix times vector [cols]

@@ -6,6 +6,7 @@
  */
 #include <string.h>
 #include "product.h"
+#include "product_inline.h"
 
 /*
  * Scalar product of a sparse row of `count` entries with a vector: one sum in ascending order of

@@ -2,6 +2,7 @@
 /* Products of matrices and vectors for hosts with the vector unit AVX2 (product_wide.h). */
 #include "product_wide.h"
 #include <string.h>
+#include "product_inline.h"
 #include "unrolled.h"
 
 #if PZS_WIDE
@@ -66,14 +67,29 @@ AVX2 static inline wide_vector load_some(const pzs_real *from, lane_mask mask)
                                                      mask);
 }
 
-AVX2 static inline void store_some(pzs_real *to, lane_mask mask, wide_vector entries)
+/*
+ * Store the entries in use of the last vector of `cols` columns. Processors take longer for a store
+ * with a mask than for a few stores of one number.
+ */
+AVX2 static inline void store_some(pzs_real *to, size_t cols, wide_vector entries)
 {
-    __builtin_ia32_maskstorepd256((whole_vector *)(void *)to, mask, (whole_vector)entries);
+    const size_t used = (cols - 1u) % IN_VECTOR + 1u;
+    if (used == IN_VECTOR) {
+        *(wide_vector *)to = entries;
+        return;
+    }
+    to[0] = entries[0];
+    if (used > 1u)
+        to[1] = entries[1];
+    if (used > 2u)
+        to[2] = entries[2];
 }
 
 /*
  * Define a function that sets COUNT vector registers of sums, of which the last one may be
- * incomplete, to the sum of `rows` rows of a table, each multiplied by its factor.
+ * incomplete, to the sum of `rows` rows of a table, each multiplied by its factor. Where the last
+ * register is incomplete, the numbers that follow a row in memory are read with it, except those
+ * behind the last row; their sums are not stored.
  *   cols in  number of columns, which fill COUNT registers, the last one at least in part
  */
 #define SUM_VECTORS(COUNT)                                                                         \
@@ -83,10 +99,17 @@ AVX2 static inline void store_some(pzs_real *to, lane_mask mask, wide_vector ent
     {                                                                                              \
         const lane_mask mask = last_mask(cols);                                                    \
         wide_vector sum[COUNT];                                                                    \
+        size_t i = 0;                                                                              \
         UNROLLED                                                                                   \
         for (unsigned k = 0; k < (COUNT); k++)                                                     \
             sum[k] = (wide_vector){0};                                                             \
-        for (size_t i = 0; i < rows; i++, table += stride) {                                       \
+        UNROLLED_TWICE                                                                             \
+        for (; i + 1u < rows; i++, table += stride) {                                              \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < (COUNT); k++)                                                 \
+                sum[k] += vector[i] * ((const wide_vector *)table)[k];                             \
+        }                                                                                          \
+        for (; i < rows; i++) {                                                                    \
             UNROLLED                                                                               \
             for (unsigned k = 0; k + 1u < (COUNT); k++)                                            \
                 sum[k] += vector[i] * ((const wide_vector *)table)[k];                             \
@@ -95,7 +118,7 @@ AVX2 static inline void store_some(pzs_real *to, lane_mask mask, wide_vector ent
         UNROLLED                                                                                   \
         for (unsigned k = 0; k + 1u < (COUNT); k++)                                                \
             ((wide_vector *)product)[k] = sum[k];                                                  \
-        store_some(product + ((COUNT)-1u) * IN_VECTOR, mask, sum[(COUNT)-1u]);                     \
+        store_some(product + ((COUNT)-1u) * IN_VECTOR, cols, sum[(COUNT)-1u]);                     \
     }
 
 SUM_VECTORS(1)
@@ -162,65 +185,72 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
 }
 
 /*
- * Define a function for pzs_wide_subtract_products that updates `cols` neighbouring columns j: from
- * each entry i, j it subtracts the sum over q of sign_q * v_q[i] * v_q[j], with `count` vectors
- * v_q. The columns fill COUNT vector registers, the last one at least in part.
- *   column in  v_q[0], the first entries of the vectors, `stride` reals apart
- *   row    in  v_q[j] for the first of the columns, `stride` reals apart
+ * Define a function for pzs_wide_update_whole. It sets some of neighbouring columns of a matrix,
+ * which fill COUNT vector registers in each row, to zero. Then it subtracts from each entry i, j of
+ * the columns the sum over q of column_q[i] * row_q[j], with `count` pairs of vectors.
+ *   column in  column_q[0], the first entries of the vectors, `stride` reals apart
+ *   row    in  row_q[j] for the first of the columns, `stride` reals apart
+ *   zero   in  [count] indices of the columns to be set to zero, counted from the first column
  */
-#define SUBTRACT_VECTORS(COUNT)                                                                    \
-    AVX2 static void subtract_vectors_##COUNT(                                                     \
+#define UPDATE_VECTORS(COUNT)                                                                      \
+    AVX2 static void update_vectors_##COUNT(                                                       \
         pzs_real *restrict matrix, size_t stride, size_t rows, const pzs_real *restrict column,    \
-        const pzs_real *restrict row, const pzs_real *restrict sign, size_t sign_stride,           \
-        size_t count, size_t cols)                                                                 \
+        const pzs_real *restrict row, const long long *restrict zero, size_t count)                \
     {                                                                                              \
-        const lane_mask mask = last_mask(cols);                                                    \
+        lane_mask kept[COUNT];                                                                     \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < (COUNT); k++)                                                     \
+            kept[k] = (lane_mask){-1, -1, -1, -1};                                                 \
+        for (size_t q = 0; q < count; q++) {                                                       \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < (COUNT); k++)                                                 \
+                kept[k] &= (lane_mask){0, 1, 2, 3} + (long long)(IN_VECTOR * k) != zero[q];        \
+        }                                                                                          \
         for (size_t i = 0; i < rows; i++, matrix += stride) {                                      \
             wide_vector sum[COUNT];                                                                \
             UNROLLED                                                                               \
-            for (unsigned k = 0; k + 1u < (COUNT); k++)                                            \
-                sum[k] = ((const wide_vector *)matrix)[k];                                         \
-            sum[(COUNT)-1u] = load_some(matrix + ((COUNT)-1u) * IN_VECTOR, mask);                  \
+            for (unsigned k = 0; k < (COUNT); k++)                                                 \
+                sum[k] = (wide_vector)((lane_mask)((const wide_vector *)matrix)[k] & kept[k]);     \
+            const pzs_real *factor = column + i;                                                   \
+            const wide_vector *entry = (const wide_vector *)row;                                   \
             for (size_t q = 0; q < count; q++) {                                                   \
-                const pzs_real factor = sign[q * sign_stride] * column[q * stride + i];            \
-                const pzs_real *entry = row + q * stride;                                          \
                 UNROLLED                                                                           \
-                for (unsigned k = 0; k + 1u < (COUNT); k++)                                        \
-                    sum[k] -= factor * ((const wide_vector *)entry)[k];                            \
-                sum[(COUNT)-1u] -= factor * load_some(entry + ((COUNT)-1u) * IN_VECTOR, mask);     \
+                for (unsigned k = 0; k < (COUNT); k++)                                             \
+                    sum[k] -= *factor * entry[k];                                                  \
+                factor += stride;                                                                  \
+                entry += stride / IN_VECTOR;                                                       \
             }                                                                                      \
             UNROLLED                                                                               \
-            for (unsigned k = 0; k + 1u < (COUNT); k++)                                            \
+            for (unsigned k = 0; k < (COUNT); k++)                                                 \
                 ((wide_vector *)matrix)[k] = sum[k];                                               \
-            store_some(matrix + ((COUNT)-1u) * IN_VECTOR, mask, sum[(COUNT)-1u]);                  \
         }                                                                                          \
     }
 
-SUBTRACT_VECTORS(1)
-SUBTRACT_VECTORS(2)
-SUBTRACT_VECTORS(3)
-SUBTRACT_VECTORS(4)
-SUBTRACT_VECTORS(5)
-SUBTRACT_VECTORS(6)
-SUBTRACT_VECTORS(7)
-SUBTRACT_VECTORS(8)
+UPDATE_VECTORS(1)
+UPDATE_VECTORS(2)
+UPDATE_VECTORS(3)
+UPDATE_VECTORS(4)
+UPDATE_VECTORS(5)
+UPDATE_VECTORS(6)
+UPDATE_VECTORS(7)
+UPDATE_VECTORS(8)
 
-typedef void subtract_vectors(pzs_real *restrict matrix, size_t stride, size_t rows,
-                              const pzs_real *restrict column, const pzs_real *restrict row,
-                              const pzs_real *restrict sign, size_t sign_stride, size_t count,
-                              size_t cols);
+typedef void update_vectors(pzs_real *restrict matrix, size_t stride, size_t rows,
+                            const pzs_real *restrict column, const pzs_real *restrict row,
+                            const long long *restrict zero, size_t count);
 
-AVX2 void pzs_wide_subtract_products(pzs_real *restrict matrix, size_t stride, size_t size,
-                                     const pzs_real *restrict vector, const pzs_real *restrict sign,
-                                     size_t sign_stride, size_t count)
+void pzs_wide_update_whole(pzs_real *restrict matrix, size_t stride, size_t rows,
+                           const pzs_real *restrict column, const pzs_real *restrict row,
+                           long long *restrict zero, size_t count)
 {
-    static subtract_vectors *const subtract[VECTORS] = {
-        subtract_vectors_1, subtract_vectors_2, subtract_vectors_3, subtract_vectors_4,
-        subtract_vectors_5, subtract_vectors_6, subtract_vectors_7, subtract_vectors_8};
-    for (size_t j = 0; j < size; j += SPREAD) {
-        const size_t cols = size - j < SPREAD ? size - j : SPREAD;
-        subtract[(cols - 1u) / IN_VECTOR](matrix + j, stride, size, vector, vector + j, sign,
-                                          sign_stride, count, cols);
+    static update_vectors *const update[VECTORS] = {
+        update_vectors_1, update_vectors_2, update_vectors_3, update_vectors_4,
+        update_vectors_5, update_vectors_6, update_vectors_7, update_vectors_8};
+    for (size_t j = 0; j < stride; j += SPREAD) {
+        const size_t cols = stride - j < SPREAD ? stride - j : SPREAD;
+        update[cols / IN_VECTOR - 1u](matrix + j, stride, rows, column, row + j, zero, count);
+        for (size_t q = 0; q < count; q++)
+            zero[q] -= (long long)SPREAD;
     }
 }
 
@@ -250,7 +280,7 @@ AVX2 void pzs_wide_subtract_products(pzs_real *restrict matrix, size_t stride, s
         UNROLLED                                                                                   \
         for (unsigned k = 0; k + 1u < (COUNT); k++)                                                \
             ((wide_vector *)vector)[k] = sum[k];                                                   \
-        store_some(vector + ((COUNT)-1u) * IN_VECTOR, mask, sum[(COUNT)-1u]);                      \
+        store_some(vector + ((COUNT)-1u) * IN_VECTOR, cols, sum[(COUNT)-1u]);                      \
     }
 
 SUBTRACT_CHOSEN(1)
@@ -280,16 +310,16 @@ void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict 
     }
 }
 
-AVX2 void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *right, size_t count)
+AVX2 pzs_real pzs_wide_dot(const pzs_real *left, const pzs_real *right, size_t count)
 {
-    wide_vector low = *(const wide_vector *)sum, high = *(const wide_vector *)(sum + IN_VECTOR);
-    for (size_t i = 0; i < count; i += 2u * IN_VECTOR) {
-        low += *(const wide_vector *)(left + i) * *(const wide_vector *)(right + i);
-        high += *(const wide_vector *)(left + i + IN_VECTOR) *
-                *(const wide_vector *)(right + i + IN_VECTOR);
-    }
-    *(wide_vector *)sum = low;
-    *(wide_vector *)(sum + IN_VECTOR) = high;
+    return product_dot(left, right, count);
+}
+
+AVX2 pzs_real pzs_wide_weigh(pzs_real *restrict weighted_difference,
+                             const pzs_real *restrict weight, const pzs_real *restrict left,
+                             const pzs_real *restrict right, size_t count)
+{
+    return product_weigh(weighted_difference, weight, left, right, count);
 }
 
 /*

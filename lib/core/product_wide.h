@@ -57,10 +57,13 @@ void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict 
                             size_t count, size_t cols);
 
 /*
- * Add the products of two vectors to eight partial sums: product i is added to sum i modulo 8. The
- * count is a multiple of 8.
+ * The functions pzs_product_dot and pzs_product_weigh with AVX2 instructions. The arguments and the
+ * bits of the results are the same.
  */
-void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *right, size_t count);
+pzs_real pzs_wide_dot(const pzs_real *left, const pzs_real *right, size_t count);
+pzs_real pzs_wide_weigh(pzs_real *restrict weighted_difference, const pzs_real *restrict weight,
+                        const pzs_real *restrict left, const pzs_real *restrict right,
+                        size_t count);
 
 /*
  * Copy vectors, the rows of a table, into groups of WIDE_BLOCK columns for pzs_wide_update_rows.
@@ -87,15 +90,16 @@ void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i
                           const pzs_real *column, const pzs_real *row, size_t count);
 
 /*
- * Subtract rank-one products from a symmetric matrix [size][size], on both sides of the diagonal:
- * from each entry i, j the sum over k of sign_k * vector_k[i] * vector_k[j].
- *   matrix              in/out  rows of the matrix, `stride` reals apart
- *   vector [count]      in      vectors, `stride` reals apart
- *   sign   [count]      in      their signs (1 or -1), sign_stride reals apart
+ * Set `count` columns of a matrix to zero, then subtract `count` rank-one products: from each entry
+ * i, j the sum over q of column_q[i] * row_q[j].
+ *   matrix [rows][stride]  in/out  matrix whose rows have a length that is a multiple of four
+ *   column [count][stride] in      vectors column_q, of which the first `rows` entries are read
+ *   row    [count][stride] in      vectors row_q
+ *   zero   [count]         in/out  indices of the columns to be set to zero; overwritten
  */
-void pzs_wide_subtract_products(pzs_real *restrict matrix, size_t stride, size_t size,
-                                const pzs_real *restrict vector, const pzs_real *restrict sign,
-                                size_t sign_stride, size_t count);
+void pzs_wide_update_whole(pzs_real *restrict matrix, size_t stride, size_t rows,
+                           const pzs_real *restrict column, const pzs_real *restrict row,
+                           long long *restrict zero, size_t count);
 
 /*
  * Copy the entries below the diagonal of a symmetric matrix [size][size] to those above it.
@@ -111,12 +115,14 @@ void pzs_wide_mirror(pzs_real *matrix, size_t stride, size_t size);
  */
 #define pzs_wide_sum_rows(...) ((void)0)
 #define pzs_wide_subtract_rows(...) ((void)0)
-#define pzs_wide_dot(sum, left, right, count) ((void)(sum), (void)(left), (void)(right))
+#define pzs_wide_dot(left, right, count) 0
+#define pzs_wide_weigh(weighted_difference, weight, left, right, count) 0
 #define pzs_wide_group(groups, scaled, table, stride, factor, factor_stride, count, columns)       \
     ((void)(groups), (void)(scaled), (void)(factor))
 #define pzs_wide_update_rows(matrix, stride, size, i, column, row, count)                          \
     ((void)(column), (void)(row), (void)(count))
-#define pzs_wide_subtract_products(matrix, stride, size, vector, sign, sign_stride, count) ((void)0)
+#define pzs_wide_update_whole(matrix, stride, rows, column, row, zero, count)                      \
+    ((void)(column), (void)(zero))
 #define pzs_wide_mirror(matrix, stride, size) ((void)0)
 
 #endif
