@@ -112,7 +112,8 @@ typedef struct pzs_optimiser {
      * [width >= inputs] marks of inputs, 1 or 0. While the tableau (pivoted Hessian) is recomputed:
      * 1 for an input whose voltage is to become free again. In iterations of the dual active-set
      * method: 1 for an input that is ignored, because only rounding errors move its voltage out of
-     * its bounds
+     * its bounds. In iterations of the primal method: 1 for a free input whose voltage would pass a
+     * bound
      */
     pzs_real *waiting;
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] Cholesky factor of the inverse of the Hessian

@@ -70,10 +70,6 @@
 #include "../core/product.h"
 #include "../core/product_wide.h"
 
-/* Whether this file is compiled for the vector unit AVX2 (boxls_wide.c). */
-#ifndef IS_WIDE
-#define IS_WIDE false
-#endif
 /*
  * Largest number of rounds (sequences of iterations, each followed by the gradient computed from
  * the Hessian) in one call of the optimiser.
@@ -233,28 +229,26 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
  * voltages and, for the active inputs (whose voltages are kept), the gradient after the step, as
  * the tableau (pivoted Hessian) predicts it. The function writes the voltages after the step and
  * their differences from the base voltages, around which the gradient is computed. Returns the
- * number of free inputs that would exceed a bound plus the number of active inputs that would
- * violate the optimality (KKT) conditions by more than `rounding`. If the number is 0, the full
- * step can be made.
+ * number of inputs that prevent the step: free inputs that would exceed a bound, and active inputs
+ * that would violate the optimality (KKT) conditions by more than `rounding`.
  */
-static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
-                             pzs_real *restrict offset, const pzs_real *restrict free_set,
-                             const pzs_real *restrict gradient, const pzs_real *restrict voltage,
-                             const pzs_real *restrict lower, const pzs_real *restrict upper,
-                             const pzs_real *restrict base, pzs_real rounding, size_t span)
+static size_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
+                           pzs_real *restrict offset, const pzs_real *restrict free_set,
+                           const pzs_real *restrict gradient, const pzs_real *restrict voltage,
+                           const pzs_real *restrict lower, const pzs_real *restrict upper,
+                           const pzs_real *restrict base, pzs_real rounding, size_t span)
 {
-    uint32_t open = 0;
+    size_t open = 0;
     for (size_t i = 0; i < span; i++) {
-        pzs_real moved = voltage[i];
-        if (free_set[i] > 0) {
-            moved += move[i];
-        } else {
-            move[i] = gradient[i] - move[i];
-            open += entry_violation(move[i], moved, lower[i], upper[i]) <= rounding ? 0u : 1u;
-        }
+        const pzs_real start = voltage[i], low = lower[i], high = upper[i], way = move[i];
+        const pzs_real end = start + way, slope = gradient[i] - way;
+        const bool is_free = free_set[i] > 0;
+        const pzs_real moved = is_free ? end : start, kept = is_free ? way : slope;
+        const pzs_real violation = is_free ? 0 : entry_violation(slope, start, low, high);
+        move[i] = kept;
         next[i] = moved;
         offset[i] = moved - base[i];
-        open += moved >= lower[i] && moved <= upper[i] ? 0u : 1u;
+        open += violation <= rounding && moved >= low && moved <= high ? 0u : 1u;
     }
     return open;
 }
@@ -265,10 +259,10 @@ uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
                        optimiser->next_voltage);
     if (optimiser_is_dual(optimiser) && optimiser->active_count > 0)
         return optimiser->dual->predict_step(optimiser, rounding);
-    return predict_step(optimiser->direction, optimiser->next_voltage, optimiser->scratch,
-                        optimiser->free_set, optimiser->gradient, optimiser->voltage,
-                        optimiser->lower, optimiser->upper, optimiser->base, rounding,
-                        optimiser_span(optimiser));
+    return (uint32_t)predict_step(optimiser->direction, optimiser->next_voltage, optimiser->scratch,
+                                  optimiser->free_set, optimiser->gradient, optimiser->voltage,
+                                  optimiser->lower, optimiser->upper, optimiser->base, rounding,
+                                  optimiser_span(optimiser));
 }
 
 static void entry_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
@@ -305,6 +299,8 @@ static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 {
+    if (!IS_WIDE && product_is_wide(optimiser->inputs))
+        return pzs_boxls_needs_new_base_wide(optimiser);
     return !is_negligible(optimiser, optimiser->model_rounding);
 }
 
@@ -377,19 +373,45 @@ static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_rea
 }
 
 /*
+ * Mark the free inputs whose voltages would pass a bound if all free voltages changed by the vector
+ * `move` [inputs] (V) times `sense` (1 or -1) times `part`: mark [width] receives 1 for these
+ * inputs, 0 for the others. Returns the number of marked inputs.
+ */
+static size_t mark_blocking(pzs_real *restrict mark, const pzs_real *restrict move,
+                            const pzs_real *restrict free_set, const pzs_real *restrict voltage,
+                            const pzs_real *restrict lower, const pzs_real *restrict upper,
+                            pzs_real sense, pzs_real part, size_t span)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real way = sense * move[i], size = number_absolute(way);
+        const pzs_real room = distance_to_bound(way, voltage[i], lower[i], upper[i]);
+        const pzs_real passes = room < part * size ? 1 : 0, marked = free_set[i] > 0 ? passes : 0;
+        mark[i] = marked;
+        count += marked > 0 ? 1u : 0u;
+    }
+    return count;
+}
+
+/*
  * Find the first free input whose voltage reaches a bound when all free voltages change by the
  * vector `move` [inputs] (V) times `sense` (1 or -1) times `part`, and the fraction of the change
- * at which it does.
+ * at which it does. With the vector unit AVX2, the inputs in question are marked first (array
+ * `waiting`), so that only these are compared one by one.
  */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
 {
-    const pzs_real *free_set = optimiser->free_set, *voltage = optimiser->voltage;
+    const pzs_real *voltage = optimiser->voltage;
     const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
+    const pzs_real *mark = IS_WIDE ? optimiser->waiting : optimiser->free_set;
     const uint32_t inputs = optimiser->inputs;
     blocking first = {part, inputs};
+    if (IS_WIDE && mark_blocking(optimiser->waiting, move, optimiser->free_set, voltage, lower,
+                                 upper, sense, part, optimiser_span(optimiser)) == 0)
+        return first;
     for (uint32_t i = 0; i < inputs; i++) {
-        if (!(free_set[i] > 0))
+        if (!(mark[i] > 0))
             continue;
         const pzs_real way = sense * move[i], size = number_absolute(way);
         const pzs_real room = distance_to_bound(way, voltage[i], lower[i], upper[i]);
@@ -401,25 +423,33 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
     return first;
 }
 
+/* Change the free voltages by the vector `move` [span] (V) times `far`, clamped to their bounds. */
+static void move_free(pzs_real *restrict voltage, const pzs_real *restrict move,
+                      const pzs_real *restrict free_set, const pzs_real *restrict lower,
+                      const pzs_real *restrict upper, pzs_real far, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        pzs_real end = voltage[i];
+        if (free_set[i] > 0)
+            end = number_clamp(end + far * move[i], lower[i], upper[i]);
+        voltage[i] = end;
+    }
+}
+
 /*
  * Change the free voltages by the vector `move` [inputs] (V) times `sense` (1 or -1) times the
  * fraction first.part, clamped to their bounds. If an input first.input reaches its bound at this
  * fraction, its voltage is set to the bound exactly.
  */
-static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
-                       blocking first)
+static inline void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
+                              blocking first)
 {
-    const pzs_real *free_set = optimiser->free_set;
-    const pzs_real *lower = optimiser->lower, *upper = optimiser->upper;
-    const pzs_real far = sense * first.part;
-    pzs_real *voltage = optimiser->voltage;
-    for (uint32_t i = 0, inputs = optimiser->inputs; i < inputs; i++) {
-        if (free_set[i] > 0)
-            voltage[i] = number_clamp(voltage[i] + far * move[i], lower[i], upper[i]);
-    }
+    move_free(optimiser->voltage, move, optimiser->free_set, optimiser->lower, optimiser->upper,
+              sense * first.part, optimiser_span(optimiser));
     if (first.input < optimiser->inputs) {
         const bool down = sense * move[first.input] < 0;
-        voltage[first.input] = down ? optimiser->lower[first.input] : optimiser->upper[first.input];
+        optimiser->voltage[first.input] =
+            down ? optimiser->lower[first.input] : optimiser->upper[first.input];
     }
 }
 
@@ -436,15 +466,21 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 
 /*
  * Update the search direction of the free inputs and the gradient of the active inputs, whose
- * voltages are kept, after one input has reached a bound and become active.
+ * voltages are kept, after the free voltages have made a part of the step, at whose end one input
+ * has reached a bound and become active.
  *   row [width] in  row of this input in the tableau (pivoted Hessian)
+ *   rest        in  rest of the step, as a fraction of the whole step (dimensionless)
  *   remaining   in  part of the step of this input that its bound prevents (V)
  */
 static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
-                             const pzs_real *restrict free_set, pzs_real remaining, size_t span)
+                             const pzs_real *restrict free_set, pzs_real rest, pzs_real remaining,
+                             size_t span)
 {
-    for (size_t i = 0; i < span; i++)
-        direction[i] += (free_set[i] > 0 ? remaining : -remaining) * row[i];
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real left = free_set[i] > 0 ? rest : 1;
+        const pzs_real factor = free_set[i] > 0 ? remaining : -remaining;
+        direction[i] = direction[i] * left + factor * row[i];
+    }
 }
 
 /*
@@ -459,15 +495,37 @@ static bool descend(pzs_optimiser *optimiser)
     move_along(optimiser, direction, 1, first);
     if (first.input == optimiser->inputs)
         return false;
-    for (uint32_t i = 0; i < optimiser->inputs; i++) {
-        if (is_free(optimiser, i))
-            direction[i] *= 1 - first.part;
-    }
-    const pzs_real remaining = direction[first.input];
+    const pzs_real rest = 1 - first.part, remaining = direction[first.input] * rest;
     leave_free_set(optimiser, first.input);
-    update_direction(direction, optimiser->next_voltage, optimiser->free_set, remaining,
+    update_direction(direction, optimiser->next_voltage, optimiser->free_set, rest, remaining,
                      optimiser_span(optimiser));
     return true;
+}
+
+/* Add to the sum [span] a vector [span] times a factor. */
+static void add_multiple(pzs_real *restrict sum, const pzs_real *restrict vector, pzs_real factor,
+                         size_t span)
+{
+    for (size_t i = 0; i < span; i++)
+        sum[i] += factor * vector[i];
+}
+
+/*
+ * Return the number of active inputs (whose voltages are kept) that violate the optimality (KKT)
+ * conditions by more than `rounding` (m2/V).
+ */
+static size_t count_violations(const pzs_real *restrict direction,
+                               const pzs_real *restrict free_set, const pzs_real *restrict voltage,
+                               const pzs_real *restrict lower, const pzs_real *restrict upper,
+                               pzs_real rounding, size_t span)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real violation = entry_violation(direction[i], voltage[i], lower[i], upper[i]);
+        const pzs_real counted = free_set[i] > 0 ? 0 : violation;
+        count += counted > rounding ? 1u : 0u;
+    }
+    return count;
 }
 
 /*
@@ -534,8 +592,7 @@ static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_r
     move_along(optimiser, row, sense, first);
     optimiser->voltage[k] =
         number_clamp(optimiser->voltage[k] + far, optimiser->lower[k], optimiser->upper[k]);
-    for (uint32_t i = 0; i < optimiser->inputs; i++)
-        optimiser->direction[i] += far * row[i];
+    add_multiple(optimiser->direction, row, far, optimiser_span(optimiser));
     return first;
 }
 
@@ -672,6 +729,9 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
     pzs_tableau_read_pivots(optimiser);
     while (blocked && may_iterate(optimiser, 0))
         blocked = descend(optimiser);
+    blocked = blocked || count_violations(optimiser->direction, optimiser->free_set,
+                                          optimiser->voltage, optimiser->lower, optimiser->upper,
+                                          rounding, optimiser_span(optimiser)) == 0;
     for (uint32_t k = 0; !blocked && k < TOGETHER && release_together(optimiser, rounding); k++)
         continue;
     while (!blocked && optimiser->iterations < most) {

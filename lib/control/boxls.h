@@ -68,16 +68,6 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
 /*
- * pzs_boxls_optimise, compiled for processors with the vector unit AVX2 (boxls_wide.c). The result
- * has the same bits. The function exists only with the option PZS_WIDE.
- */
-#if PZS_WIDE
-void pzs_boxls_optimise_wide(pzs_optimiser *optimiser);
-#else
-#define pzs_boxls_optimise_wide(optimiser) ((void)0)
-#endif
-
-/*
  * Return whether a round (sequence of iterations) of the optimiser lowered the objective, from the
  * voltages start_voltage with gradient start_gradient to `voltage` with `gradient`. The arrays
  * scratch and direction of the optimiser are overwritten.
@@ -108,5 +98,18 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
  * target_energy, the scale of the objective.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
+
+/*
+ * pzs_boxls_optimise and pzs_boxls_needs_new_base, compiled for processors with the vector unit
+ * AVX2 (boxls_wide.c). The results have the same bits. The functions exist only with the option
+ * PZS_WIDE.
+ */
+#if PZS_WIDE
+void pzs_boxls_optimise_wide(pzs_optimiser *optimiser);
+bool pzs_boxls_needs_new_base_wide(pzs_optimiser *optimiser);
+#else
+#define pzs_boxls_optimise_wide(optimiser) ((void)0)
+#define pzs_boxls_needs_new_base_wide(optimiser) false
+#endif
 
 #endif

@@ -41,8 +41,11 @@ pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k)
 
 void pzs_tableau_read_pivots(pzs_optimiser *optimiser)
 {
-    for (uint32_t i = 0; i < optimiser->inputs; i++)
-        optimiser->pivot[i] = optimiser->tableau[(size_t)i * optimiser->width + i];
+    const pzs_real *entry = optimiser->tableau;
+    pzs_real *pivot = optimiser->pivot;
+    const size_t step = (size_t)optimiser->width + 1u;
+    for (uint32_t i = 0, inputs = optimiser->inputs; i < inputs; i++, entry += step)
+        pivot[i] = *entry;
 }
 
 static void set_multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
@@ -164,6 +167,26 @@ void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict ro
     optimiser->work += optimiser->pending_count * optimiser->width;
 }
 
+/*
+ * Compute what a pivot exchange changes in the row of the exchanged input and on the diagonal of
+ * the tableau (pivoted Hessian), except for the entries of the exchanged input itself.
+ *   row    [width] in/out  row of the exchanged input in the tableau before and after the exchange
+ *   update [width] out     vector of the rank-one update of the tableau
+ *   pivot  [width] in/out  diagonal of the tableau
+ *   scale          in      1 / square root of the absolute value of the pivot (V/m)
+ *   sign           in      sign of the pivot, 1 or -1
+ */
+static void scale_row(pzs_real *restrict row, pzs_real *restrict update, pzs_real *restrict pivot,
+                      pzs_real scale, pzs_real sign, size_t span)
+{
+    for (size_t i = 0; i < span; i++) {
+        const pzs_real entry = scale * row[i];
+        update[i] = entry;
+        pivot[i] -= sign * entry * entry;
+        row[i] = scale * entry;
+    }
+}
+
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
     if (optimiser->pending_count == optimiser->pending_most)
@@ -174,11 +197,8 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
     pzs_real *update = optimiser->pending + optimiser->pending_count * width;
     for (uint32_t j = 0; j < optimiser->pending_count; j++)
         optimiser->pending[j * width + k] = 0;
-    set_multiple(update, row, scale, span);
-    for (size_t i = 0; i < span; i++)
-        optimiser->pivot[i] -= sign * update[i] * update[i];
+    scale_row(row, update, optimiser->pivot, scale, sign, span);
     update[k] = -sign * scale;
-    set_multiple(row, update, scale, span);
     row[k] = optimiser->pivot[k] = -1 / pivot;
     optimiser->exchange[optimiser->pending_count++] = (pzs_exchange){k, sign, scale, row[k]};
     optimiser->free_set[k] = 1 - optimiser->free_set[k];

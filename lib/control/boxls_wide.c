@@ -38,9 +38,18 @@
 #if defined(__clang__)
 #pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
 #else
-#pragma GCC optimize("O3")
+#pragma GCC optimize("O3", "no-trapping-math")
 #pragma GCC target("avx2")
 #endif
+
+/* Products compiled for AVX2, without asking the processor again whether it has AVX2. */
+#include "../core/product.h"
+#include "../core/product_inline.h"
+#define pzs_product_dot product_dot
+#define pzs_product_dot_size product_dot_size
+#define pzs_product_largest product_largest
+#define pzs_product_sum_rows pzs_wide_sum_rows
+#define pzs_product_subtract_rows pzs_wide_subtract_rows
 
 #include "boxls_tableau.c"
 #undef TOGETHER

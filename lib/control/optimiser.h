@@ -8,6 +8,11 @@
 
 #include "pzs_control.h"
 
+/* Whether this file is compiled for the vector unit AVX2 (boxls_wide.c). */
+#ifndef IS_WIDE
+#define IS_WIDE false
+#endif
+
 /*
  * Return the number of entries that a loop over the inputs (voltages) visits: the number of inputs.
  * For vector processors, where PZS_TILE is above 4, it is rounded up to a multiple of PZS_TILE; the
@@ -16,7 +21,7 @@
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
-    return PZS_TILE > 4 ? optimiser->width & ~(PZS_TILE - 1u) : optimiser->inputs;
+    return IS_WIDE || PZS_TILE > 4 ? optimiser->width & ~(PZS_TILE - 1u) : optimiser->inputs;
 }
 
 /*
