@@ -171,6 +171,9 @@ typedef struct pzs_optimiser {
                                      `inverse_trace`, the trace of the inverse of the Hessian
                                      restricted to the inputs whose voltages are free; 0: there is
                                      none */
+    pzs_real whole_inverse_trace; /* trace of the inverse of the whole Hessian (V2/m2), which no
+                                     `inverse_trace` exceeds; 0: not computed, because inputs depend
+                                     linearly on others */
     /*
      * threshold of linear dependence (dimensionless): an input counts as a combination of the
      * inputs whose voltages are free if its pivot, divided by its diagonal entry of the Hessian, is

@@ -293,6 +293,8 @@ static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
     const pzs_real square = size * size, most = PZS_EPSILON * optimiser->target_energy;
     if (optimiser->inverse_trace_bound > 0 && square * optimiser->inverse_trace_bound <= most)
         return true;
+    if (optimiser->whole_inverse_trace > 0 && square * optimiser->whole_inverse_trace <= most)
+        return true;
     const pzs_real soft = pzs_tableau_inverse_trace(optimiser);
     return soft >= 0 && square * soft <= most;
 }

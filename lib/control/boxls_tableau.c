@@ -466,6 +466,8 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser)
     pzs_tableau_collect(optimiser, pending);
     optimiser->is_dual =
         !optimiser->is_rebuilding && optimiser->active_count == 0 && optimiser->dual != NULL;
+    if (!optimiser->is_rebuilding && optimiser->active_count == 0)
+        optimiser->whole_inverse_trace = pzs_tableau_inverse_trace(optimiser);
     return !optimiser->is_rebuilding;
 }
 
