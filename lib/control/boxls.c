@@ -326,6 +326,19 @@ static void active_violations(pzs_real *restrict out, const pzs_real *restrict v
 }
 
 /*
+ * Return the largest violation of the optimality (KKT) conditions by an active input (whose voltage
+ * is kept). Gradients up to `turn` in absolute value count as in active_violations. The array
+ * scratch is overwritten.
+ */
+static pzs_real largest_active_violation(const pzs_optimiser *optimiser, const pzs_real *gradient,
+                                         pzs_real turn)
+{
+    active_violations(optimiser->scratch, optimiser->voltage, optimiser->lower, optimiser->upper,
+                      gradient, optimiser->free_set, turn, optimiser_span(optimiser));
+    return pzs_product_largest(optimiser->scratch, optimiser->width);
+}
+
+/*
  * Whether the voltages are optimal. That is so if no violation of the optimality (KKT) conditions
  * exceeds its rounding-error bound. It is also so if only free inputs violate them, not far above
  * the bound, and if this violation hardly raises the objective and is too small to change the sign
@@ -343,11 +356,9 @@ static bool is_converged(pzs_optimiser *optimiser)
         return 0;
     if (optimiser->active_count == 0)
         return 1;
-    active_violations(optimiser->scratch, optimiser->voltage, optimiser->lower, optimiser->upper,
-                      optimiser->gradient, optimiser->free_set,
-                      (pzs_real)optimiser->inputs * optimiser->kkt_violation,
-                      optimiser_span(optimiser));
-    return pzs_product_largest(optimiser->scratch, optimiser->width) <= optimiser->rounding_bound;
+    const pzs_real turn = (pzs_real)optimiser->inputs * optimiser->kkt_violation;
+    return largest_active_violation(optimiser, optimiser->gradient, turn) <=
+           optimiser->rounding_bound;
 }
 
 /* ---- iterations of the active-set method ----------------------------- */
@@ -443,8 +454,8 @@ static void move_free(pzs_real *restrict voltage, const pzs_real *restrict move,
  * fraction first.part, clamped to their bounds. If an input first.input reaches its bound at this
  * fraction, its voltage is set to the bound exactly.
  */
-static inline void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
-                              blocking first)
+static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
+                       blocking first)
 {
     move_free(optimiser->voltage, move, optimiser->free_set, optimiser->lower, optimiser->upper,
               sense * first.part, optimiser_span(optimiser));
@@ -510,24 +521,6 @@ static void add_multiple(pzs_real *restrict sum, const pzs_real *restrict vector
 {
     for (size_t i = 0; i < span; i++)
         sum[i] += factor * vector[i];
-}
-
-/*
- * Return the number of active inputs (whose voltages are kept) that violate the optimality (KKT)
- * conditions by more than `rounding` (m2/V).
- */
-static size_t count_violations(const pzs_real *restrict direction,
-                               const pzs_real *restrict free_set, const pzs_real *restrict voltage,
-                               const pzs_real *restrict lower, const pzs_real *restrict upper,
-                               pzs_real rounding, size_t span)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < span; i++) {
-        const pzs_real violation = entry_violation(direction[i], voltage[i], lower[i], upper[i]);
-        const pzs_real counted = free_set[i] > 0 ? 0 : violation;
-        count += counted > rounding ? 1u : 0u;
-    }
-    return count;
 }
 
 /*
@@ -731,9 +724,7 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
     pzs_tableau_read_pivots(optimiser);
     while (blocked && may_iterate(optimiser, 0))
         blocked = descend(optimiser);
-    blocked = blocked || count_violations(optimiser->direction, optimiser->free_set,
-                                          optimiser->voltage, optimiser->lower, optimiser->upper,
-                                          rounding, optimiser_span(optimiser)) == 0;
+    blocked = blocked || !(largest_active_violation(optimiser, optimiser->direction, 0) > rounding);
     for (uint32_t k = 0; !blocked && k < TOGETHER && release_together(optimiser, rounding); k++)
         continue;
     while (!blocked && optimiser->iterations < most) {
