@@ -370,11 +370,6 @@ typedef struct blocking {
                        if no voltage does */
 } blocking;
 
-static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
-{
-    return optimiser->free_set[i] > 0;
-}
-
 /*
  * Return the distance of a voltage from the bound towards which it changes (V): from its lower
  * bound if the change `way` is negative, otherwise from its upper bound.
