@@ -394,7 +394,7 @@ static size_t mark_blocking(pzs_real *restrict mark, const pzs_real *restrict mo
     for (size_t i = 0; i < span; i++) {
         const pzs_real way = sense * move[i], size = number_absolute(way);
         const pzs_real room = distance_to_bound(way, voltage[i], lower[i], upper[i]);
-        const pzs_real passes = room < part * size ? 1 : 0, marked = free_set[i] > 0 ? passes : 0;
+        const pzs_real blocks = room < part * size ? 1 : 0, marked = free_set[i] > 0 ? blocks : 0;
         mark[i] = marked;
         count += marked > 0 ? 1u : 0u;
     }
