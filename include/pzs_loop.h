@@ -703,10 +703,12 @@ typedef struct pzs_damper_info {
      */
     pzs_real deviation;
     /*
-     * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick
-     * (m); 0 where no reading was usable. Exception: the norm of the modal coordinates fitted to
-     * the innovations (m), if all target nodes are measured, vibration modes are observed and the
-     * target leaves some shapes free. Such free motions are in the readings, but not in the model
+     * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick,
+     * less their low-passed values, so that a steady error of the model does not count (m); 0 where
+     * no reading was usable. Exception: the RMS, weighted by `precision`, of the part of the
+     * innovations that a fit of the vibration modes explains (m), if all target nodes are measured,
+     * vibration modes are observed and the target leaves some shapes free. Such free motions are in
+     * the readings, but not in the model
      */
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,

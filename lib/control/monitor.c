@@ -8,11 +8,10 @@
  *
  *         amplitude > 4 envelope + 6 noise + load
  *
- *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is that
- *     of
- *     the vibration which the damper estimates; without a damper the RMS of the disturbance minus
- *     its
- *     low-passed value, so that steady loads do not count.
+ *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is
+ *     that of the vibration which the damper estimates, and of readings that it did not predict;
+ *     without a damper the RMS of the disturbance. Readings and disturbance count less their
+ *     low-passed values, so that steady loads and errors of the model do not.
  *   - The shape does not respond: over the last moves its measured changes had less than a tenth of
  *     the predicted size in the predicted direction. Causes: a wrong polarity, an amplifier that is
  *     switched off, or vibration in a loop without a vibration damper.

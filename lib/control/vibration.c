@@ -325,13 +325,9 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
                               damper->state.repeats};
     predict_readings(damper);
     const uint32_t rejected = pzs_sensor_check(&all, readings, where);
-    pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
+    const pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
     const bool is_usable = rejected == 0 && energy <= DEVIATION_LIMIT * DEVIATION_LIMIT;
-    const uint32_t unusable = is_usable ? 0 : replace_unusable(damper, readings, where);
-    if (!is_usable)
-        energy = pzs_product_dot(innovation, innovation, sensors);
-    damper->info.innovation = PZS_SQRT(energy / (pzs_real)sensors);
-    return unusable;
+    return is_usable ? 0 : replace_unusable(damper, readings, where);
 }
 
 /*
@@ -355,20 +351,27 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
 
 /*
  * Low-pass filter: move each number of the array `filtered` by the fraction `slow` of the way to
- * that of the array `present`.
+ * that of the array `present`. Returns the sum of the squared differences of the two arrays before
+ * that, the energy of what the filter keeps out.
  */
-static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict present, pzs_real slow,
-                     size_t count)
+static pzs_real low_pass(pzs_real *restrict filtered, const pzs_real *restrict present,
+                         pzs_real slow, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
-        filtered[i] += slow * (present[i] - filtered[i]);
+    pzs_real energy = 0;
+    for (size_t i = 0; i < count; i++) {
+        const pzs_real fast = present[i] - filtered[i];
+        filtered[i] += slow * fast;
+        energy += fast * fast;
+    }
+    return energy;
 }
 
 /*
  * Whether info.innovation reports only the part of the innovations (readings minus predicted
  * readings) that the vibration modes explain. True if the target has free motions (shapes, such as
  * rigid motions, that may be added to it), every target node is measured, and vibration modes are
- * observed.
+ * observed. The part is measured by its RMS, not by modal coordinates: without the free motions
+ * the shapes of modes may resemble each other, and opposite coordinates then hardly move anything.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {
@@ -392,10 +395,12 @@ static void correct(pzs_damper *damper)
             state[i] += change[i];
     }
     pzs_product_matrix(change, tables->explain, fit, modes, modes);
-    if (has_free_functions(tables))
-        damper->info.innovation = PZS_SQRT(pzs_product_dot(change, change, modes));
-    low_pass(damper->state.residual_modes, change, tables->slow, modes);
-    low_pass(damper->state.residual, damper->state.innovation, tables->slow, tables->sensors);
+    const pzs_real explained = pzs_product_dot(fit, change, modes);
+    (void)low_pass(damper->state.residual_modes, change, tables->slow, modes);
+    const pzs_real sudden =
+        low_pass(damper->state.residual, damper->state.innovation, tables->slow, tables->sensors);
+    const pzs_real energy = has_free_functions(tables) ? explained : sudden;
+    damper->info.innovation = energy > 0 ? PZS_SQRT(energy / (pzs_real)tables->sensors) : 0;
 }
 
 /* ---- results ---------------------------------------------------------- */

@@ -535,6 +535,8 @@ check 'simulate: a plant with inertia, its modes and its vibration over time' $?
 [ ! -s "$dir/err" ]; check 'simulate: no progress bar where standard error is no terminal' $?
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop ${quick% --set simulate.events*} --set 'safety={}'; check 'safety: no false alarm in the shipped schedule of faults' $?
+run 0 simulate tests/rigs/scenes/storm-panel.yaml --set control.rate=168 --set 'target.value=1e-3*theta1^2' --set simulate.ticks=500
+check 'safety: no false alarm by the hysteresis that a slow loop has not yet corrected' $?
 # shellcheck disable=SC2086
 wired="$quick --set simulate.ticks=20"
 run 0 tables plate-closed-loop $quick --image control -o "$dir/pulses.h" --set 'simulate.events=[{at: 5, dead: [v_1_1], announced: detected}]' --set simulate.plant.inertia=true &&
