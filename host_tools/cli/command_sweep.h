@@ -10,11 +10,11 @@
 #include "options.h"
 
 /*
- * Identify hysteresis and creep from a sweep, a measurement in which the voltage rises and falls
- * and the position is recorded at every sample. Print the section `hysteresis` of a scene file and
- * the errors of the fit. Write the section to the output file that the options name.
+ * Identify hysteresis and creep from a sweep: a record of position while the voltage rises and
+ * falls. Print the section `hysteresis` of a scene file and the errors of the fit, and write the
+ * section to the output file.
  *   samples  in  one voltage and one or more positions per sample; the mean of the positions is
- *                used
+ *       used
  * Returns an exit code after printing the result or an error message.
  */
 int command_sweep(const options *options, const pokes *samples);

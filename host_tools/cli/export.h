@@ -16,9 +16,8 @@ bool export_is_wanted(const options *options);
 /*
  * Write the arrays of a result to the files that the options name. Each function returns 0, or an
  * exit code after printing an error message.
- *   export_solve       displacement [free_dof], values of all outputs of the scene, and the
- *                      stresses; NULL: without stresses
- *   export_shape       the voltages of every result of `pzs shape` with their shape
+ *   export_solve       displacement [free_dof], values of all outputs, and stresses (NULL: without)
+ *   export_shape       voltages and shape of every result of `pzs shape`
  *   export_modes       natural frequencies and mode shapes of vibration
  *   export_simulation  values of every tick of a simulation
  */

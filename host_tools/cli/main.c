@@ -354,14 +354,7 @@ static int shape_before(shape_run *run, char *error)
     return failed;
 }
 
-/*
- * Compute the voltages of all results of `pzs shape`, in this order:
- *   1. the optimum without voltage limits;
- *   2. for each pair of voltage limits that the user asks for: the optimum; on a nonlinear
- *      structure also the optimum of the linear model; clipped least squares; clipped regularised
- *      least squares with the best parameter;
- *   3. the sets of voltages that the scene file gives for comparison.
- */
+/* Compute the voltages of all results of `pzs shape`, in the order of shape_run.results. */
 static int shape_results(shape_run *run, const options *options, char *error)
 {
     analysis *analysis = run->analysis;

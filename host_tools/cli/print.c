@@ -274,9 +274,9 @@ static void print_sparse(const sparse_facts *facts)
 }
 
 /*
- * Print one row of the table that lists the memory of a firmware (KB): its tables, workspace and
- * stack, each in float and in double. Returns whether the tables hold the influence matrix as
- * sparse rows, with the numbers from which this was decided.
+ * Print one row of the table of a firmware's memory (KB): tables, workspace and stack, each in
+ * float and in double. Returns whether the tables hold the influence matrix as sparse rows, and
+ * why.
  *   image in  part of the library in the firmware: control, linear or nonlinear model
  *   name  in  first entry of the row: name of the firmware
  */

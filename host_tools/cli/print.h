@@ -15,9 +15,8 @@ typedef struct shape_run {
     /*
      * [count] results, each with voltages and the shape that they reach, in this order:
      *   1. the optimum without voltage limits;
-     *   2. for each pair of voltage limits that the user asks for: the optimum; on a nonlinear
-     *      structure also the optimum of the linear model; clipped least squares; clipped
-     *      regularised least squares;
+     *   2. for each pair of voltage limits: the optimum; on a nonlinear structure also that of the
+     *       linear model; clipped least squares; clipped regularised least squares;
      *   3. the sets of voltages that the scene file gives for comparison.
      */
     voltages *results;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A table of numbers that is read from a file. The first bytes of the file determine its format:
- * text with commas, semicolons, tabs or blanks between the numbers; a NumPy array (.npy); an image
- * in a FITS file; or the grey values of a picture (.pgm), its rows from top to bottom. In text
- * files, lines that begin with # are comments and empty lines are skipped. The first line may hold
- * the names of the columns, and the first column the names of the rows.
+ * A table of numbers that is read from a file. The first bytes determine the format:
+ * - text with commas, semicolons, tabs or blanks; lines that begin with # and empty lines are
+ *   skipped; the first line may name the columns, and the first column the rows;
+ * - a NumPy array (.npy);
+ * - an image in a FITS file;
+ * - the grey values of a picture (.pgm), rows from top to bottom.
  */
 #ifndef NUMBER_TABLE_H
 #define NUMBER_TABLE_H

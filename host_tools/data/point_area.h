@@ -9,12 +9,11 @@
 #include <stddef.h>
 
 /*
- * Compute the area of each point's Voronoi cell: the part of the convex hull, seen along z, that is
- * nearer to this point than to any other. On a rectangular grid with its border, inner points have
- * the area of a grid cell, points on the border half of it and corners a quarter of it. If all
- * points lie on a line, the area is a length instead. Points at the same place share their area.
- *   place  [count][3] in  coordinates x, y, z
- *   area   [count] out  area that belongs to each point
+ * Compute the area of each point's Voronoi cell in the convex hull of all points, seen along z: on
+ * a rectangular grid, a grid cell for inner points, half of it at the border, a quarter at corners.
+ * For points on a line it is a length. Points at the same place share their area.
+ *   place  [count][3] in   coordinates x, y, z
+ *   area   [count]    out  area that belongs to each point
  * Returns 0, or -1 when memory runs out.
  */
 int point_areas(size_t count, double (*place)[3], double *area);

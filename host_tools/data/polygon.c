@@ -150,10 +150,9 @@ static double area_below(const side *one, const side *other, double base)
 }
 
 /*
- * Return the area common to two polygons, as a signed sum over all pairs of a side of one and a
- * side of the other. A pair contributes the area between the height `base` and the lower of both
- * sides, where their ranges of x overlap. The area counts as positive where both sides run in the
- * same direction of x, otherwise as negative.
+ * Return the area common to two polygons, as a sum over all pairs of their sides. A pair
+ * contributes the area between the height `base` and the lower side, over their common range of x:
+ * positive where both run in the same direction of x, otherwise negative.
  *   one, other out  work arrays for the sides of each polygon
  */
 static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,

@@ -50,12 +50,11 @@ polygon_box polygon_box_of(const double (*point)[2], size_t count);
 bool polygon_boxes_meet(const polygon_box *one, const polygon_box *other);
 
 /*
- * Compute the part of a polygon inside a convex quadrilateral by the Sutherland-Hodgman algorithm.
- *   point  [count] in                any simple polygon
- *   quad   [4] in                    corners, counterclockwise
+ * Compute the part of a polygon inside a convex quadrilateral (Sutherland-Hodgman algorithm).
+ *   point  [count] in                 any simple polygon
+ *   quad   [4] in                     corners, counterclockwise
  *   work   [POLYGON_ROOM(count)] out  work array
- *   out    [POLYGON_ROOM(count)] out  if the part has several pieces, they are joined by sides that
- *                                     run back and forth and enclose no area
+ *   out    [POLYGON_ROOM(count)] out  the part; sides that enclose no area join several pieces
  * Returns the number of points of the part; 0: no area lies inside.
  */
 size_t polygon_clip(const double (*point)[2], size_t count, const double (*quad)[2],

@@ -38,8 +38,9 @@ int fmu_check(const design *design, char *error);
 
 /*
  * Write an FMU as a ZIP archive of a scene that fmu_check accepts. The same scene gives the same
- * bytes, unless a shared library is built. nominal  in   analysis of the scene, whose influence
- * matrix is computed; for a controller, the tables of its firmware must have been prepared too
+ * bytes, unless a shared library is built.
+ *   nominal  in   analysis of the scene with influence matrix; for a controller, also with the
+ *       tables of its firmware
  *   builds   in   true: compile the sources of the FMU with the C compiler of this computer
  *   summary  out  numbers that describe the FMU
  * Returns 0, or -1 with a message in `error`.

@@ -107,13 +107,11 @@ typedef struct analysis {
 int analysis_prepare(analysis *analysis, const scene *scene, char *error);
 
 /*
- * Compute the displacement under the scene's loads and applied voltages, starting from the
- * reference state.
- *   displacement [free_dof] out  displacement vector of the structure
- * With kinematics `auto` both the linear and the nonlinear displacement are computed. The linear
- * one is returned where the relative difference is within the scene's tolerance;
- * analysis->is_nonlinear tells which one was chosen. Where the nonlinear load steps end before the
- * full load, the last equilibrium is returned and `error` says so.
+ * Compute the displacement under the scene's loads and applied voltages from the reference state.
+ * With kinematics `auto`, the linear one is returned if it agrees with the nonlinear one within the
+ * scene's tolerance (analysis->is_nonlinear).
+ *   displacement [free_dof] out  displacement of the structure; the last equilibrium where the load
+ *       steps end before the full load, of which `error` then tells
  * Returns 0, or -1 with error filled.
  */
 int analysis_solve(analysis *analysis, double *displacement, char *error);
@@ -141,22 +139,20 @@ int analysis_continue(analysis *analysis, double *displacement, char *error);
 
 /*
  * Compute the nonlinear displacement again with twice as many load steps, and compare. A large
- * difference says that the displacement depends on the load steps and may not lie on the load path.
- * The state of the solver is restored.
+ * difference says that the result may not lie on the load path. The solver's state is restored.
  *   displacement [free_dof] in  nonlinear displacement from analysis_solve
- * Returns the difference relative to the displacement; HUGE_VAL where the full load is not reached;
- * NAN for scenes with bare faces, whose potentials cost many linear solves, and where memory runs
- * out.
+ * Returns the relative difference; HUGE_VAL where the full load is not reached; NAN where memory
+ * runs out, and for bare faces, whose potentials cost many linear solves.
  */
 double analysis_path_difference(analysis *analysis, const double *displacement);
 
 /*
- * Compute the displacement under the scene's loads and given voltages, linear or nonlinear as
- * analysis->is_nonlinear says.
+ * Compute the displacement under the scene's loads and given voltages, linear or nonlinear
+ * (analysis->is_nonlinear).
  *   voltage      [amplifiers] in   voltages (V)
- *   warm                      in   1: start the nonlinear solver from the last shape; 0: start from
- *       the reference state
- *   displacement [free_dof]   out  displacement vector of the structure
+ *   warm                      in   1: start the nonlinear solver from the last shape; 0: from the
+ *       reference state
+ *   displacement [free_dof]   out  displacement of the structure
  * Returns 0, or -1 with error filled.
  */
 int analysis_reach(analysis *analysis, const double *voltage, int warm, double *displacement,
@@ -164,11 +160,9 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
 
 /*
  * Fill analysis->input_value (values of all inputs) and analysis->charge (charges of the
- * electrodes) for a displacement that was just computed. Under nonlinear kinematics they are those
- * of the equilibrium solver's last equilibrium, and `value` is not read. Otherwise they are
- * computed for the linear structure under `value`.
- *   value [inputs] in  input values; entries of open electrodes, whose voltages are computed, are
- *       ignored
+ * electrodes) for the displacement just computed.
+ *   value [inputs] in  input values of a linear structure, without those of open electrodes; not
+ *       read under nonlinear kinematics, where the solver's last equilibrium counts
  */
 pzs_status analysis_electrodes(analysis *analysis, const double *value);
 

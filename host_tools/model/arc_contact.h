@@ -34,11 +34,11 @@ int arc_contact_open(arc_contact *contact, analysis *analysis);
 void arc_contact_close(arc_contact *contact);
 
 /*
- * Choose the nodes in contact before the linear solve of one Newton correction, at the present
- * displacement of the solver. Each step along the load path takes several such corrections.
- *   iteration in  number of this correction within the step of the load path, from 0
- *   increment in  norm of the correction before this one, divided by the norm of the displacement
- *                 change in the step so far; 1 for the first correction
+ * Choose the nodes in contact at the present displacement of the solver, before one of the Newton
+ * corrections of a step along the load path.
+ *   iteration in  number of this correction within the step, from 0
+ *   increment in  norm of the correction before this one, over that of the displacement change in
+ *       the step so far; 1 for the first correction
  */
 void arc_contact_prepare(const arc_contact *contact, int iteration, double increment);
 

@@ -102,12 +102,10 @@ static void add_temperatures(const design *design, int layer, int element, doubl
 }
 
 /*
- * Bare faces (faces of a layer without electrodes) have an unknown electric potential at each node.
- * Add the capacitances between these nodes of two layers, in one element, to the matrix of charges:
- * the charge at each node of `layer` per volt at each node of `other`.
- *   dense in/out  matrix of charges: each row is the charge on an electrode, or at a node of a bare
- *                 face (C); each column is for one volt (or other unit) of an input. The potentials
- *                 of bare faces count as inputs
+ * Add the capacitances between the nodes on bare faces (without electrodes) of two layers, in one
+ * element, to the matrix of charges: charge at each node of `layer` per volt at each node of
+ * `other`.
+ *   dense in/out  matrix of charges, as for bare_charges_add
  */
 static void add_pair(const design *design, int layer, int other, int element, double *dense)
 {

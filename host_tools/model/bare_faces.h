@@ -65,10 +65,8 @@ bool bare_faces_has(const bare_faces *bare, int layer, int element);
 
 /*
  * Compute the stress resultants that 1 V of a potential at one node of a bare face (without
- * electrode) causes in an element, multiplied by the area of the element.
- *   h0 [10] out  resultants (N m), each conjugate to one strain: first the strains 11, 22, 33 and
- *                12, each as two entries (mean of the strains on both faces, then difference of the
- *                strains on both faces); then the strains 13 and 23
+ * electrode) causes in an element, times the area of the element.
+ *   h0 [10] out  resultants (N m), in the order of the ten strains (laminate.h)
  * Returns whether the potential acts in the element.
  */
 bool bare_faces_resultants(const bare_faces *bare, int potential, int element,
@@ -103,12 +101,12 @@ double bare_faces_potential(const bare_faces *bare, const double *value, int lay
                             int node);
 
 /*
- * Compute the electric field of a layer with bare faces (without electrodes) in an element, as
- * means over the element.
+ * Compute the electric field of a layer with bare faces (without electrodes), as means over the
+ * element.
  *   value [inputs] in   input values, with the computed potentials
  *   voltage        out  voltage across the layer (V)
- *   along [2][2]   out  field along the axes 1 and 2 of the shell, at the inner and at the outer
- *                       face of the layer (V/m)
+ *   along [2][2]   out  field along the axes 1 and 2 of the shell, at the inner and outer face
+ *       (V/m)
  * Returns false, with a field of 0, where the layer has no bare face or is not present.
  */
 bool bare_faces_field(const bare_faces *bare, const double *value, int layer, int element,

@@ -173,11 +173,10 @@ static double unlikelihood(const spectrum *spectrum, double ratio)
 }
 
 /*
- * Choose the most likely ratio of the variances of noise and model error. The ratios to choose from
- * lie on a logarithmic grid around the mean eigenvalue. If the smallest ratio is almost as likely,
- * noise and model error cannot be separated, for example with few orthogonal pokes (shapes measured
- * under known voltages). The smallest ratio is then chosen, so that the measurements are trusted.
- *   is_separable out  whether noise and errors of the model can be separated
+ * Choose the most likely ratio of the variances of noise and model error from a logarithmic grid
+ * around the mean eigenvalue. If the smallest ratio is almost as likely, it is chosen, so that the
+ * measurements are trusted: noise and model error cannot be separated.
+ *   is_separable out  whether they can be separated; not, for example, with few orthogonal pokes
  */
 static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 {
@@ -202,11 +201,10 @@ static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Compute the influence matrix from the measured shapes, and the root mean square of the
- * differences between measured and predicted shapes that are left. If there is a model, only the
- * deviation from its predictions is fitted. The sums run over the eigenvectors of V V', where V
- * holds the voltages of all measured shapes.
- *   model [outputs][actuators] in  influence matrix of the model, or NULL
+ * Compute the influence matrix from the measured shapes (formula in calibrate.h), with sums over
+ * the eigenvectors of V V', and the root mean square of the differences that are left.
+ *   model [outputs][actuators] in  influence matrix of the model, from which only deviations are
+ *       fitted; NULL: no model
  */
 static void fill_influence(calibration *result, spectrum *spectrum, const pokes *pokes,
                            const double *model)
@@ -235,10 +233,12 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
 }
 
 /*
- * Standard error of the entries of each column of the influence matrix. V holds the voltages of all
- * pokes (shapes measured under known voltages), v those of actuator k, s is the standard deviation
- * of the noise, t that of the model's entries, and q = (s/t)^2. Without a model the variance is s^2
- * times the diagonal entry k of (V'V)^-1. With a model it is t^2 (1 - v'(V V' + q I)^-1 v).
+ * Compute the standard error of the entries of column k of the influence matrix. Their variance is
+ *   s^2 times the diagonal entry k of (V'V)^-1     without a model,
+ *   t^2 (1 - v'(V V' + q I)^-1 v)                  with a model.
+ *   V, v  voltages of all pokes, and those of actuator k
+ *   s, t  standard deviations of the noise and of the model's entries
+ *   q     (s/t)^2
  */
 static void fill_errors(calibration *result, const spectrum *spectrum, const pokes *pokes)
 {

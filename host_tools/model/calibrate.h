@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Computation of an influence matrix from measurements. A poke is a measurement of the shape under
- * known voltages of all actuators. With one row for each poke, the shapes S [pokes][outputs] and
- * the voltages V [pokes][actuators] satisfy S = V B' + noise, where B [outputs][actuators] is the
- * influence matrix and ' is the transpose.
- *
- * Without a model, B is the least-squares solution, which needs as many independent pokes as there
- * are actuators. With a model B0, the entries of B differ from those of B0 by independent errors of
- * standard deviation t, and the noise has the standard deviation s. The most likely matrix is then
- * B' = B0' + V' (V V' + q I)^-1 (S - V B0') with the ratio q = (s/t)^2, which is chosen by maximum
- * likelihood. With a model fewer pokes suffice.
+ * Influence matrix from measurements. A poke is a measurement of the shape under known voltages of
+ * all actuators, so that S = V B' + noise. Without a model, B is the least-squares solution, which
+ * needs as many independent pokes as actuators. With a model, fewer pokes suffice, and the most
+ * likely B is
+ *   B' = B0' + V' (V V' + q I)^-1 (S - V B0').
+ *   S   [pokes][outputs] measured shapes
+ *   V   [pokes][actuators] voltages
+ *   B   [outputs][actuators] influence matrix, B0 that of the model; ' is the transpose
+ *   q   variance of the noise over that of independent errors of the entries of B0, chosen by
+ *       maximum likelihood
  */
 #ifndef CALIBRATE_H
 #define CALIBRATE_H
@@ -82,11 +82,10 @@ typedef struct wiring_fault {
 enum { WIRING_FAULTS = 16 };
 
 /*
- * Find faults of electrodes and cables that explain the difference between the measured shapes and
- * those of a model. Pairs of exchanged cables are searched first: a pair counts as exchanged if
- * exchanging it back lowers the sum of the squared differences by at least a fixed fraction
- * (WIRING_GAIN). Electrodes that do not act, and electrodes that act with the opposite sign, are
- * searched next. Each fault contains the index of its electrode.
+ * Find faults of electrodes and cables that explain the difference between measured shapes and
+ * those of a model: first pairs of cables whose exchange lowers the sum of squared differences by
+ * at least the fraction WIRING_GAIN, then electrodes that do not act or act with the opposite sign.
+ *   fault          out  faults found, each with the index of its electrode
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns the number of faults, or -1 where memory runs out.
  */

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Clipped least squares, for comparison with the optimum within the voltage limits: the
- * least-squares voltages without limits are computed, then each voltage is clipped to its limits.
- * The Tikhonov-regularised variant minimises |W (B v - wanted)|^2 + (r + lambda s) |v - v0|^2 over
- * the voltages v before clipping. B is the influence matrix, W the weights, r the scene's
- * regularisation, and v0 the reference voltages; s is trace(B'W^2 B) divided by the number of
- * amplifiers. A larger lambda gives smaller voltages, of which fewer are clipped.
+ * Clipped least squares, for comparison with the optimum within the voltage limits: least-squares
+ * voltages without limits, each then clipped. The regularised variant (Tikhonov) minimises
+ *   |W (B v - wanted)|^2 + (r + lambda s) |v - v0|^2.
+ *   v, v0   voltages before clipping, and reference voltages
+ *   B, W    influence matrix and weights
+ *   r       regularisation of the scene
+ *   lambda  parameter; larger values give smaller voltages, of which fewer are clipped
+ *   s       trace(B'W^2 B) divided by the number of amplifiers
  */
 #ifndef CLIPPED_H
 #define CLIPPED_H
@@ -34,10 +36,9 @@ typedef struct clipped {
 } clipped;
 
 /*
- * Prepare the least-squares problem without voltage limits. clipped_solve computes its solution and
- * then clips each voltage to its limits.
- *   lower, upper [amplifiers] in  voltage limits (V); an amplifier with equal limits is held at
- *       that voltage
+ * Prepare the least-squares problem without voltage limits, for clipped_solve.
+ *   lower, upper [amplifiers] in  voltage limits (V); equal limits hold an amplifier at that
+ *       voltage
  *   wanted       [targets]    in  displacements that the voltages are to cause
  * All arguments must outlive `clipped`. Returns 0, or -1 where memory runs out; call clipped_close
  * in either case.
@@ -56,9 +57,8 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage);
 
 /*
  * Find the regularisation parameter lambda with which the clipped voltages leave the smallest
- * weighted shape error: the best of 0 and a logarithmic grid, refined by a golden-section search to
- * three digits. Because the choice uses the error itself, no other choice of lambda gives a better
- * result.
+ * weighted shape error: the best of 0 and a logarithmic grid, refined to three digits by golden
+ * sections.
  *   voltage [amplifiers] out  clipped voltages (V)
  *   lambda               out  the parameter found
  * Returns PZS_OK, PZS_E_WORKSPACE where memory runs out, or PZS_E_NONFINITE.

@@ -271,7 +271,7 @@ static void fill_noise(const builder *builder, double *noise)
 
 /*
  * Compute the weight of each sensor in the fit of vibration modes to readings: the inverse variance
- * of its noise. Without sensors, it is 1 for every target node, or the squared target weight where
+ * of its noise. Where every target node is measured, it is 1, or the squared target weight where
  * the target has free functions. The weights are scaled so that the weighted readings of a mode
  * have a root mean square of about 1.
  */

@@ -312,11 +312,10 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
 
 /*
  * Add `factor` times the stress resultants of a unit voltage or temperature in one element, times
- * the area of the element, to h0.
+ * the area of the element.
  *   ply     in      ply with the voltage or temperature; negative: all plies change by 1 K
  *   is_heat in      false: 1 V across the ply; true: the ply changes by 1 K
- *   h0 [10] in/out  resultants (N m): for the strains 11, 22, 33 and 12 the mean and the difference
- *                   of both faces, then those for the strains 13 and 23
+ *   h0 [10] in/out  resultants (N m), in the order of the ten strains (laminate.h)
  */
 static void add_unit_resultants(const mesh *mesh, int element, int ply, bool is_heat, double factor,
                                 double h0[LAMINATE_STRAINS])

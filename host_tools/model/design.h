@@ -20,13 +20,12 @@
 enum { DESIGN_FREE = SCENE_FREE };
 
 /*
- * Source of the voltage limits that all amplifiers share, from which the limits of each amplifier
- * are computed.
+ * Source of the voltage limits that all amplifiers share. Held amplifiers keep their voltage with
+ * the last two.
  *   LIMITS_SCENE  key `limits.voltage` of the scene file
- *   LIMITS_GIVEN  members lower and upper of common_limits; they narrow an amplifier's own limits
- *                 and those of the depolarisation field, and never widen them; a held amplifier
- *                 keeps its voltage
- *   LIMITS_NONE   no limits; a held amplifier keeps its voltage
+ *   LIMITS_GIVEN  members lower and upper of common_limits; they only narrow an amplifier's own
+ *       limits and those of the depolarisation field
+ *   LIMITS_NONE   no limits
  */
 typedef enum limits_source { LIMITS_SCENE, LIMITS_GIVEN, LIMITS_NONE } limits_source;
 typedef struct common_limits {
@@ -76,14 +75,12 @@ typedef struct design {
     const scene *scene; /* the scene from which this numerical model is built, used only by the
                            functions that build the numerical model */
     mesh mesh;
-    pzs_structure structure; /* linear structure. Its inputs are, in this order: amplifiers, loads,
-                                extra inputs, electrodes of sensors, potentials of bare faces
-                                (without electrodes). Its outputs are the target nodes, then the
-                                named outputs. Extra inputs exist under nonlinear kinematics: one
-                                for each follower load in the order of loads, one for prescribed
-                                displacements, one for the motion of a contact's body. Their columns
-                                of linear nodal forces are empty, because the equilibrium solver
-                                computes their forces. */
+    pzs_structure structure;   /* linear structure. Inputs: amplifiers, loads, extra inputs,
+                                  electrodes of sensors, potentials of bare faces (without
+                                  electrodes). Outputs: target nodes, named outputs. Extra inputs
+                                  exist under nonlinear kinematics: follower loads, prescribed
+                                  displacements, motion of a contact's body. Their nodal forces are
+                                  empty: the equilibrium solver computes them */
     pzs_electrodes electrodes; /* electrodes of the amplifiers and of the sensors, and potentials of
                                   bare faces (without electrodes); empty unless the scene has
                                   sensors or bare faces or asks for charges */
@@ -234,11 +231,10 @@ void design_free(design *design);
 int design_vary(const design *design, scene *copy);
 
 /*
- * Stress resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one element, times
- * the area of the element.
- *   cell  in  index of the amplifier within the actuator's grid, second grid index fastest
- *   h0 [10] out  resultants (N m): for the strains 11, 22, 33 and 12 the mean and the difference
- *                of both faces, then those for the strains 13 and 23
+ * Compute the stress resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one
+ * element, times the area of the element.
+ *   cell    in   index of the amplifier within the actuator's grid, second grid index fastest
+ *   h0 [10] out  resultants (N m), in the order of the ten strains (laminate.h)
  * Returns whether the amplifier acts in the element.
  */
 int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell, int element,
@@ -349,12 +345,12 @@ double design_misfit(const design *design, const double *shape, const double *wa
 void design_take_free(const design *design, double *shape);
 
 /*
- * Make the influence matrix for the least-squares problem of the voltages. The part along the free
- * functions (shapes that may be added to the target at no cost) is removed, and rows on constrained
- * dof are set to 0.
+ * Make the influence matrix for the least-squares problem of the voltages: without its part along
+ * the target's free functions (shapes that may be added at no cost), and with rows on constrained
+ * dof set to 0.
  *   influence [outputs][stride]     in   influence matrix, the amplifiers' columns first
  *   column    [targets]             out  work array
- *   out [targets][amplifiers] out influence matrix for the least-squares problem
+ *   out       [targets][amplifiers] out  influence matrix for the least-squares problem
  */
 void design_influence_free(const design *design, const double *influence, size_t stride,
                            double *column, double *out);

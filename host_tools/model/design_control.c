@@ -265,11 +265,10 @@ static int check_park_rows(const design *design, char *error)
 }
 
 /*
- * Compute the park voltages, to which the supervisor returns after a fault. If the scene file
- * states a park voltage, it must be inside the limits of every amplifier that is not held at one
- * voltage. Otherwise each amplifier parks at the voltage inside its limits that is nearest to 0. If
- * these voltages violate limits between amplifiers, voltages that obey all limits replace them.
- * Returns 0, or -1 with error filled.
+ * Compute the park voltages, to which the supervisor returns after a fault: the scene's one for all
+ * amplifiers, or the nearest to 0 within each amplifier's limits. If the nearest ones violate
+ * limits between amplifiers, voltages that obey all limits replace them. Returns 0, or -1 with
+ * error filled if the scene's park voltage violates limits.
  */
 static int build_park(design *design, char *error)
 {

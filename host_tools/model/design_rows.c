@@ -88,11 +88,10 @@ static double project(const design *design, int k, double *voltage)
 }
 
 /*
- * Look for voltages that obey all limit rows (limits of sums of voltages) and all voltage limits,
- * by projecting the voltages on each of these limits in turn. The sequence converges to such
- * voltages if there are any.
+ * Look for voltages that obey all limit rows (limits of sums of voltages) and voltage limits, by
+ * projections on each limit in turn. They converge if such voltages exist.
  *   is_used [rows] in  false: the limit row is ignored; NULL: all limit rows are used
- * Returns the largest violation after the last projections (V), or 0 if all limits are obeyed.
+ * Returns the largest violation after the last projections (V); 0 if all limits are obeyed.
  */
 static double search(const design *design, const double *lower, const double *upper,
                      const bool *is_used, double *voltage)

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Target rows (controlled displacements) that no voltage can change, because they depend on
- * constrained dof alone; their weights are set to 0. Also the free functions of the target, which
- * may be added to it at no cost (design.h).
- *
- * With W the weights and F the free functions at the target nodes, the projector P = I - F (F'W^2
- * F)^-1 F'W^2 removes from a vector its weighted least-squares fit by F. The columns of F are
- * orthonormalised in the weighted scalar product, so that F'W^2 F = I.
+ * Target rows that no voltage can change, because they depend on constrained dof alone (their
+ * weights become 0), and free functions, which may be added to the target at no cost. The projector
+ * that removes from a vector its weighted least-squares fit by the free functions is
+ *   P = I - F F'W^2, with F orthonormal: F'W^2 F = I.
+ *   W  weights of the target rows
+ *   F  free functions at the target nodes
  */
 #include "design.h"
 #include <float.h>

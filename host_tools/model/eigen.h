@@ -24,12 +24,11 @@ void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligib
 double eigen_radius(double *a, double *work, size_t n, int squarings);
 
 /*
- * Whether the spectral radius of a matrix A is below 1. The test ends early where a power A^k
- * decides: if a norm of A^k is below 1, the radius is too; if the mean of the eigenvalues of A^k
- * has a magnitude above 1, the radius exceeds 1, too.
+ * Return whether the spectral radius of a matrix A is below 1. The test ends early if a power A^k
+ * has a norm below 1, or eigenvalues whose mean has a magnitude above 1.
  *   a    [n][n] in/out  matrix A; overwritten
- *   work [n][n] out  work array
- *   squarings   in  largest number of squarings, each of which doubles the exponent k
+ *   work [n][n] out     work array
+ *   squarings   in      largest number of squarings, each of which doubles the exponent k
  */
 bool eigen_decays(double *a, double *work, size_t n, int squarings);
 

@@ -33,11 +33,10 @@ typedef struct estimation {
                             sensor readings, each reading divided by the noise of its sensor */
     double *target_part, *side, *direction,
         *rotated; /* work arrays. direction [targets]: weights of a sum of target displacements.
-                     target_part [disturbances]: this sum under each disturbance (load or voltage
-                     error). side [sensors]: right-hand side b, then solution x, of (1 + C) x = b,
-                     where C is the covariance of the sensor readings, each divided by the noise of
-                     its sensor. rotated [sensors]: coordinates of `side` in the basis of the
-                     eigenvectors of C. */
+                     target_part [disturbances]: this sum under each disturbance. side [sensors]: b,
+                     then x, of (1 + C) x = b with the covariance C of the readings, each divided by
+                     its sensor's noise. rotated [sensors]: `side` in the basis of the eigenvectors
+                     of C */
 } estimation;
 
 static int allocate(estimation *estimation)

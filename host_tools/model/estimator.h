@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Gains with which a firmware estimates the shape from a few sensors, and measures of how well
- * these sensors determine the shape.
- *
- * The shape is y = B v + A a: the effect of the voltages v, and of disturbances a of mean 0 and
- * variance 1. B is the influence matrix. The columns of A are the effects of loads and of
- * deviations of the electrodes' voltages, times the standard deviations given in the scene file.
- * The sensors read s = S v + C a + noise, with the readings S per volt, the readings C per unit of
- * each disturbance, and the covariance N^2 of the noise. The best linear estimate is y = B v + G (s
- * - S v) with G = A C' (C C' + N^2)^-1, and the covariance of its error is A (1 + C' N^-2 C)^-1 A'.
+ * these sensors determine it. Model of shape y and readings s, best linear estimate, and error
+ * covariance:
+ *   y = B v + A a,  s = S v + C a + noise,
+ *   y = B v + G (s - S v) with G = A C' (C C' + N^2)^-1,
+ *   A (1 + C' N^-2 C)^-1 A'.
+ *   v     voltages
+ *   a     disturbances (loads, voltage errors) of mean 0 and variance 1
+ *   B, S  shape and readings per volt
+ *   A, C  shape and readings per unit disturbance, from the scene's standard deviations
+ *   N^2   covariance of the noise
  */
 #ifndef ESTIMATOR_H
 #define ESTIMATOR_H

@@ -24,11 +24,11 @@ typedef struct face_strains {
 } face_strains;
 
 /*
- * Find the extreme principal strains of both faces of a shell. Rigid motions cause no strain; with
- * linear strains this holds to first order.
- *   displacement [free_dof] in  displacement vector of the structure
- *   is_linear               in  true: linear strains; false: Green's strains
- *   found                   out the extreme strains
+ * Find the extreme principal strains of both faces of a shell. Rigid motions cause no strain;
+ * linear strains only to first order.
+ *   displacement [free_dof] in   displacement vector of the structure
+ *   is_linear               in   true: linear strains; false: Green's strains
+ *   found                   out  the extreme strains
  * Returns false where memory runs out; `found` is then not written.
  */
 bool face_strains_find(const mesh *mesh, const double *displacement, bool is_linear,

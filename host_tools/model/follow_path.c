@@ -21,10 +21,8 @@
 
 /*
  * State of the arc-length method, which follows the load path (curve of equilibria) step by step.
- * All vectors have `entries` entries: the free dof of the displacement, then the voltages of the
- * open electrodes. A point of the load path consists of such a vector and a load factor. The
- * increment of the vector in the last step, `direction`, tells which direction on the path is
- * forward.
+ * Its vectors have `entries` entries: the free dof of the displacement, then the voltages of the
+ * open electrodes. A point of the path is such a vector and a load factor.
  */
 typedef struct arc_search {
     pzs_solver *solver;
@@ -163,11 +161,10 @@ static void full_force(arc_search *arc_search)
 }
 
 /*
- * Complete a change of the displacement that was computed while the voltages of the open electrodes
- * were constant. Open electrodes keep their charge, so that their voltages change, too. The
- * function appends the change of these voltages and adds the displacement that it causes.
- *   input  in  cause of the change: one unit of the input with this index; NEWTON: the residual
- *              forces and charges of Newton's method; NO_INPUT: nodal forces alone, without charges
+ * Add to a change of the displacement what follows from the open electrodes, which keep their
+ * charge: the changes of their voltages, and the displacement that these cause.
+ *   input  in  cause of the change: index of an input of one unit; NEWTON: residual forces and
+ *       charges; NO_INPUT: nodal forces without charges
  *   change [free dof, then open electrodes] in/out  changes of displacement and voltages
  * Returns false if the voltages cannot be solved for.
  */
@@ -183,10 +180,9 @@ static bool condense_voltages(arc_search *arc_search, uint32_t input, double *ch
 }
 
 /*
- * Complete by_load, the change of displacement and of the open electrodes' voltages per unit of the
- * load factor, which so far contains only the effect of nodal forces. An input also causes charges
- * on the open electrodes, even at zero strain. The effect of these charges is added for all inputs
- * at full load. Returns false if the voltages of the open electrodes cannot be solved for.
+ * Add to by_load, the change per unit of the load factor, the effect of the charges that the inputs
+ * at full load cause on the open electrodes at zero strain. Returns false if the voltages of the
+ * open electrodes cannot be solved for.
  */
 static bool add_charges_of_load(arc_search *arc_search)
 {
@@ -204,12 +200,11 @@ static bool add_charges_of_load(arc_search *arc_search)
 }
 
 /*
- * Assemble and factor the tangent stiffness matrix at the displacement and load factor that the
- * present iteration of an arc-length step has reached. Then solve for the changes of displacement
- * and voltages: those that the residual forces cause, and those per unit of the load factor.
- * Returns false if the tangent stiffness matrix is singular.
+ * Factor the tangent stiffness matrix at the present point of an arc-length step, and solve for the
+ * changes of displacement and voltages under the residual forces and per unit of the load factor.
  *   uses_true_resultants in  true: the geometric stiffness comes from the stress resultants of the
  *       displacement; false: from resultants extrapolated from the previous iteration
+ * Returns false if the tangent stiffness matrix is singular.
  */
 static bool solve_both(arc_search *arc_search, bool uses_true_resultants)
 {
@@ -329,13 +324,12 @@ static bool restore_start(arc_search *arc_search)
 }
 
 /*
- * Make a step from the last converged point of the load path, whose tangent stiffness has been
- * factored. The load factor first changes along the tangent of the path; corrections follow.
+ * Make a step from the last converged point of the load path, whose tangent stiffness is factored:
+ * a change along the tangent of the path, then corrections.
  *   change in  first change of the load factor
  *   arc    in  length of the step; 0: the load factor stays at its first change
- * Returns whether the step has converged. A step that reverses the direction of the path (by more
- * than a right angle) counts as not converged. After success the tangent stiffness and its pivots
- * belong to the new point, while `start` is still the displacement of the old one.
+ * Returns whether the step has converged without reversing the direction of the path. The tangent
+ * stiffness then belongs to the new point; `start` is still the old one.
  */
 static bool make_step(arc_search *arc_search, double change, double arc)
 {

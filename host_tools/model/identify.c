@@ -31,21 +31,17 @@ static const double widest_slack = 0.95, slack_power = 1.3;
 static const double least_slope = 0.1;
 
 /*
- * Weight of the rows of the least-squares problem that penalise differences between unknowns,
- * relative to the rows that compare measured and fitted positions. Penalised are the difference
- * between the two weights of a play operator (element with backlash), and that between the creep
- * amplitudes of neighbouring time constants. A small value suffices to equalise unknowns that the
- * measured positions cannot distinguish.
+ * Weight of the rows that keep two unknowns alike (struct fit), relative to the rows of measured
+ * positions. A small value suffices for unknowns that the measurements cannot distinguish.
  */
 static const double likeness = 0.05;
 
 /*
- * Bounded least-squares problem that fits the hysteresis and creep model of an actuator to its
- * measured positions under known voltages. One row for each measured position compares it with the
- * model. Further rows keep two unknowns alike: one row for each play operator (element with
- * backlash) and for each pair of neighbouring creep time constants. The unknowns are the slopes of
- * a piecewise linear function of the voltage, the weights of the play operators above and below the
- * middle of the voltage range, the creep amplitudes, and a constant.
+ * Bounded least-squares problem that fits hysteresis and creep of an actuator to its positions
+ * under known voltages. Unknowns: slopes of a piecewise linear function of the voltage, weights of
+ * the play operators (elements with backlash) above and below the middle voltage, creep amplitudes,
+ * a constant. Rows: one for each position; one for each play operator, to keep its two weights
+ * alike; one for each pair of neighbouring creep time constants.
  */
 typedef struct fit {
     const sweep *sweep;
@@ -169,11 +165,9 @@ static void fill_slopes(const fit *fit, double s, double *row)
 }
 
 /*
- * Fill the rows of the least-squares matrix that fits the hysteresis model to the measured
- * positions of the actuator. Row i belongs to sample i, column j to parameter j of the model (a
- * slope, weight, creep amplitude or offset). The model is linear in these parameters. An entry is
- * the effect (voltage that would move the structure as far without hysteresis, V) per unit of the
- * parameter.
+ * Fill the rows of the least-squares matrix that belong to measured positions. Entry (i, j) is the
+ * effect at sample i per unit of parameter j (slope, weight, creep amplitude or offset): the
+ * voltage that would act alike without hysteresis (V).
  */
 static void fill_samples(fit *fit)
 {
@@ -290,11 +284,8 @@ static int solve(fit *fit, char *error)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Return the slope of the hysteresis model over the whole voltage range: change of the effect
- * (voltage that would move the structure as far without hysteresis) per volt, from the lowest to
- * the highest voltage and without creep. A play operator stands still after a reversal until the
- * voltage has changed by twice its slack. Its position therefore changes by the range minus twice
- * the slack.
+ * Return the change of the effect (voltage that would act alike without hysteresis) per volt, from
+ * the lowest to the highest voltage and without creep.
  */
 static double swing_gain(const fit *fit)
 {
@@ -302,6 +293,7 @@ static double swing_gain(const fit *fit)
     for (int i = 0; i < SLOPES; i++)
         sum += fit->value[i] / SLOPES;
     for (size_t k = 0; k < fit->plays; k++) {
+        /* after a reversal, a play operator stands still for twice its slack */
         const double way = 1 - fit->slack[k] / fit->half_range;
         sum += way * (fit->value[SLOPES + k] + fit->value[SLOPES + fit->plays + k]) / 2;
     }

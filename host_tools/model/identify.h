@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Identification of hysteresis and creep of a ceramic from one measured sweep of voltage and
- * position. Bounded least squares give the numbers of the section `hysteresis` of a scene file. The
- * model is position = position at the start + gain x effect. The effect (V) is the voltage that
- * would act alike without hysteresis and creep, as the library's model pzs_hysteresis computes it.
- *
- * The slacks of the play operators and the time constants of the creep are prescribed; slopes,
- * weights and creep enter linearly. They are not negative, so that the effect rises with the
- * voltage. The best sweep is a triangle of decreasing amplitude, which sets the play operators step
- * by step, and then a constant voltage, which shows the creep.
+ * position. Bounded least squares give the slopes, weights and creep amplitudes of the section
+ * `hysteresis` of a scene file; slacks and time constants are prescribed. The model is
+ *   position = position at the start + gain x effect.
+ * The effect (V) is the voltage that would act alike without hysteresis and creep (pzs_hysteresis).
+ * It rises with the voltage, because no unknown is negative. The best sweep is a triangle of
+ * decreasing amplitude, then a constant voltage.
  */
 #ifndef IDENTIFY_H
 #define IDENTIFY_H
@@ -40,14 +38,12 @@ typedef struct identification {
 
 /*
  * Fit the numbers of the hysteresis and creep model to a measured sweep of an actuator.
- *   plays   in  number of play operators, 1 to SCENE_PLAYS; more than 8 hardly improve the fit
- *   gain    in  position per volt without hysteresis and creep, where it is known; 0: the change of
- *           position from the lowest to the highest voltage of the sweep, over the change of
- *           voltage
- *   error   [SCENE_ERROR] out  message
- * Returns 0, or -1 with error filled: memory ran out, there are too few or too many samples, a
- * number is not finite, the voltage does not change, or the position does not rise with the
- * voltage.
+ *   plays in   number of play operators, 1 to SCENE_PLAYS; more than 8 hardly improve the fit
+ *   gain  in   position per volt without hysteresis and creep; 0: unknown, taken as the change of
+ *       position over that of voltage, from the lowest to the highest voltage
+ *   error [SCENE_ERROR] out  message
+ * Returns 0, or -1 with error filled: memory runs out, too few or too many samples, a number not
+ * finite, a constant voltage, or a position that does not rise with the voltage.
  */
 int identify(identification *result, const sweep *sweep, int plays, double gain, char *error);
 

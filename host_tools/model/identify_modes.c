@@ -73,13 +73,11 @@ typedef struct fit {
     double *signal; /* [channels][samples] signal of each channel (weighted sum of the readings),
                        without its mean in each interval of constant voltages (unit of the readings)
                      */
-    double *function,
-        *slope; /* work arrays with one row of samples for each function of time; a row is as long
-                   as the longest interval of constant voltages. function: first BASIS rows of
-                   orthonormal functions that span a constant and the decaying cosine and sine of
-                   each vibration mode, then the derivatives of one fitted signal with respect to
-                   the frequencies and damping ratios of the modes. slope: derivatives of the
-                   cosines and sines with respect to these frequencies and damping ratios. */
+    double *function, *slope; /* work arrays, each row as long as the longest interval. function:
+                                 BASIS orthonormal functions that span a constant and the decaying
+                                 cosines and sines of the modes, then derivatives of one fitted
+                                 signal by the parameters. slope: derivatives of the cosines and
+                                 sines by frequency and damping ratio */
     double *column; /* work vector for one signal in the longest interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the
@@ -230,9 +228,8 @@ static bool choose_channels(fit *fit)
 /*
  * Compute orthonormal functions that span a constant and the decaying cosine and sine of each
  * vibration mode over an interval of constant voltages.
- *   triangle [BASIS][BASIS] out  function k before it is made orthonormal (the constant, then
- *                                cosine and sine of each mode) is the sum over j <= k of
- *                                triangle[j][k] times orthonormal function j
+ *   triangle [BASIS][BASIS] out  column k: coefficients of function k (the constant, then cosine
+ *       and sine of each mode) in the orthonormal functions
  */
 static void fill_functions(const fit *fit, const interval *interval, double triangle[BASIS][BASIS])
 {
@@ -266,13 +263,12 @@ static void fill_functions(const fit *fit, const interval *interval, double tria
 }
 
 /*
- * Fit a constant, and the decaying cosine and sine of each vibration mode, to a signal in an
- * interval of constant voltages by least squares. fit->function holds an orthonormal basis of these
- * functions.
- *   triangle [BASIS][BASIS] in  upper triangular matrix from fill_functions; column k holds the
- *       coefficients of the constant, cosine or sine k in the orthonormal basis
- *   signal [count] in/out  the signal, replaced by the residual of the fit
- *   coefficient [BASIS] out  coefficients of the constant, and of cosine and sine of each mode
+ * Fit a constant and the decaying cosine and sine of each vibration mode to a signal in an interval
+ * of constant voltages, by least squares.
+ *   triangle [BASIS][BASIS] in      coefficients of these functions (fill_functions)
+ *   signal   [count]        in/out  the signal, replaced by the residual of the fit
+ *   coefficient [BASIS]     out     coefficients of the constant, and of cosine and sine of each
+ *       mode
  */
 static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASIS], double *signal,
                        double coefficient[BASIS])
@@ -291,12 +287,9 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
 }
 
 /*
- * Compute the derivatives of the decaying cosine and sine of each vibration mode with respect to
- * its angular frequency and its damping ratio, over an interval of constant voltages. fit->function
- * holds an orthonormal basis of the constant and all decaying cosines and sines. Each derivative is
- * made orthogonal to this basis. Rows 4 k to 4 k + 3 of fit->slope belong to mode k, in this order:
- * derivatives of cosine and sine with respect to the frequency, then with respect to the damping
- * ratio.
+ * Compute the derivatives of the decaying cosine and sine of each vibration mode by its angular
+ * frequency and damping ratio, orthogonal to the functions of the fit (fit->function). Rows 4 k to
+ * 4 k + 3 of fit->slope belong to mode k: cosine and sine by frequency, then by damping ratio.
  */
 static void fill_slopes(const fit *fit, const interval *interval)
 {
@@ -341,12 +334,10 @@ typedef struct normal {
 
 /*
  * Add one signal in an interval of constant voltages to the normal equations of a Gauss-Newton step
- * that refines frequencies and damping ratios. The derivatives of the fitted signal are
- * combinations of the rows of fit->slope, with the coefficients of cosine and sine of each mode.
- *   left [count] in  residual of the least-squares fit of a constant and decaying cosines and sines
- *                    to the signal
- *   coefficient [BASIS] in  coefficients of this fit: the constant, then cosine and sine of each
- *                       mode
+ * that refines frequencies and damping ratios.
+ *   left        [count] in      residual of the fit of the signal (fit_signal)
+ *   coefficient [BASIS] in      coefficients of this fit
+ *   normal              in/out  the normal equations
  */
 static void add_signal(const fit *fit, size_t count, const double *left,
                        const double coefficient[BASIS], normal *normal)
@@ -518,13 +509,14 @@ static size_t next_largest(const double *matrix, size_t size, const bool *is_tak
 
 /*
  * Find the matrix X whose eigenvalues give the frequencies and damping ratios of the vibration
- * modes (subspace method). A vector of delayed samples holds one sample of each channel for each
- * delay. The matrix E contains the dominant eigenvectors of the covariance of these vectors as
- * columns. U is E without the rows of the last delay, and V is E without the rows of the first
- * delay. X is the least-squares solution of U X = V; it advances vibration by one delay.
- *   matrix [size][size]  in/out  covariance of the vectors of delayed samples, overwritten
+ * modes (subspace method ESPRIT): the least-squares solution of
+ *   U X = V.
+ *   U, V  dominant eigenvectors of the covariance, as columns, without the rows of the last delay
+ *       (U) and of the first delay (V)
+ *   matrix [size][size]  in/out  covariance of vectors with one sample of each channel for each
+ *       delay; overwritten
  *   vector [size][size]  out     work array: eigenvectors of the covariance
- *   shift [ROOTS][ROOTS] out     the matrix X
+ *   shift [ROOTS][ROOTS] out     the matrix X, which advances vibration by one delay
  * Returns the number of eigenvectors used, or 0 where X is not determined.
  */
 static size_t shift_matrix(const fit *fit, double *matrix, double *vector, double *shift,
@@ -769,13 +761,12 @@ static void fill_parts(const fit *fit, double *part)
 }
 
 /*
- * Compute the shape of a vibration mode by power iteration. The shape is the vector over the
- * outputs along which the coefficients of the mode have the largest energy; its root mean square is
- * 1.
+ * Compute the shape of a vibration mode by power iteration: the vector over the outputs along which
+ * the coefficients of the mode have the largest energy.
  *   part [outputs][columns] in   coefficients of the decaying cosine and sine of the mode in all
- *                                intervals of constant voltages
+ *       intervals of constant voltages
  *   along [columns]         out  work array
- *   shape [outputs]         out  shape of the mode (dimensionless)
+ *   shape [outputs]         out  shape of the mode, with root mean square 1
  */
 static void find_shape(const double *part, size_t outputs, size_t columns, double *along,
                        double *shape)

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Identification of vibration modes from the free vibration that follows steps of the voltages.
- * While the voltages are constant, each reading is a constant plus a sum of decaying sinusoids.
- * First estimates of frequencies and damping ratios come from the shift invariance of the signal
- * subspace (the method ESPRIT, which is also the eigensystem realisation of a free vibration).
- * Least squares over all samples then refine the estimates.
+ * Identification of vibration modes from the free vibration after steps of the voltages. While the
+ * voltages are constant, each reading is a constant plus decaying sinusoids. The method ESPRIT
+ * (shift invariance of the signal subspace) gives first estimates of frequencies and damping
+ * ratios; least squares over all samples refine them.
  */
 #ifndef IDENTIFY_MODES_H
 #define IDENTIFY_MODES_H
@@ -35,10 +34,10 @@ enum {
 }; /* largest number of vibration modes that can be identified together */
 
 /*
- * Identify vibration modes from a record of voltages and readings. Vibration modes that the noise
- * hides are left out.
- *   samples  in  voltages and readings, a line for each sample: steps of the voltages, each
- *                followed by constant voltages for several periods of the lowest mode
+ * Identify the vibration modes in a record of voltages and readings, without those that noise
+ * hides.
+ *   samples  in  a line for each sample: steps of the voltages, each followed by constant voltages
+ *       for several periods of the lowest mode
  *   rate     in  number of samples in a second
  *   most     in  largest number of modes, from 1 to IDENTIFIED_MODES
  * Returns 0, or -1 with error filled; call identified_modes_free in either case.

@@ -115,15 +115,13 @@ static bool invert_steps(steps *steps, double *factor)
 /* ---- responses ------------------------------------------------------------ */
 
 /*
- * Compute by how much each voltage step changes the static value of a vibration mode's coordinate.
- * The coordinate itself does not jump in the step, so that the free vibration about the new static
- * value jumps by minus this change. The jump is computed from the complex amplitudes of the free
- * vibration before and after the step. The computed changes are real if the assumed delay is right.
- *   delay in  assumed delay with which the voltages act (samples)
- *   value [count] out  real parts of the computed changes (multiples of the mode's shape)
- *   total in/out  sum of the squares of the absolute values of the changes, to which those of this
- *                 mode are added
- * Returns the sum of the squares of the imaginary parts of the changes.
+ * Compute by how much each voltage step changes the static value of a mode's coordinate. The
+ * coordinate does not jump, so that the free vibration about the static value jumps by minus this
+ * change; the changes are real if the assumed delay is right.
+ *   delay in          assumed delay with which the voltages act (samples)
+ *   value [count] out  real parts of the changes (multiples of the mode's shape)
+ *   total in/out      sum to which the squared absolute values of the changes are added
+ * Returns the sum of the squares of the imaginary parts.
  */
 static double static_values(const steps *steps, size_t mode, double delay, double *value,
                             double *total)
@@ -178,14 +176,10 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return how badly the voltage steps explain the recorded free vibration, if the voltages act with
- * the given delay (samples). In static equilibrium each vibration mode has a modal coordinate,
- * which a voltage step changes. The change follows from the jump of the free vibration about the
- * equilibrium. Responses that are linear in the voltages are fitted to these changes. The result is
- * the sum of the squared residuals over all modes and steps, divided by the sum of the squared
- * changes. The residual includes the imaginary parts of the changes, which are zero at the right
- * delay.
- *   squares  out  sum of the squared residuals; modal coordinates are multiples of the mode shapes
+ * Return the unexplained fraction of the static changes by the voltage steps, for an assumed delay
+ * (samples): squared residuals of a fit linear in the voltages, over the squared changes. Residuals
+ * include the imaginary parts of the changes, which are zero at the right delay.
+ *   squares  out  sum of the squared residuals (multiples of the mode shapes, squared)
  */
 static double unexplained(const steps *steps, double delay, double *squares)
 {

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Identification of the static responses of vibration modes to the voltages. A step of the voltages
- * moves the static value of a modal coordinate at once, while the coordinate itself cannot jump.
- * The mode therefore starts to vibrate about the new static value. The amplitude of this added
- * vibration is the static response times the voltage step; its phase tells how late the voltages
- * act.
+ * Identification of the static responses of vibration modes to the voltages. A voltage step moves
+ * the static value of a modal coordinate at once, so that the mode vibrates about the new value.
+ * The amplitude of this vibration is static response times step; its phase tells the delay of the
+ * voltages.
  */
 #ifndef IDENTIFY_RESPONSES_H
 #define IDENTIFY_RESPONSES_H

@@ -9,18 +9,18 @@
 #include "../mesh/mesh.h"
 
 /*
- * Largest change, over the sides of all elements, of the angle between the lines through the
- * thickness at the two nodes of a side (degrees). Where a sharp fold moves through elements that
- * turn by more than about 15 degrees, the mesh adds limit points that the shell does not have.
+ * Return the largest change of the angle between the lines through the thickness at the two nodes
+ * of an element's side (degrees). Above about 15 degrees at a moving sharp fold, the mesh adds
+ * limit points that the shell does not have.
  *   displacement [free_dof] in   displacement vector of the structure
  *   element                 out  index of the element with that side
  */
 double largest_turn(const mesh *mesh, const double *displacement, int *element);
 
 /*
- * Largest angle, over all nodes, between the line through the thickness of the deformed shell and
- * the normal of the undeformed shell (degrees). The seventh degree of freedom of a node acts along
- * this normal, and has no stiffness left where the angle is 90 degrees.
+ * Return the largest angle between the line through the thickness of the deformed shell and the
+ * normal of the undeformed shell (degrees). At 90 degrees the seventh dof of a node, which acts
+ * along this normal, has no stiffness left.
  *   displacement [free_dof] in   displacement vector of the structure
  *   node                    out  index of the node with that angle
  */

@@ -20,9 +20,8 @@ typedef struct linearised {
 } linearised;
 
 /*
- * Compute the tangent stiffness matrix and the forces of all inputs at the equilibrium that a
- * solver has reached. The factors of the stiffness matrix in the solver's model are overwritten;
- * the influence matrix at this equilibrium must therefore be computed before.
+ * Compute the tangent stiffness matrix and the forces of all inputs at the equilibrium of a solver.
+ * The factors in the solver's model are overwritten: compute the influence matrix there before.
  *   solver in/out  equilibrium solver of the structure, at an equilibrium
  * Returns whether memory sufficed; call linearised_free in either case.
  */

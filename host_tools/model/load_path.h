@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Load path: the curve of equilibria that begins in the reference state and continues through limit
- * points, at which the load has to decrease. All input values of the scene are multiplied by one
- * load factor. The arc-length method with a spherical constraint (Crisfield 1981) computes the
- * curve: each step has a prescribed length of displacement, and the load factor is an unknown.
- * Where a scene has prescribed displacements, a contact body that moves, or a shell that the
- * contact alone holds, equal steps of the load factor compute the curve, up to the first limit
- * point.
+ * Load path: the curve of equilibria from the reference state, with all input values multiplied by
+ * one load factor. The arc-length method with a spherical constraint (Crisfield 1981) follows the
+ * curve beyond limit points, at which the load decreases: steps have a prescribed length of
+ * displacement. Equal steps of the load factor, up to the first limit point, replace it for
+ * prescribed displacements, moving contact bodies, and shells that the contact alone holds.
  */
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H

@@ -46,10 +46,10 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
 }
 
 /*
- * Integrals over the thickness of an element, per area of the reference surface, from which its
- * mass matrix is made: density times two displacement functions times the metric (1 + k1 z)(1 + k2
- * z). The displacement functions are constant, linear and quadratic in the height z; k1 and k2 are
- * the principal curvatures. Only plies that are present count.
+ * Compute integrals over the thickness of an element, per area, for its mass matrix: density times
+ * two displacement functions times (1 + k1 z)(1 + k2 z), over the plies that are present. The
+ * functions are constant, linear and quadratic in the height z; k1 and k2 are the principal
+ * curvatures.
  *   m [FUNCTIONS][FUNCTIONS] out  integral for each pair of displacement functions
  */
 static void moments(const laminate *laminate, const laminate_place *place, double per_area,
@@ -263,11 +263,10 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *vecto
 
 /*
  * Compute the values of the dof of a node when the structure moves as a rigid body.
- *   shift  [3] in  translation
- *   spin   [3] in  vector of a small rotation about the origin (rad)
- *   unit   [7] out  values of the dof. Entries 0 to 2: displacement along the local axes of the
- *          node, midway between the faces. Entries 3 to 5: displacement of the outer face minus
- *          that of the inner face, divided by the thickness. Entry 6: 0
+ *   shift  [3] in   translation
+ *   spin   [3] in   vector of a small rotation about the origin (rad)
+ *   unit   [7] out  dof along the local axes: displacement midway between the faces; displacement
+ *       of the outer face minus the inner face, over the thickness; seventh dof 0
  */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double unit[7])

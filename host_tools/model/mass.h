@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mass matrix of a mesh: element matrices from the densities of the plies that are present, for the
- * same dof as the stiffness matrix. At the height t above the middle of a laminate of thickness h,
- * the displacement at a node is u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3. Here `mean` is
- * the mean of both faces' displacements, `difference` their difference divided by h, q the seventh
- * dof and e3 the thickness direction. Displacement vectors, not components, are interpolated
- * between the nodes, so that a rigid translation has exactly the mass of the structure. A
- * concentrated mass is part of the matrix of one element that contains its point.
+ * Mass matrix of a mesh, for the same dof as the stiffness matrix. Displacement vectors, not
+ * components, are interpolated between the nodes, so that a rigid translation has exactly the mass
+ * of the structure. A concentrated mass is part of one element that contains its point. At a node,
+ *   u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3.
+ *   t           height above the middle of a laminate of thickness h
+ *   mean        mean of both faces' displacements
+ *   difference  difference of both faces' displacements, divided by h
+ *   q, e3       seventh dof, and thickness direction
  */
 #ifndef MASS_H
 #define MASS_H

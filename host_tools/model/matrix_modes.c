@@ -257,10 +257,9 @@ static void sum_up(const double *value, size_t count, size_t stride, double *sum
 
 /*
  * Return the fraction of the influence matrix's squared entries that the mode shapes would leave
- * unexplained on average if the outputs were in random order. With an orthonormal basis of the mode
- * shapes, each basis vector x explains (x . y)^2 of each column y of the matrix. If the n entries
- * of y are in random order, the mean of (x . y)^2 over all orders is |x|^2 |y|^2/n + (sum(x)^2 -
- * |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
+ * unexplained on average if the outputs were in random order. A vector x of their orthonormal basis
+ * explains (x . y)^2 of a column y with n entries, of which the mean over all orders is
+ *   |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
  */
 static double random_rest(const comparison *c)
 {

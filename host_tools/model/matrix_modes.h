@@ -42,22 +42,22 @@ typedef struct matrix_modes {
 enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 
 /*
- * Compute an orthonormal basis of the shapes of all modes, by Gram-Schmidt orthogonalisation.
+ * Compute an orthonormal basis of the shapes of all modes by Gram-Schmidt orthogonalisation.
  *   basis    [modes][outputs] out  orthonormal vectors
- *   triangle [modes][modes]   out  the shape of mode k is the sum over j <= k of triangle[j][k]
- *                                  times vector j of the basis; 0 before the call
- * Returns the number of the first mode whose shape is a combination of the shapes before it, or -1
- * if there is none.
+ *   triangle [modes][modes]   out  column k: coefficients of the shape of mode k in the basis (j <=
+ *       k); 0 before the call
+ * Returns the first mode whose shape is a combination of the shapes before it, or -1 if there is
+ * none.
  */
 int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle);
 
 /*
- * Compute the static modal coordinates of all vibration modes under 1 V at one amplifier. If the
- * scene file gives them, they are copied. Otherwise they are the coefficients with which the mode
- * shapes fit the amplifier's column of the influence matrix best (least squares).
- *   basis     [modes][outputs] in  orthonormal basis of the mode shapes, from matrix_modes_basis
- *   triangle  [modes][modes]   in  mode shapes in this basis
- *   response  [modes] out  modal coordinates (multiples of the mode shapes per volt)
+ * Compute the static modal coordinates of all vibration modes under 1 V at one amplifier: those of
+ * the scene file, or a least-squares fit of the mode shapes to the amplifier's column of the
+ * influence matrix.
+ *   basis     [modes][outputs] in   orthonormal basis of the mode shapes, from matrix_modes_basis
+ *   triangle  [modes][modes]   in   mode shapes in this basis
+ *   response  [modes]          out  modal coordinates (multiples of the mode shapes per volt)
  */
 void matrix_modes_response(const scene_influence *measured, size_t amplifiers, size_t amplifier,
                            const double *basis, const double *triangle, double *response);

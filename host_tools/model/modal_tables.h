@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Modal description of a structure in its reference state: natural frequencies, damping ratios,
- * mode shapes at the output rows, and the static response of every vibration mode to every input.
- * The output rows are y = y_static + C d. Here y_static is their static displacement under the
- * present inputs, C holds the mode shapes, and d is the deviation of the modal coordinates from
- * their equilibrium. Modes that are left out thus respond statically. The modes are scaled to unit
- * modal mass.
+ * Modal description of a structure in its reference state, with modes of unit modal mass:
+ * frequencies, damping ratios, mode shapes, and the static response of every mode to every input.
+ * The output rows are
+ *   y = y_static + C d.
+ *   y_static  static displacement under the present inputs, also of modes that are left out
+ *   C         mode shapes
+ *   d         deviation of the modal coordinates from their equilibrium
  */
 #ifndef MODAL_TABLES_H
 #define MODAL_TABLES_H

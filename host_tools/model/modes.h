@@ -42,11 +42,10 @@ typedef struct modes {
 } modes;
 
 /*
- * Compute the results of every target shape of a scene that lists several as alternatives. The
- * structure is nonlinear or linear as analysis->is_nonlinear says. The influence matrix must have
- * been computed. The target of the scene is restored afterwards.
- *   limit  [limits] in  pairs of voltage limits that all amplifiers share; the limits of each
- *          amplifier apply in addition
+ * Compute the results of every target shape of a scene that lists several as alternatives, linear
+ * or nonlinear (analysis->is_nonlinear). The influence matrix must have been computed. The target
+ * of the scene is restored afterwards.
+ *   limit  [limits] in  pairs of voltage limits that all amplifiers share, besides their own limits
  * Returns 0, or -1 with error filled; call modes_free in either case.
  */
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,

@@ -4,12 +4,10 @@
 #include <stdio.h>
 
 /*
- * Strain (Green's strain in a face of the shell, negative in compression) below which the material
- * counts as softened. The material law makes the stress linear in Green's strain, so that the force
- * under compression has a maximum. Under uniform compression the maximum is at the strain -1/3. A
- * strip of one material reaches its largest bending moment when the strain of its inner face is
- * -0.35. The strains are known at the centres of elements, where they are smaller in size than the
- * largest ones. The threshold is therefore closer to zero.
+ * Threshold of Green's strain in a face of the shell, below which the material counts as softened.
+ * The stress is linear in Green's strain, so that a compressive force has a maximum at the strain
+ * -1/3, and the bending moment of a strip at -0.35 of its inner face. The threshold is closer to
+ * zero because strains at the centres of elements are smaller in size than the largest ones.
  */
 static const double soft_strain = -0.3;
 
@@ -40,10 +38,9 @@ bool path_has_lost_normal(const load_path *path, const mesh *mesh)
 }
 
 /*
- * Write the cause of a load path's end into `text`: the shell has turned so far from its undeformed
- * normal that the seventh dof of a node has lost its stiffness. This dof is the displacement of the
- * middle surface relative to both faces, along the undeformed normal. The further the shell turns,
- * the less this dof strains it. The text names the element options without this dof.
+ * Write the cause of a load path's end into `text`: the shell has turned so far that the seventh
+ * dof of a node, along the undeformed normal, has lost its stiffness. The text names the element
+ * options without this dof.
  *   index in  index of the last point of the path
  */
 static void name_tilt(const load_path_point *point, int index, const mesh *mesh, char *text)

@@ -23,12 +23,10 @@ bool path_is_softened(const load_path *path);
 bool path_has_lost_normal(const load_path *path, const mesh *mesh);
 
 /*
- * Fill a text with the most likely cause of the critical points of a load path, or of its end. For
- * a path of equal load steps, the cause is the last status of the equilibrium solver. Otherwise it
- * is one of three, examined at the first limit point. First, the shell has turned so far from its
- * undeformed normal that the seventh dof of a node (normal displacement of the middle surface,
- * relative to both faces) has lost its stiffness. Second, the shell is compressed so strongly that
- * its material law softens. Third, the shell bends too sharply within one element.
+ * Fill a text with the most likely cause of the critical points or the end of a load path: the
+ * solver's last status for equal load steps and solver errors; otherwise a turn of the shell that
+ * takes the stiffness of the seventh dof (at the last point), compression that softens the material
+ * law, or a bend too sharp for one element (both at the first limit point, bifurcation or the end).
  */
 void path_cause(const load_path *path, const analysis *analysis, char text[PATH_CAUSE_BYTES]);
 

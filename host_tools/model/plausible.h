@@ -39,8 +39,8 @@ void plausible_scene(plausible *warnings, const scene *scene);
 void plausible_mesh(plausible *warnings, const mesh *mesh);
 
 /*
- * Apply the plausibility rules on a displacement of a structure. Where several displacements are
- * examined, the warning about the worst of them is kept for each rule.
+ * Apply the plausibility rules to a displacement. Each rule keeps its worst warning of all examined
+ * displacements.
  *   displacement [free_dof] in  displacement vector of the structure
  *   is_linear               in  true if the displacement was computed with linear kinematics
  *   name                    in  name of the displacement in the text of a warning
@@ -99,15 +99,13 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
 void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded);
 
 /*
- * Warn about a stable control loop with a vibration model in three cases. First, the noise of its
- * sensors is as large as its target. Second, the loop becomes unstable if the sensor readings are
- * one tick older than the scene file states. Third, the target displaces the structure by so many
- * thicknesses that the linear vibration model may be wrong.
- *   older     in  largest additional age of the sensor readings (ticks) with which the loop is
- *       stable
+ * Warn about a stable control loop with a vibration model if sensor noise is as large as the
+ * target, if readings one tick older make the loop unstable, or if the target is too many
+ * thicknesses for the linear vibration model.
+ *   older     in  largest additional age of the readings (ticks) with which the loop is stable
  *   amplitude in  largest displacement of the target divided by the thickness of the structure
- *   noise     in  standard deviation of the sensors' noise, divided by the root mean square of the
- *                 target; 0 where the target is zero
+ *   noise     in  standard deviation of the sensors' noise over the root mean square of the target;
+ *       0 where the target is zero
  */
 void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude,
                     double noise);

@@ -130,10 +130,9 @@ int measure_points_height(const subject *of, int k, measured *found)
 }
 
 /*
- * Compute the bending and shear stiffnesses of the laminate, for plausibility rules on transverse
- * shear. A rule is asked for its numbers k = 0, 1, ... until there is none; these rules have one
- * number.
- *   k       in   number that the rule is asked for
+ * Compute the bending and shear stiffnesses of the laminate, for the one number of a plausibility
+ * rule on transverse shear.
+ *   k       in   index of the number that the rule is asked for
  *   bending out  stiffnesses
  *   wave    out  squared wave number of a half sine wave over the shorter side of the structure
  *       (1/m2)

@@ -62,12 +62,10 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 }
 
 /*
- * Store in found->value the electric field (V/m) that an actuator's voltage causes in the layer of
- * its piezoelectric patches: voltage over thickness. The value stays NAN in two cases. Where the
- * scene file gives a field limit for the material, no check is needed, because the voltages are
- * limited by it. In a film actuator at no more than the voltage of its data sheet, the field is
- * unknown: interdigitated electrodes may make it run along the faces instead of across the
- * thickness.
+ * Store in found->value the electric field (V/m) of an actuator's voltage in its patches: voltage
+ * over thickness. The value stays NAN for a material with a field limit, by which voltages are
+ * limited, and for a film at up to the voltage of its data sheet, whose field may run along the
+ * faces.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
@@ -171,10 +169,9 @@ typedef struct bend {
 
 /*
  * Return the number of elements that a point force requires on a quarter turn of a curved shell of
- * radius R, thickness h and length L. The dent under the force has (R/h)^(1/4) (R/L)^(1/2) waves on
- * a quarter turn, each of which requires two elements; one element for each bending length sqrt(R
- * h) is always enough. The result is 0 for a strip narrower than the bending length, which bends
- * like a ring without a dent.
+ * radius R, thickness h and length L: two for each of the (R/h)^(1/4) (R/L)^(1/2) waves of the
+ * dent, at most one for each bending length sqrt(R h). The result is 0 for a strip narrower than
+ * that, which bends like a ring.
  */
 static double elements_needed(const bend *bend)
 {

@@ -31,10 +31,9 @@ static bool is_strong(const scene *scene, const scene_material *material)
 
 /*
  * Return in found->value the depolarisation field of material k (V/m), for a plausibility rule. The
- * value is left unchanged if the rule does not apply to the material or the material has no
- * depolarisation field.
+ * value is unchanged if the material has none or the rule does not apply to it.
  *   wants_strong in  true: the rule applies to materials with large transverse piezoelectric
- *       constants, such as ceramics (is_strong); false: to the others
+ *       constants (is_strong); false: to the others
  * Returns 0 if there is no material k, otherwise 1.
  */
 static int measure_limit_of(const subject *of, int k, bool wants_strong, measured *found)
@@ -118,12 +117,11 @@ int measure_depolarisation(const subject *of, int k, measured *found)
 enum { STRENGTHS = 5 };
 
 /*
- * Compute the strength of a material divided by the elastic modulus in the same direction, as a
- * number for a plausibility rule. The numbers of all materials are counted in turn: k = STRENGTHS m
- * + i is strength i (0 to 4) of material m. The number is computed only for materials to which the
- * rule applies.
+ * Compute the strength of a material over the elastic modulus in the same direction, for a
+ * plausibility rule, if the rule applies to the material.
+ *   k          in  STRENGTHS m + i: strength i (0 to 4) of material m
  *   wants_soft in  true: the rule applies to soft materials (rubbers, foams); false: to all others;
- *       where the units are unknown, all materials count as soft
+ *       with unknown units all materials count as soft
  * Returns 0 if k is beyond the last material, otherwise 1.
  */
 static int measure_strength_of(const subject *of, int k, bool wants_soft, measured *found)

@@ -4,10 +4,9 @@
 #define PROPAGATOR_H
 
 /*
- * Propagator of one vibration mode over an interval with constant inputs, exact below and above
- * critical damping. The state is the deviation d from equilibrium and the scaled velocity p =
- * (dd/dt)/w with the angular frequency w. After the interval, d is r[0] d + r[1] p, and p is r[2] d
- * + r[3] p.
+ * Compute the propagator of one vibration mode over an interval with constant inputs, exact below
+ * and above critical damping. With d the deviation from equilibrium and p = (dd/dt)/w,
+ *   d after = r[0] d + r[1] p,  p after = r[2] d + r[3] p.
  *   frequency in   angular frequency w (rad/s)
  *   damping   in   damping ratio
  *   interval  in   length of the time interval (s)

@@ -9,11 +9,11 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * Settings of a second computation of an equilibrium, with loads that rise more slowly. LONG_RAMP:
- * number of linear solves at the start of a load step over which the loads rise. SOLVES_PER_STEP:
- * largest number of linear solves for each load step that the scene asks for. Both were chosen with
- * a test scene, a soft hyperboloid shell: with LONG_RAMP it converges in one load step on every
- * mesh, and it needs a third of the permitted solves.
+ * Settings of a second computation of an equilibrium with loads that rise more slowly. With these a
+ * test scene, a soft hyperboloid shell, converges in one load step on every mesh.
+ *   LONG_RAMP        linear solves at the start of a load step over which the loads rise
+ *   SOLVES_PER_STEP  largest number of linear solves for each load step that the scene asks for;
+ *       the test scene needs a third of them
  */
 enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 
@@ -54,9 +54,8 @@ static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *s
 }
 
 /*
- * Compute an equilibrium a second time, with loads that rise more slowly. The second result is kept
- * if the first try failed, or if both tries end at the same displacement; otherwise the first is
- * restored.
+ * Compute an equilibrium a second time with loads that rise more slowly. The second result is kept
+ * if the first try failed or both end at the same displacement; otherwise the first is restored.
  *   status in             status of the first try
  *   first  [free_dof] in  displacement of the first try
  *   state  in             state of the equilibrium solver after the first try

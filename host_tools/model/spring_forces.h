@@ -6,10 +6,9 @@
 #include "design.h"
 
 /*
- * Force with which one spring of the mesh pushes the structure in the direction that elongates the
- * spring (N; N m for a torsional spring). A spring exerts minus stiffness times elongation; a stack
- * exerts in addition the force that its voltage causes.
- *   row in  number of the spring
+ * Return the force with which a spring pushes the structure in the direction of its elongation (N;
+ * N m for a torsional spring): minus stiffness times elongation, plus the voltage force of a stack.
+ *   row              in  number of the spring
  *   u     [free_dof] in  displacement vector of the structure
  *   value [inputs]   in  input values that belong to u
  */

@@ -10,10 +10,9 @@
 #include "analysis.h"
 
 /*
- * Compute the load path from the reference state to the full load and append its points to an empty
- * path. The path ends early where the equilibrium solver finds no equilibrium, for example above a
- * limit load. If the load factor moves a contact body or a support, it controls a displacement; the
- * path then continues beyond a maximum of the force.
+ * Compute the load path from the reference state to the full load, and append its points to an
+ * empty path. It ends early where no equilibrium is found, as above a limit load. Where the load
+ * factor moves a contact body or a support, it continues beyond a maximum of the force.
  *   analysis in/out  with an equilibrium solver in the reference state
  *   reached  out     load factor of the last point
  * Returns 0, or -1 with error filled where memory runs out.

@@ -10,10 +10,10 @@ enum {
 }; /* number of control ticks that are simulated to find the longest one */
 
 /*
- * Return the largest number of multiply-adds that the optimiser makes in one control step (0 where
- * memory runs out). It is the maximum over TICK_WORK_TICKS simulated steps without the stage that
- * damps vibration. The target jumps between the shapes of random voltages.
- *   design in  numerical model of a scene with amplifiers and a target, with its influence matrix
+ * Return the largest number of multiply-adds of the optimiser in one control step (0 where memory
+ * runs out): maximum over TICK_WORK_TICKS simulated steps without damping of vibration, with
+ * targets that jump between the shapes of random voltages.
+ *   design in  model of a scene with amplifiers, target and influence matrix
  *   limit  in  limit of the optimiser's work in a tick (multiply-adds)
  */
 uint64_t tick_work_longest(const design *design, uint64_t limit);

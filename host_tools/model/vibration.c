@@ -51,11 +51,10 @@ static const double held_below = 1e10;
 static const double two_pi = 6.283185307179586;
 
 /*
- * State of the Lanczos search for the lowest vibration modes. The operator is A = (K + shift M)^-1
- * M with stiffness matrix K and mass matrix M. A has been applied to the first `done` vectors of
- * the basis. Entry (i, j) of the projection is the scalar product (with M) of basis vector i and A
- * times basis vector j. The entries with i >= done are the residual: they vanish if A maps the span
- * of the first `done` vectors to itself.
+ * State of the Lanczos search for the lowest vibration modes with the operator A = (K + shift M)^-1
+ * M (stiffness K, mass M), so far applied to the first `done` basis vectors. Entry (i, j) of the
+ * projection is the M-product of basis vector i and A times vector j; entries with i >= done are
+ * the residual.
  */
 typedef struct search {
     const design *design;
@@ -222,12 +221,10 @@ static double random_number(search *search)
 enum { GROUP = 4 };
 
 /*
- * Make the vector search->next orthogonal to `count` consecutive basis vectors with respect to the
- * mass matrix M. The component along basis vector b is the product of b and M next, which the
- * caller has stored in search->mass_next.
- *   first  in  index of the first basis vector
- *   count  in  number of basis vectors: 1, or GROUP, whose sums the processor computes at the same
- *       time
+ * Make search->next orthogonal to consecutive basis vectors in the scalar product with the mass
+ * matrix M. search->mass_next must hold M times `next`.
+ *   first  in           index of the first basis vector
+ *   count  in           number of basis vectors: 1, or GROUP, whose sums are computed in parallel
  *   part   [count] out  the components that were subtracted
  */
 static void remove_group(search *search, size_t first, size_t count, double *part)
@@ -251,12 +248,11 @@ static void remove_group(search *search, size_t first, size_t count, double *par
 }
 
 /*
- * Make the vector search->next orthogonal to the Lanczos basis by two Gram-Schmidt iterations.
- * Append the remainder, scaled to norm 1, to the basis unless it is a rounding error. The vector
- * search->mass_next must hold the mass matrix times `next`.
- *   column [room] in/out  receives the coefficients of `next` in the basis: its component along
- *       each basis vector is added to the entry of this vector, and the norm of the remainder to
- *       the entry of the new one. NULL: not needed
+ * Make search->next orthogonal to the Lanczos basis by two Gram-Schmidt iterations, and append the
+ * normalised remainder unless it is a rounding error. search->mass_next must hold the mass matrix
+ * times `next`.
+ *   column [room] in/out  vector to which the coefficients of `next` in the basis are added; NULL:
+ *       not needed
  */
 static void append(search *search, double *column)
 {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Natural frequencies and mode shapes of a structure in its reference state with short-circuited
- * electrodes. They are the lowest solutions of K x = w^2 M x with stiffness matrix K, mass matrix M
- * and angular frequency w, computed by a band Lanczos method on (K + shift M)^-1 M with full
- * reorthogonalisation. The shift is 0 where the supports prevent rigid motions, and positive where
- * they do not. No mode is missing in a result: the number of negative pivots of K - s M is checked,
- * with s just above the last squared frequency.
- *
- * For a scene with a measured influence matrix the modes are those that the scene gives
- * (vibration_measured.c); everything that follows from modes is the same for both sources.
+ * electrodes: the lowest solutions of
+ *   K x = w^2 M x.
+ *   K, M  stiffness and mass matrix
+ *   w     angular frequency
+ * A band Lanczos method on (K + shift M)^-1 M with full reorthogonalisation computes them; the
+ * shift is positive only if rigid motions are possible. The negative pivots of K - s M, with s just
+ * above the last squared frequency, prove that no mode is missing. With a measured influence matrix
+ * the modes are those of the scene (vibration_measured.c).
  */
 #ifndef VIBRATION_H
 #define VIBRATION_H
@@ -42,8 +42,8 @@ int vibration_most(const design *design);
  * Compute the lowest vibration modes.
  *   number in  number of modes, reduced to the number that the structure has
  *   lumped in  part of the lumped mass matrix in the mass matrix, 0 to 1, usually MASS_LUMPED (2/3)
- * Returns 0, or -1 with error filled and the result empty where a density is missing, the iteration
- * did not converge, a mode is missing, or the scene has a measured matrix without modes.
+ * Returns 0, or -1 with error filled and the result empty: no density, no convergence, a mode
+ * missing, or a measured influence matrix without modes.
  */
 int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
                     char *error);
@@ -67,9 +67,8 @@ bool vibration_allocate(vibration *vibration, const design *design, size_t count
 int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
 
 /*
- * Compute the lowest vibration modes for small vibrations about a deformed equilibrium, with the
- * tangent stiffness matrix and the forces of the inputs there.
- *   about  in  tangent stiffness matrix, which contains the prestress, and forces of the inputs
+ * Compute the lowest modes of small vibrations about a deformed equilibrium.
+ *   about  in  tangent stiffness matrix there, with the prestress, and forces of the inputs
  *   number in  number of modes
  *   lumped in  part of the lumped mass matrix in the mass matrix, from 0 to 1
  * Returns 0, or -1 with error filled and the result empty.

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The plant of a scene as the model in an FMU (functional mock-up unit): amplifiers, cables,
- * piezoelectric ceramic, linear structure with or without vibration, and sensors.
- *
- * The model calls the functions of `pzs simulate` in the same order (simulate_loop.c), so that both
- * give identical bits. After each step of the FMU its readings are those for the next tick of the
- * controller. A load that the simulator sets before a step acts from the end of that step.
+ * ceramic, linear structure with or without vibration, and sensors. Functions and order are those
+ * of simulate_loop.c, so that `pzs simulate` gives identical bits. After a step, the readings are
+ * those for the controller's next tick. A load set before a step acts from the end of that step.
  */
 #include <math.h>
 #include <stdio.h>
