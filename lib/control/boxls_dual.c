@@ -71,17 +71,6 @@
  */
 #define FEW_RIGHT 5u
 
-/*
- * Numbers of the work arrays of the dual active-set method, each with an entry for each input. They
- * use the memory of the vectors in which the primal method collects pivot exchanges.
- */
-enum { SOLUTION, CHANGE, RESPONSE, COSINE };
-
-static pzs_real *work_array(const pzs_optimiser *optimiser, uint32_t k)
-{
-    return optimiser->pending + k * optimiser->width;
-}
-
 void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work)
 {
     const size_t inputs = optimiser->inputs;
@@ -89,15 +78,6 @@ void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work)
     optimiser->side = work + inputs * (inputs + 1u) / 2u;
     optimiser->order = (uint16_t *)(optimiser->side + inputs);
     optimiser->active_most = optimiser->inputs;
-}
-
-/*
- * Return the bound (V) at which the optimiser keeps the voltage of input i, which is active (at a
- * bound).
- */
-static pzs_real bound_of(const pzs_optimiser *optimiser, uint32_t i)
-{
-    return optimiser->side[i] < 0 ? optimiser->lower[i] : optimiser->upper[i];
 }
 
 /* ---- Cholesky factor ------------------------------------------------- */
@@ -177,7 +157,7 @@ static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real
 static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
 {
     const pzs_real *from = factor_row(optimiser, k + 1u);
-    pzs_real *to = factor_row(optimiser, k), *cosine = work_array(optimiser, COSINE),
+    pzs_real *to = factor_row(optimiser, k), *cosine = dual_array(optimiser, DUAL_COSINE),
              *sine = optimiser->scratch, carried = from[removed];
     memmove(to, from, removed * sizeof *to);
     for (uint32_t j = removed; j < k; j++) {
@@ -231,7 +211,7 @@ void pzs_dual_free_all(pzs_optimiser *optimiser)
  */
 static bool is_order_valid(const pzs_optimiser *optimiser)
 {
-    pzs_real *seen = work_array(optimiser, SOLUTION);
+    pzs_real *seen = dual_array(optimiser, DUAL_SOLUTION);
     if (optimiser->active_count > optimiser->active_most)
         return false;
     memset(seen, 0, optimiser->width * sizeof *seen);
@@ -248,7 +228,7 @@ void pzs_check_active_dual(pzs_optimiser *optimiser)
 {
     bool is_valid = is_order_valid(optimiser);
     for (uint32_t k = 0; is_valid && k < optimiser->active_count; k++)
-        is_valid = number_is_finite(bound_of(optimiser, optimiser->order[k]));
+        is_valid = number_is_finite(dual_bound(optimiser, optimiser->order[k]));
     if (!is_valid)
         pzs_dual_free_all(optimiser);
 }
@@ -263,7 +243,7 @@ bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser)
 {
     for (uint32_t k = 0; k < optimiser->active_count; k++) {
         const uint32_t i = optimiser->order[k];
-        const pzs_real bound = bound_of(optimiser, i);
+        const pzs_real bound = dual_bound(optimiser, i);
         if (optimiser->voltage[i] < bound || optimiser->voltage[i] > bound)
             return false;
     }
@@ -286,11 +266,11 @@ static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_re
 
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser)
 {
-    pzs_real *next = optimiser->next_voltage, *change = work_array(optimiser, CHANGE);
+    pzs_real *next = optimiser->next_voltage, *change = dual_array(optimiser, DUAL_CHANGE);
     const uint32_t count = optimiser->active_count;
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t i = optimiser->order[k];
-        change[k] = bound_of(optimiser, i) - next[i];
+        change[k] = dual_bound(optimiser, i) - next[i];
     }
     solve_lower(optimiser, change);
     solve_upper(optimiser, change);
@@ -299,7 +279,7 @@ void pzs_dual_move_to_bounds(pzs_optimiser *optimiser)
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t i = optimiser->order[k];
         optimiser->direction[i] += change[k];
-        next[i] = bound_of(optimiser, i);
+        next[i] = dual_bound(optimiser, i);
     }
 }
 
@@ -337,12 +317,7 @@ uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding)
 
 /* ---- iterations of the dual method ----------------------------------- */
 
-/*
- * Whether the work limit of the optimiser allows `cost` more multiply-adds now. Work is kept in
- * reserve for the end of the present round (sequence of iterations): two products of the Hessian
- * with a vector, because the gradient may have to be computed twice there.
- */
-static bool affords(pzs_optimiser *optimiser, uint64_t cost)
+bool pzs_dual_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {
     return optimiser_affords(optimiser, cost + PZS_PRODUCT_WORK(optimiser->inputs));
 }
@@ -364,7 +339,7 @@ static uint32_t choose_wrong(pzs_optimiser *optimiser, pzs_real rounding, pzs_re
         change[k] = 0;
         if (!is_wrong(optimiser, i, rounding))
             continue;
-        optimiser->is_cut = !affords(optimiser, once + (chosen + 1u) * each);
+        optimiser->is_cut = !pzs_dual_affords(optimiser, once + (chosen + 1u) * each);
         if (optimiser->is_cut)
             return chosen;
         change[k] = -optimiser->direction[i];
@@ -373,13 +348,9 @@ static uint32_t choose_wrong(pzs_optimiser *optimiser, pzs_real rounding, pzs_re
     return chosen;
 }
 
-/*
- * Make free all active inputs (whose voltages are kept at a bound) whose multipliers have the wrong
- * sign, until no active input has such a multiplier, or until the work limit stops the optimiser.
- */
-static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
+void pzs_dual_drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
 {
-    pzs_real *next = optimiser->next_voltage, *change = work_array(optimiser, CHANGE);
+    pzs_real *next = optimiser->next_voltage, *change = dual_array(optimiser, DUAL_CHANGE);
     while (choose_wrong(optimiser, rounding, change) > 0) {
         add_columns(optimiser, next, change);
         for (uint32_t k = optimiser->active_count; k-- > 0;)
@@ -389,12 +360,7 @@ static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
     }
 }
 
-/*
- * Choose the free input whose voltage is farthest outside its bounds, set its multiplier to zero,
- * and note at which bound it is to be kept. Returns the number of inputs if all voltages are inside
- * up to rounding errors.
- */
-static uint32_t choose_outside(const pzs_optimiser *optimiser)
+uint32_t pzs_dual_choose_outside(const pzs_optimiser *optimiser)
 {
     const pzs_real *next = optimiser->next_voltage;
     pzs_real largest = 0, most = 0;
@@ -419,12 +385,12 @@ static uint32_t choose_outside(const pzs_optimiser *optimiser)
 /*
  * Compute the row that free input i would have, if it became active, in the Cholesky factor of the
  * inverse Hessian restricted to the active inputs (voltages at a bound), into the work array
- * SOLUTION [active_count]. Returns the square of the last entry of the row (V2/m2).
+ * DUAL_SOLUTION [active_count]. Returns the square of the last entry of the row (V2/m2).
  */
 static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 {
     const pzs_real *row = optimiser->tableau + i * optimiser->width;
-    pzs_real *solution = work_array(optimiser, SOLUTION);
+    pzs_real *solution = dual_array(optimiser, DUAL_SOLUTION);
     const uint32_t count = optimiser->active_count;
     for (uint32_t k = 0; k < count; k++)
         solution[k] = -row[optimiser->order[k]];
@@ -444,21 +410,17 @@ static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
            CERTAIN * optimiser->pivot_rounding;
 }
 
-/*
- * Prepare the step in which free input i becomes active (its voltage is kept at a bound). Compute
- * the changes of the other multipliers and of all voltages when the multiplier of input i changes
- * by 1 m2/V, while the active voltages stay at their bounds. The results are in work arrays:
- *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor of the
- *                                inverse Hessian restricted to the active inputs
- *   CHANGE   [active_count] out  change of the multipliers of the active inputs (dimensionless)
- *   RESPONSE [width]        out  change of the voltages (V2/m2)
- * Returns the square of the last entry of the row (V2/m2).
- */
-static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
+bool pzs_dual_may_join(const pzs_optimiser *optimiser, uint32_t i, pzs_real pivot)
+{
+    return pivot > least_pivot(optimiser, i) && optimiser->active_count < optimiser->active_most;
+}
+
+pzs_real pzs_dual_find_response(pzs_optimiser *optimiser, uint32_t i)
 {
     const pzs_real *row = optimiser->tableau + i * optimiser->width;
-    pzs_real *solution = work_array(optimiser, SOLUTION), *change = work_array(optimiser, CHANGE),
-             *response = work_array(optimiser, RESPONSE);
+    pzs_real *solution = dual_array(optimiser, DUAL_SOLUTION),
+             *change = dual_array(optimiser, DUAL_CHANGE),
+             *response = dual_array(optimiser, DUAL_RESPONSE);
     const uint32_t count = optimiser->active_count;
     const pzs_real pivot = find_factor_row(optimiser, i);
     for (uint32_t k = 0; k < count; k++)
@@ -471,19 +433,9 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
     return pivot;
 }
 
-/*
- * Find the active input (voltage at a bound) whose multiplier becomes zero first in the present
- * iteration, so that it must become free. In the iteration the multiplier of one free input changes
- * until its voltage reaches a bound. The multipliers of the active inputs change in proportion.
- *   sense in      sign of the change of the multiplier of the free input: 1 or -1
- *   part  in/out  in: size of this change in the whole iteration (m2/V); out: its size when the
- *                 multiplier of the found input becomes zero, unchanged if none is found
- * Returns the place of the found input in the list optimiser->order of the active inputs. If no
- * multiplier becomes zero, returns the length active_count of the list.
- */
-static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
+uint32_t pzs_dual_first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
 {
-    const pzs_real *change = work_array(optimiser, CHANGE);
+    const pzs_real *change = dual_array(optimiser, DUAL_CHANGE);
     uint32_t first = optimiser->active_count;
     for (uint32_t k = 0; k < optimiser->active_count; k++) {
         const uint32_t i = optimiser->order[k];
@@ -497,6 +449,22 @@ static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_r
     return first;
 }
 
+void pzs_dual_advance(pzs_optimiser *optimiser, uint32_t i, pzs_real change)
+{
+    const pzs_real *others = dual_array(optimiser, DUAL_CHANGE);
+    optimiser->multiplier_change += number_absolute(change);
+    subtract_multiple(optimiser->next_voltage, dual_array(optimiser, DUAL_RESPONSE), -change,
+                      optimiser->inputs);
+    for (uint32_t k = 0; k < optimiser->active_count; k++)
+        optimiser->direction[optimiser->order[k]] += change * others[k];
+    optimiser->direction[i] += change;
+}
+
+bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside)
+{
+    return PIVOT_TO_VALUE * outside <= optimiser->pivot_rounding * optimiser->multiplier_change;
+}
+
 /*
  * Make one iteration of the dual active-set method: change the multiplier of free input i, whose
  * voltage is outside its bounds. The change ends when the voltage reaches its bound and the input
@@ -507,38 +475,25 @@ static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_r
 static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 {
     pzs_real *next = optimiser->next_voltage;
-    const pzs_real sense = -optimiser->side[i], pivot = find_response(optimiser, i);
-    const pzs_real bound = bound_of(optimiser, i);
+    const pzs_real sense = -optimiser->side[i], pivot = pzs_dual_find_response(optimiser, i);
+    const pzs_real bound = dual_bound(optimiser, i);
     const pzs_real outside = sense * (bound - next[i]);
-    const uint32_t count = optimiser->active_count;
-    const bool may_join = pivot > least_pivot(optimiser, i) && count < optimiser->active_most;
+    const bool may_join = pzs_dual_may_join(optimiser, i, pivot);
     pzs_real part = outside > 0 ? outside / pivot : 0;
     if (!may_join)
         part = (pzs_real)HUGE_VAL;
-    const pzs_real *change = work_array(optimiser, CHANGE),
-                   *response = work_array(optimiser, RESPONSE);
-    /*
-     * A voltage (or limited sum of voltages) may be outside its bounds although it is a linear
-     * combination of those that are kept at their bounds. If rounding errors explain this, the dual
-     * active-set method ignores the voltage until the next exact computation of the gradient.
-     */
-    if (!may_join &&
-        PIVOT_TO_VALUE * outside <= optimiser->pivot_rounding * optimiser->multiplier_change) {
+    if (!may_join && pzs_dual_is_rounding(optimiser, outside)) {
         optimiser->waiting[i] = 1;
         return true;
     }
-    const uint32_t zero = first_zero(optimiser, sense, &part);
+    const uint32_t zero = pzs_dual_first_zero(optimiser, sense, &part);
     if (!number_is_finite(part))
         return false;
-    optimiser->multiplier_change += part;
-    subtract_multiple(next, response, -sense * part, optimiser->inputs);
-    for (uint32_t k = 0; k < count; k++)
-        optimiser->direction[optimiser->order[k]] += sense * part * change[k];
-    optimiser->direction[i] += sense * part;
-    if (zero < count) {
+    pzs_dual_advance(optimiser, i, sense * part);
+    if (zero < optimiser->active_count) {
         leave_active_set(optimiser, zero);
     } else {
-        join_active_set(optimiser, i, work_array(optimiser, SOLUTION), pivot);
+        join_active_set(optimiser, i, dual_array(optimiser, DUAL_SOLUTION), pivot);
         next[i] = bound;
     }
     return true;
@@ -570,7 +525,7 @@ static uint32_t count_errors(const pzs_optimiser *optimiser, pzs_real rounding)
  */
 static void release_all(pzs_optimiser *optimiser)
 {
-    pzs_real *change = work_array(optimiser, CHANGE);
+    pzs_real *change = dual_array(optimiser, DUAL_CHANGE);
     for (uint32_t k = 0; k < optimiser->active_count; k++) {
         change[k] = -optimiser->direction[optimiser->order[k]];
         optimiser->direction[optimiser->order[k]] = 0;
@@ -611,7 +566,7 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
         return;
     optimiser->side[i] = side;
     optimiser->direction[i] = 0;
-    join_active_set(optimiser, i, work_array(optimiser, SOLUTION), pivot);
+    join_active_set(optimiser, i, dual_array(optimiser, DUAL_SOLUTION), pivot);
 }
 
 /*
@@ -622,9 +577,10 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {
-    pzs_real *voltage = work_array(optimiser, RESPONSE), *gradient = work_array(optimiser, COSINE);
+    pzs_real *voltage = dual_array(optimiser, DUAL_RESPONSE),
+             *gradient = dual_array(optimiser, DUAL_COSINE);
     const uint64_t products = SWEEPS + 6u + optimiser->inputs / 6u;
-    if (!affords(optimiser, products * PZS_PRODUCT_WORK(optimiser->inputs)))
+    if (!pzs_dual_affords(optimiser, products * PZS_PRODUCT_WORK(optimiser->inputs)))
         return;
     release_all(optimiser);
     estimate_voltages(optimiser, voltage, gradient);
@@ -642,17 +598,12 @@ static void choose_anew(pzs_optimiser *optimiser)
 
 /* ---- course of a round of iterations --------------------------------- */
 
-/*
- * Count one more iteration of the dual active-set method if its work is within the work limit.
- * Otherwise note that the work limit has stopped the optimiser. Returns whether the iteration may
- * be made.
- */
-static bool may_iterate(pzs_optimiser *optimiser)
+bool pzs_dual_may_iterate(pzs_optimiser *optimiser, uint64_t extra)
 {
     const uint64_t count = optimiser->active_count + 1u;
     const uint64_t work = count * (3u * count + optimiser->width);
     const uint64_t loops = PZS_ITERATION_LOOPS * (uint64_t)optimiser->width;
-    optimiser->is_cut = !affords(optimiser, work + loops);
+    optimiser->is_cut = !pzs_dual_affords(optimiser, work + loops + extra);
     if (optimiser->is_cut)
         return false;
     optimiser->iterations++;
@@ -667,51 +618,52 @@ static bool may_iterate(pzs_optimiser *optimiser)
  */
 static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t most)
 {
-    uint32_t pulled = choose_outside(optimiser);
+    uint32_t pulled = pzs_dual_choose_outside(optimiser);
     bool goes_on = !optimiser->is_cut;
     while (goes_on && pulled < optimiser->inputs) {
-        goes_on = optimiser->iterations < most && may_iterate(optimiser) &&
+        goes_on = optimiser->iterations < most && pzs_dual_may_iterate(optimiser, 0) &&
                   pull_inside(optimiser, pulled);
         const bool is_done = !(optimiser->free_set[pulled] > 0) || optimiser->waiting[pulled] > 0;
         if (goes_on && is_done)
-            pulled = optimiser->iterations < enough ? choose_outside(optimiser) : optimiser->inputs;
+            pulled = optimiser->iterations < enough ? pzs_dual_choose_outside(optimiser)
+                                                    : optimiser->inputs;
     }
     return goes_on;
 }
 
-/*
- * Prepare a round (sequence of iterations) of the dual active-set method. Returns the largest
- * number of iterations, those of earlier rounds included, that the optimiser may have made when the
- * round ends.
- */
-static uint32_t begin_round(pzs_optimiser *optimiser)
+uint32_t pzs_dual_begin_round(pzs_optimiser *optimiser)
 {
     optimiser->is_cut = false;
     memset(optimiser->waiting, 0, optimiser->width * sizeof *optimiser->waiting);
     return optimiser->iterations + 4u * optimiser->inputs + 8u;
 }
 
-bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding)
+void pzs_dual_take_voltages(pzs_optimiser *optimiser)
 {
     pzs_real *next = optimiser->next_voltage;
-    const uint32_t most = begin_round(optimiser);
-    drop_wrong(optimiser, rounding);
-    const bool is_complete = pull_all_inside(optimiser, most, most);
     for (uint32_t k = 0; k < optimiser->active_count; k++)
-        next[optimiser->order[k]] = bound_of(optimiser, optimiser->order[k]);
+        next[optimiser->order[k]] = dual_bound(optimiser, optimiser->order[k]);
     for (uint32_t i = 0; i < optimiser->inputs; i++)
         optimiser->voltage[i] = number_clamp(next[i], optimiser->lower[i], optimiser->upper[i]);
+}
+
+bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    const uint32_t most = pzs_dual_begin_round(optimiser);
+    pzs_dual_drop_wrong(optimiser, rounding);
+    const bool is_complete = pull_all_inside(optimiser, most, most);
+    pzs_dual_take_voltages(optimiser);
     return is_complete;
 }
 
 bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding)
 {
     const uint32_t inputs = optimiser->inputs, trial = inputs / TRIAL_PART;
-    const uint32_t most = begin_round(optimiser);
+    const uint32_t most = pzs_dual_begin_round(optimiser);
     uint32_t errors = count_errors(optimiser, rounding);
     if (WRONG_PART * errors >= inputs && inputs < FEW_RIGHT * (inputs - errors) &&
         optimiser->active_count <= trial) {
-        drop_wrong(optimiser, rounding);
+        pzs_dual_drop_wrong(optimiser, rounding);
         (void)pull_all_inside(optimiser, optimiser->iterations + trial, most);
         errors = count_errors(optimiser, rounding);
     }

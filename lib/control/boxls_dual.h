@@ -12,6 +12,26 @@
 #include "optimiser.h"
 
 /*
+ * Numbers of the work arrays of the dual active-set method, each with an entry for each input. They
+ * use the memory of the vectors in which the primal method collects pivot exchanges.
+ */
+enum { DUAL_SOLUTION, DUAL_CHANGE, DUAL_RESPONSE, DUAL_COSINE };
+
+static inline pzs_real *dual_array(const pzs_optimiser *optimiser, uint32_t k)
+{
+    return optimiser->pending + k * optimiser->width;
+}
+
+/*
+ * Return the bound (V) at which the optimiser keeps the voltage of input i, which is active (at a
+ * bound).
+ */
+static inline pzs_real dual_bound(const pzs_optimiser *optimiser, uint32_t i)
+{
+    return optimiser->side[i] < 0 ? optimiser->lower[i] : optimiser->upper[i];
+}
+
+/*
  * Functions of the dual active-set method that the optimiser calls through pzs_problem.dual_method,
  * so that a program with few inputs does not link them.
  */
@@ -101,5 +121,94 @@ bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
  * to correct it by iterations.
  */
 bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding);
+
+/* ---- parts of the iterations, also for sums of absolute values ------------- */
+
+/*
+ * Prepare a round (sequence of iterations) of the dual active-set method. Returns the largest
+ * number of iterations, those of earlier rounds included, that the optimiser may have made when the
+ * round ends.
+ */
+uint32_t pzs_dual_begin_round(pzs_optimiser *optimiser);
+
+/*
+ * Whether the work limit of the optimiser allows `cost` more multiply-adds now. Work is kept in
+ * reserve for the end of the present round (sequence of iterations): two products of the Hessian
+ * with a vector, because the gradient may have to be computed twice there.
+ */
+bool pzs_dual_affords(const pzs_optimiser *optimiser, uint64_t cost);
+
+/*
+ * Make free all active inputs (whose voltages are kept at a bound) whose multipliers have the wrong
+ * sign, until no active input has such a multiplier, or until the work limit stops the optimiser.
+ *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
+ */
+void pzs_dual_drop_wrong(pzs_optimiser *optimiser, pzs_real rounding);
+
+/*
+ * Choose the free input whose voltage is farthest outside its bounds, set its multiplier to zero,
+ * and note at which bound it is to be kept. Returns the number of inputs if all voltages are inside
+ * up to rounding errors.
+ */
+uint32_t pzs_dual_choose_outside(const pzs_optimiser *optimiser);
+
+/*
+ * Count one more iteration of the dual active-set method if its work is within the work limit.
+ * Otherwise note that the work limit has stopped the optimiser. Returns whether the iteration may
+ * be made.
+ *   extra in  work that the caller adds to that of the iteration (multiply-adds)
+ */
+bool pzs_dual_may_iterate(pzs_optimiser *optimiser, uint64_t extra);
+
+/*
+ * Prepare the step in which free input i becomes active (its voltage is kept at a bound). Compute
+ * the changes of the other multipliers and of all voltages when the multiplier of input i changes
+ * by 1 m2/V, while the active voltages stay at their bounds. The results are in work arrays:
+ *   DUAL_SOLUTION [active_count] out  row that the input would have in the Cholesky factor of the
+ *                                     inverse Hessian restricted to the active inputs
+ *   DUAL_CHANGE   [active_count] out  change of the multipliers of the active inputs
+ *                                     (dimensionless)
+ *   DUAL_RESPONSE [width]        out  change of the voltages (V2/m2)
+ * Returns the square of the last entry of the row (V2/m2).
+ */
+pzs_real pzs_dual_find_response(pzs_optimiser *optimiser, uint32_t i);
+
+/*
+ * Whether free input i may become active (kept at a bound): its voltage is linearly independent of
+ * the active ones, and the active set has room.
+ *   pivot in  result of pzs_dual_find_response (V2/m2)
+ */
+bool pzs_dual_may_join(const pzs_optimiser *optimiser, uint32_t i, pzs_real pivot);
+
+/*
+ * Whether rounding errors explain that a voltage (or limited sum of voltages) is outside its bounds
+ * by the distance `outside` (V) although it is a linear combination of those that are kept at their
+ * bounds. The dual active-set method ignores it until the next exact computation of the gradient.
+ */
+bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside);
+
+/*
+ * Find the active input (voltage at a bound) whose multiplier becomes zero first in the present
+ * iteration, so that it must become free. In the iteration the multiplier of one free input changes
+ * until its voltage reaches a bound. The multipliers of the active inputs change in proportion.
+ *   sense in      sign of the change of the multiplier of the free input: 1 or -1
+ *   part  in/out  in: size of this change in the whole iteration (m2/V); out: its size when the
+ *                 multiplier of the found input becomes zero, unchanged if none is found
+ * Returns the place of the found input in the list optimiser->order of the active inputs. If no
+ * multiplier becomes zero, returns the length active_count of the list.
+ */
+uint32_t pzs_dual_first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part);
+
+/*
+ * Change the multiplier of free input i, for which pzs_dual_find_response was called, by `change`
+ * (m2/V). The multipliers of the active inputs and the voltages next_voltage follow.
+ */
+void pzs_dual_advance(pzs_optimiser *optimiser, uint32_t i, pzs_real change);
+
+/*
+ * Make the voltages next_voltage those of the optimiser, with the active inputs exactly at their
+ * bounds and all others clamped to theirs.
+ */
+void pzs_dual_take_voltages(pzs_optimiser *optimiser);
 
 #endif
