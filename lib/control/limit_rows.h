@@ -98,15 +98,10 @@ struct pzs_limit_row_calls {
  */
 struct pzs_absolute_row_calls {
     /*
-     * For each input in a limited sum of absolute values of voltages, choose the sign that its
-     * voltage keeps in the next iterations. Adapt the bounds and the matrix of the optimiser to a
-     * changed choice. The present voltages always have the chosen signs, and a voltage at 0 V may
-     * have either.
-     *   may_cross in  whether to reverse the sign chosen for a voltage at 0 V where this lowers the
-     *                 objective
-     * Returns whether a sign has changed.
+     * Choose for each input in a limited sum of absolute values of voltages the sign of its present
+     * voltage, and adapt the bounds and the matrix of the optimiser to a changed choice.
      */
-    bool (*choose_signs)(pzs_control *control, bool may_cross);
+    void (*follow_signs)(pzs_control *control);
     /*
      * Return the largest violation of the optimality (KKT) conditions (m2/V) by a voltage at 0 V
      * that is part of a limited sum of absolute values. Each such voltage may move from 0 V to one
@@ -116,6 +111,18 @@ struct pzs_absolute_row_calls {
      *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);
+    /*
+     * If the work limit stopped the last iterations, continue with the signs that they had chosen:
+     * adapt the bounds and the matrix of the optimiser, the values of the limited sums with these
+     * signs, and the gradient minus the contributions of the active limits of sums.
+     */
+    void (*resume)(pzs_control *control);
+    /*
+     * Make the iterations of the dual active-set method as pzs_iterate_dual does (boxls_dual.h).
+     * Inputs in limited sums of absolute values of voltages may be kept at 0 V, and get the other
+     * sign where this lowers the objective.
+     */
+    bool (*iterate)(pzs_control *control, pzs_real rounding);
 };
 
 /* Return the number of limited sums of voltages of a controller. */

@@ -70,12 +70,6 @@
  */
 #define SIGN_PRODUCTS 8u
 /*
- * Additional rounds (sequences of iterations) in one call of the optimiser if sums of absolute
- * values of voltages are limited: where several limits meet in a point, some rounds do not lower
- * the objective.
- */
-#define CROSSING_ROUNDS 160u
-/*
  * A violation of the optimality (KKT) conditions counts as zero if it is below this multiple of its
  * rounding-error bound.
  */
@@ -105,6 +99,19 @@
  */
 #define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
 /*
+ * Factors by which the shift of the diagonal is raised after iterations that failed. With limits of
+ * sums of absolute values more limits meet at the optimum, so that rounding errors matter more.
+ */
+#define RAISE 10
+#define ABSOLUTE_RAISE 30
+/*
+ * Iterations no longer reduce the duality gap if the gap times this number exceeds the last gap. A
+ * larger shift makes the rounds (sequences of iterations) converge more slowly; where sums of
+ * absolute values are limited, slower convergence is therefore accepted.
+ */
+#define STUCK PZS_R(4.0)
+#define ABSOLUTE_STUCK PZS_R(1.25)
+/*
  * Weaker bound for accepting voltages as optimal, used if further iterations no longer reduce the
  * duality gap: the objective then exceeds a lower bound of its minimum by no more than this
  * fraction of target_energy, the scale of the objective.
@@ -126,6 +133,12 @@
  * infinity marks a round (sequence of iterations) that lowered the objective.
  */
 #define LARGEST_GAP PZS_BY_BITS(PZS_R(1e37), PZS_R(1e307))
+
+/* Whether sums of absolute values of voltages are limited. */
+static bool has_absolute(const rows_run *run)
+{
+    return run->rows->absolute_count > 0;
+}
 
 static uint32_t entry_count(const rows_run *run)
 {
@@ -266,13 +279,14 @@ static void measure_pivots(const rows_run *run)
 
 /*
  * Begin to compute the optimiser's tableau (matrix that gives changes of voltages and limited sums
- * from changes of multipliers) anew, with a larger shift of the diagonal of the Hessian: ten times
- * the last one, between the fixed bounds LEAST_CURVATURE and MOST_CURVATURE.
+ * from changes of multipliers) anew, with a larger shift of the diagonal of the Hessian: a multiple
+ * of the last one, between the fixed bounds LEAST_CURVATURE and MOST_CURVATURE.
  */
 static void raise_shift(const rows_run *run)
 {
     pzs_real *curvature = &run->solver->least_curvature;
-    *curvature = number_clamp(10 * *curvature, LEAST_CURVATURE, MOST_CURVATURE);
+    *curvature = number_clamp((has_absolute(run) ? ABSOLUTE_RAISE : RAISE) * *curvature,
+                              LEAST_CURVATURE, MOST_CURVATURE);
     reset_tableau(run);
 }
 
@@ -434,7 +448,7 @@ pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
 {
     const pzs_real largest = pzs_rows_violation(run, reduced);
-    if (run->rows->absolute_count == 0)
+    if (!has_absolute(run))
         return largest;
     const pzs_real crossing = run->rows->absolute_call->crossing_violation(run->control, reduced);
     return crossing > largest ? crossing : largest;
@@ -609,8 +623,9 @@ static void return_inside(const rows_run *run)
 /*
  * Take the result of the iterations as the new voltages of the controller. They are corrected so
  * that they obey all bounds and limit rows (limits of sums of voltages) without any rounding error.
+ * Returns whether this was possible without moving them back towards the start of the round.
  */
-static void take_voltages(const rows_run *run, bool is_complete)
+static bool take_voltages(const rows_run *run, bool is_complete)
 {
     pzs_optimiser *optimiser = run->optimiser;
     for (uint32_t i = 0; i < run->inputs; i++) {
@@ -624,11 +639,12 @@ static void take_voltages(const rows_run *run, bool is_complete)
         correct_active(run);
     if (are_rows_inside(run)) {
         pzs_boxls_true_gradient(optimiser);
-        return;
+        return true;
     }
     if (is_complete)
         project_rows(run);
     return_inside(run);
+    return false;
 }
 
 /*
@@ -663,14 +679,14 @@ static void undo_round(const rows_run *run)
  * Make a fresh start after iterations that no longer reduce the duality gap. All voltages and
  * limited sums are freed from their bounds. At every second call in a tick, the optimiser's tableau
  * (matrix that gives changes of voltages and sums from changes of multipliers) is computed anew
- * instead, with a larger shift of the diagonal of the Hessian. Returns whether further iterations
- * may help.
+ * instead, with a larger shift of the diagonal of the Hessian. Where sums of absolute values are
+ * limited, this is done at each call. Returns whether further iterations may help.
  */
 static bool start_anew(const rows_run *run)
 {
     run->solver->failures++;
     run->solver->last_gap = (pzs_real)HUGE_VAL;
-    if (run->solver->failures % 2u != 0) {
+    if (!has_absolute(run) && run->solver->failures % 2u != 0) {
         pzs_dual_free_all(run->tableau);
         return true;
     }
@@ -709,23 +725,34 @@ static bool is_acceptable(const rows_run *run)
 }
 
 /*
- * Choose the signs that the voltages keep during the next iterations, where sums of absolute values
- * of voltages are limited.
- *   may_cross in  whether the sign chosen for a voltage at 0 V may be reversed
- * Returns whether a sign has changed.
+ * Give the voltages in limited sums of absolute values the signs that they have at the start of a
+ * round (sequence of iterations).
  */
-static bool choose_signs(const rows_run *run, bool may_cross)
+static void follow_signs(const rows_run *run)
 {
-    return run->rows->absolute_count > 0 &&
-           run->rows->absolute_call->choose_signs(run->control, may_cross);
+    if (has_absolute(run))
+        run->rows->absolute_call->follow_signs(run->control);
+}
+
+/*
+ * Make the iterations of the dual active-set method, until no quantity (voltage or limited sum) is
+ * outside its bounds and no multiplier outside its limits. Returns false if they ended early.
+ */
+static bool iterate(const rows_run *run)
+{
+    const pzs_real rounding = run->optimiser->rounding_bound / 2;
+    if (has_absolute(run))
+        return run->rows->absolute_call->iterate(run->control, rounding);
+    return pzs_iterate_dual(run->tableau, rounding);
 }
 
 /*
  * Make the iterations of a round: the step to the minimum over the free quantities (voltages and
  * limited sums), then the iterations of the dual active-set method. The voltages that they reach
- * are taken as far as they are inside the limits of all voltages and of all sums.
+ * are taken as far as they are inside the limits of all voltages and of all sums. Returns whether
+ * they are taken as they are.
  */
-static void run_round(const rows_run *run)
+static bool run_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser, *tableau = run->tableau;
     const size_t bytes = optimiser->width * sizeof(pzs_real);
@@ -733,6 +760,8 @@ static void run_round(const rows_run *run)
     memcpy(optimiser->start_gradient, optimiser->gradient, bytes);
     optimiser->start_rounding = optimiser->model_rounding;
     optimiser->iterations++;
+    if (has_absolute(run))
+        run->rows->absolute_call->resume(run->control);
     predict_step(run);
     /*
      * The work limit of the dual active-set method is the work done so far plus the remaining work,
@@ -741,11 +770,12 @@ static void run_round(const rows_run *run)
      * are added, so that this reserve does not shorten the iterations.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
-    const bool is_complete = pzs_iterate_dual(tableau, optimiser->rounding_bound / 2);
+    const bool is_complete = iterate(run);
     optimiser->is_cut = tableau->is_cut;
-    take_voltages(run, is_complete);
+    const bool is_whole = take_voltages(run, is_complete);
     if (!is_complete)
         shorten_round(run);
+    return is_whole;
 }
 
 /*
@@ -768,21 +798,20 @@ static pzs_real change_by_rounding(const rows_run *run)
 
 /*
  * After a round (sequence of iterations), undo it if it raised the objective by more than rounding
- * errors explain. If the round made no progress, store its duality gap. A round before which the
- * sign chosen for a voltage at 0 V was reversed made progress only if it lowered the objective by
- * more than rounding errors explain. Without this rule the optimiser could reverse the same signs
- * for ever: because the limits are narrowed by margins, the optimum moves a little with each choice
- * of signs.
- *   has_crossed in  whether a sign chosen for a voltage at 0 V was reversed before the round
+ * errors explain. If the round made no progress, store its duality gap. Where sums of absolute
+ * values are limited, a round whose voltages had to be moved back made progress only if it lowered
+ * the objective by more than rounding errors explain.
+ *   is_whole in  whether the voltages of the round were taken as they are
  */
-static void judge_round(const rows_run *run, bool has_crossed)
+static void judge_round(const rows_run *run, bool is_whole)
 {
     pzs_optimiser *optimiser = run->optimiser;
     const bool has_decreased = pzs_boxls_has_decreased(optimiser);
     const pzs_real change =
         pzs_product_dot(optimiser->scratch, optimiser->direction, optimiser->width);
     const pzs_real explained = change_by_rounding(run);
-    const pzs_real least = has_crossed ? explained : 16 * PZS_EPSILON * optimiser->target_energy;
+    const pzs_real least =
+        has_absolute(run) && !is_whole ? explained : 16 * PZS_EPSILON * optimiser->target_energy;
     const pzs_real gap = run->solver->gap < LARGEST_GAP ? run->solver->gap : LARGEST_GAP;
     run->solver->last_gap = has_decreased && change < -least ? (pzs_real)HUGE_VAL : gap;
     if (!has_decreased && !(change <= explained))
@@ -797,23 +826,21 @@ static void judge_round(const rows_run *run, bool has_crossed)
 static bool make_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
-    (void)choose_signs(run, false);
+    follow_signs(run);
     pzs_rows_load_values(run);
     measure_violation(run);
     optimiser->is_optimal = is_converged(run);
     if (optimiser->is_optimal)
         return false;
-    const bool has_crossed = !run->tableau->is_cut && choose_signs(run, true);
-    if (has_crossed)
-        measure_violation(run);
-    const bool is_stuck = !has_crossed && run->solver->gap * 4 > run->solver->last_gap;
+    const pzs_real stuck = has_absolute(run) ? ABSOLUTE_STUCK : STUCK;
+    const bool is_stuck = run->solver->gap * stuck > run->solver->last_gap;
     optimiser->is_optimal = is_stuck && is_acceptable(run);
     if (optimiser->is_optimal)
         return false;
     if (is_stuck)
         return start_anew(run);
-    run_round(run);
-    judge_round(run, has_crossed);
+    const bool is_whole = run_round(run);
+    judge_round(run, is_whole);
     return !optimiser->is_cut;
 }
 
@@ -868,8 +895,7 @@ void pzs_optimise_rows(pzs_control *control)
     if (!run.tableau->is_rebuilding)
         check_active_set(&run);
     pzs_boxls_gradient(optimiser);
-    const uint32_t most = ROUNDS + (run.rows->absolute_count > 0 ? CROSSING_ROUNDS : 0);
-    for (uint32_t round = 0; round < most && again; round++)
+    for (uint32_t round = 0; round < ROUNDS && again; round++)
         again = may_make_round(&run) && make_round(&run);
     optimiser->is_optimal |= !optimiser->is_cut && is_acceptable(&run);
     optimiser->iterations += run.tableau->iterations;
@@ -881,7 +907,7 @@ pzs_real pzs_violation_rows(pzs_control *control, const pzs_real *gradient, uint
     const rows_run run = rows_run_of(control);
     pzs_real *reduced = control->state.optimiser.scratch;
     if (!run.tableau->is_rebuilding)
-        (void)choose_signs(&run, false);
+        follow_signs(&run);
     memcpy(reduced, gradient, run.inputs * sizeof *reduced);
     pzs_rows_load_values(&run);
     (void)pzs_rows_subtract(&run, reduced);

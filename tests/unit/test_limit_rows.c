@@ -27,26 +27,24 @@
 #define FLIPS 20000
 #endif
 #define MOST_ROWS 128
-#define MOST_ENTRIES (MOST_ROWS * 16)
+#define MOST_ENTRIES (MOST_ROWS * 32)
 /*
  * Tolerance of the objective, relative to |W e|^2, and the part of the steps that may miss it. In
  * float some tableaux of dependent rows lose all digits: such a step ends above the optimum.
- * Measured over 10,000 problems: in float 1 of 24,983 steps, in double none.
+ * Measured over 10,000 problems: in float 1 of 24,983 steps, in double none. With limits of sums of
+ * absolute values no step of 5,000 random problems misses it (12,469 steps), and in their corners
+ * 3 of 12,561 steps in float, none in double.
  */
 #define ROW_TOLERANCE PZS_BY_BITS(1e-3L, 1e-9L)
 #define MISSED_PART PZS_BY_BITS(3e-4, 0)
 /* That part of a few hundred problems, of which one may miss: 1 of 250 does in float. */
 #define MISSED_CUT PZS_BY_BITS(1e-2, 0)
 /*
- * Part of the steps with limits of sums of absolute values that may miss the tolerance: where many
- * limits meet in a point, the multipliers of a step may not prove its voltages optimal, or it ends
- * above the optimum with the status PZS_W_ITERATIONS. Measured over 5,000 problems: in float 34 of
- * 12,469 steps, in double 1; twice that is allowed, because the short run of the unit tests has few
- * steps. MISSED_LEAST is the part of the problems that steps with the least work limit may never
- * solve: in float a step without progress starts anew, for which this work is too small.
+ * Part of the problems that steps with the least work limit may never solve: in float a step
+ * without progress starts anew, for which this work is too small. With limits of sums of absolute
+ * values there is more work: none of the random problems is missed, and 1 of 150 corners.
  */
 #define MISSED_LEAST PZS_BY_BITS(.03, 0)
-#define MISSED_ABSOLUTE PZS_BY_BITS(5.5e-3, 1.6e-4)
 
 /* A voltage optimisation problem with limit rows. */
 typedef struct rig {
@@ -229,6 +227,65 @@ static void random_absolutes(rig *r, uint64_t seed)
     }
 }
 
+/*
+ * Remove all limit rows and let half of the voltages have limits of one sign, so that the safe
+ * voltages are those nearest to 0 V.
+ */
+static void exclude_zero(rig *r)
+{
+    r->rows.sums.count = 0;
+    for (unsigned j = 0; j < r->b.problem.tables.inputs; j++) {
+        const pzs_real nearest = r->b.problem.upper[j] * (pzs_real)draw(&r->b, 0, .5);
+        r->b.problem.step_limit[j] = (pzs_real)HUGE_VAL;
+        r->safe[j] = 0;
+        if (chance(&r->b, .25))
+            r->safe[j] = r->b.problem.lower[j] = nearest;
+        else if (chance(&r->b, .33))
+            r->safe[j] = r->b.problem.upper[j] = -nearest;
+        if (r->b.problem.lower[j] > r->b.problem.upper[j])
+            r->b.problem.lower[j] = r->b.problem.upper[j];
+    }
+}
+
+/*
+ * Limit the sum of the absolute values of the inputs from `from` to `to` - 1, a part of them with
+ * the weight 0, to `part` of the sum of the largest values. The safe voltages stay inside.
+ */
+static void add_window(rig *r, unsigned from, unsigned to, double weightless, double part)
+{
+    double most = 0, least = 0;
+    begin_absolute(r, 0);
+    for (unsigned j = from; j < to; j++) {
+        const double weight = chance(&r->b, weightless) ? 0 : 1 + (j % 3) * .5;
+        add_entry(r, j, weight);
+        most += weight * fmax((double)r->b.problem.upper[j], -(double)r->b.problem.lower[j]);
+        least += weight * fabs((double)r->safe[j]);
+    }
+    r->high[r->rows.sums.count - 1] = (pzs_real)(.001 + least * 1.001 + (most - least) * part);
+}
+
+/*
+ * Corners of limits of sums of absolute values: nearly all voltages at 0 V; weights of 0; the same
+ * limit three times; five sums that overlap; voltage limits that exclude 0 V; step limits so small
+ * that a voltage cannot return to 0 V.
+ */
+static void absolute_corners(rig *r, uint64_t seed)
+{
+    random_problem(r, 100000 + seed);
+    const unsigned n = r->b.problem.tables.inputs, kind = (unsigned)(seed % 6);
+    const double part = pow(10, draw(&r->b, -3, -.5));
+    if (kind == 4)
+        exclude_zero(r);
+    for (unsigned j = 0; kind == 5 && j < n; j++)
+        r->b.problem.step_limit[j] = r->b.problem.upper[j] * PZS_R(.03);
+    for (unsigned k = 0; kind == 3 && k < 5; k++)
+        add_window(r, k * n / 8, n / 2 + k * n / 8, 0, part);
+    if (kind != 3)
+        add_window(r, 0, n, kind == 1 ? .5 : 0, kind == 0 ? .001 : part);
+    for (unsigned k = 0; kind == 2 && k < 2; k++)
+        add_window(r, 0, n, 0, part);
+}
+
 /* ---- checks ---------------------------------------------------------------- */
 
 /* Assert that the voltages are inside all bounds and rows to the last bit. */
@@ -387,7 +444,8 @@ static void check_random(unsigned count, double part, void make(rig *, uint64_t)
         most =
             one.b.control.info.iterations_most > most ? one.b.control.info.iterations_most : most;
         /* scipy takes a hundred times as long for a problem with absolute values */
-        if (dump != NULL && (long)k < dump_count / (one.rows.absolute_count > 0 ? 50 : 1))
+        if (dump != NULL && make != absolute_corners &&
+            (long)k < dump_count / (one.rows.absolute_count > 0 ? 50 : 1))
             write_problem(&one);
     }
     print_message(
@@ -407,14 +465,21 @@ static void test_random_problems(void **state)
 static void test_random_absolutes(void **state)
 {
     (void)state;
-    check_random(RANDOM_PROBLEMS / 2, MISSED_ABSOLUTE, random_absolutes);
+    check_random(RANDOM_PROBLEMS / 2, 0, random_absolutes);
+}
+
+/* Law: the same in corners of limits of sums of absolute values. */
+static void test_absolute_corners(void **state)
+{
+    (void)state;
+    check_random(RANDOM_PROBLEMS / 2, MISSED_PART, absolute_corners);
 }
 
 /*
  * Law: wherever the work limit cuts a step, the voltages are inside all limits and no worse than
  * before, and the work is within the limit; with enough work the step ends at the optimum.
  */
-static void check_cuts(unsigned count, void make(rig *, uint64_t))
+static void check_cuts(unsigned count, double part, void make(rig *, uint64_t))
 {
     unsigned cuts = 0, missed = 0;
     for (unsigned k = 0; k < count; k++) {
@@ -441,20 +506,22 @@ static void check_cuts(unsigned count, void make(rig *, uint64_t))
         missed += duality_gap(&one) > ROW_TOLERANCE * scale_of(&one) + cost_of_margins(&one);
     }
     print_message("%u cuts, %u of %u ends above the optimum\n", cuts, missed, count);
-    assert_true(missed <= MISSED_CUT * count);
+    assert_true(missed <= part * count);
 }
 
 static void test_cuts(void **state)
 {
     (void)state;
-    check_cuts(250, random_problem);
-    check_cuts(110, random_absolutes);
+    check_cuts(250, MISSED_CUT, random_problem);
+    check_cuts(110, 0, random_absolutes);
+    check_cuts(110, 0, absolute_corners);
 }
 
 /*
  * Law: steps with the least work limit, repeated for one target, reach the optimum.
+ *   margins  1 where the limits of sums are so low that their margins cost more than the tolerance
  */
-static void check_least(unsigned count, void make(rig *, uint64_t))
+static void check_least(unsigned count, double part, wide margins, void make(rig *, uint64_t))
 {
     unsigned most = 0, missed = 0;
     for (unsigned k = 0; k < count; k++) {
@@ -470,18 +537,20 @@ static void check_least(unsigned count, void make(rig *, uint64_t))
             steps++;
         }
         most = steps > most ? steps : most;
-        missed += steps == 2000 || duality_gap(&one) > ROW_TOLERANCE * scale_of(&one);
+        const wide allowed = ROW_TOLERANCE * scale_of(&one) + margins * cost_of_margins(&one);
+        missed += steps == 2000 || duality_gap(&one) > allowed;
     }
     print_message("least work: at most %u steps to the optimum, %u of %u above it\n", most, missed,
                   count);
-    assert_true(missed <= MISSED_LEAST * count);
+    assert_true(missed <= part * count);
 }
 
 static void test_least_work(void **state)
 {
     (void)state;
-    check_least(150, random_problem);
-    check_least(150, random_absolutes);
+    check_least(150, MISSED_LEAST, 0, random_problem);
+    check_least(150, 0, 0, random_absolutes);
+    check_least(150, MISSED_LEAST, 1, absolute_corners);
 }
 
 /* A chain of 8 inputs within 100 V, neighbours within `limit`, 12 outputs. */
@@ -710,6 +779,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_random_problems),
                                        cmocka_unit_test(test_random_absolutes),
+                                       cmocka_unit_test(test_absolute_corners),
                                        cmocka_unit_test(test_cuts),
                                        cmocka_unit_test(test_least_work),
                                        cmocka_unit_test(test_degenerate),

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Limits of weighted sums of absolute values of voltages: what the choice of signs
+ * (absolute_rows.c) and the iterations of the optimiser (absolute_dual.c) share.
+ */
+#ifndef PZS_LIB_ABSOLUTE_ROWS_H
+#define PZS_LIB_ABSOLUTE_ROWS_H
+
+#include "row_solver.h"
+
+/* Return the row of the tableau that belongs to the first limited sum of absolute values. */
+static inline uint32_t absolute_first(const rows_run *run)
+{
+    return run->count - run->rows->absolute_count;
+}
+
+/*
+ * Whether the bound of input i on the given side (-1 lower, 1 upper) is 0 V only because of the
+ * sign chosen for its voltage, so that the voltage may go beyond it with the other sign.
+ */
+static inline bool absolute_is_split(const rows_run *run, uint32_t i, pzs_real side)
+{
+    return side < 0 ? run->optimiser->lower[i] < run->tableau->lower[i]
+                    : run->optimiser->upper[i] > run->tableau->upper[i];
+}
+
+/*
+ * Reverse the sign chosen for the voltage of input i, and adapt the bounds of the voltage. An input
+ * that is kept at 0 V stays there. The rows of the limited sums must be renewed afterwards.
+ */
+void pzs_absolute_reverse(const rows_run *run, uint32_t i);
+
+/*
+ * For each input, compute the slope (m2/V) that the active limits of sums of absolute values of
+ * voltages add to the objective on each side of 0 V, in the direction away from 0 V. It is the sum
+ * over these limits of the weight of the input times the absolute value of the limit's multiplier.
+ *   multiplier [inputs + rows] in   multipliers of the limits (m2/V), 0 for inactive limits
+ *   force      [inputs]        out  these slopes (m2/V)
+ */
+void pzs_absolute_forces(const rows_run *run, const pzs_real *multiplier, pzs_real *force);
+
+/* Set the multipliers of all limited sums of absolute values that are not active to zero. */
+void pzs_absolute_clear(const rows_run *run);
+
+/*
+ * After the chosen signs of some voltages have changed, compute two rows for each limited sum of
+ * absolute values of voltages: its row in the optimiser's tableau, the matrix that gives changes of
+ * voltages and sums from changes of multipliers; and, if its limit is active, its row in the
+ * Cholesky factor of the active limits. All limits keep their multipliers. Active limits stay
+ * active, unless they now depend linearly on other active limits.
+ */
+void pzs_absolute_renew(const rows_run *run);
+
+/*
+ * Return the number of multiply-adds that pzs_absolute_renew may take, together with the forces of
+ * one iteration.
+ */
+uint64_t pzs_absolute_renew_work(const rows_run *run);
+
+/* Iterations of the dual active-set method (absolute_dual.c); see pzs_absolute_row_calls. */
+bool pzs_iterate_absolute(pzs_control *control, pzs_real rounding);
+
+#endif
