@@ -1024,21 +1024,32 @@ static double field_mean(const laminate *laminate, const laminate_field *field,
     return field->axis > 0 ? (field->along[0] + field->along[1]) / 2 : 1;
 }
 
+/* Return the thickness of all plies that are present in an element together (m). */
+static double present_thickness(const laminate *laminate, const laminate_place *place)
+{
+    double thickness = laminate->thickness;
+    for (int layer = 0; layer < laminate->plies; layer++)
+        if (!(place->present_plies >> layer & 1u))
+            thickness -= laminate->ply[layer].z[1] - laminate->ply[layer].z[0];
+    return thickness;
+}
+
 /*
  * Return the thickness strain that a field (voltage, electric field along the surface or
- * temperature) would cause, as a mean over all plies, if every ply thickened freely; the strain is
- * measured along the director of the element.
+ * temperature) would cause, as a mean over all plies that are present, if every ply thickened
+ * freely; the strain is measured along the director of the element.
  */
 static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
 {
+    const double thickness = present_thickness(laminate, place);
     double thickening = 0;
     for (int layer = 0; layer < laminate->plies; layer++) {
         const laminate_ply *ply = &laminate->ply[layer];
         const double mean = field_mean(laminate, field, ply);
         if (field_acts(place, field, layer))
             thickening += field_stress_of(&laminate->ply[layer], field)[2] / ply->c[2][2] * mean *
-                          (ply->z[1] - ply->z[0]) / laminate->thickness;
+                          (ply->z[1] - ply->z[0]) / thickness;
     }
     return place->is_general ? thickening * place->natural.base[2][2] * place->natural.base[2][2]
                              : thickening;

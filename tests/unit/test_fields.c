@@ -255,6 +255,33 @@ static void test_free_expansion(void **state)
     }
 }
 
+/*
+ * Law: a free plate expands freely under a uniform temperature if all plies have one thermal
+ * expansion, also where patches are missing on one face or on both.
+ */
+static void test_free_expansion_of_patches(void **state)
+{
+    (void)state;
+    for (int e = 0; e < 3; e++) {
+        scene_run r;
+        const double expansion[2][4] = {{600e-6, 0, 0, 0}, {0, 600e-6, 0, 0}},
+                     face[2][4] = {{0, 0, 0, 600e-9}, {0, 0, 0, -600e-9}};
+        solve_run(&r, PLATE,
+                  with(elements[e],
+                       STEEL "materials.b.alpha=12e-6;materials.b.nu=0.1;"
+                             "layers=[{name: low, material: b, thickness: 0.6e-3, patched: true}, "
+                             "{material: a, thickness: 1e-3}, {name: high, material: b, "
+                             "thickness: 0.4e-3, patched: true}];loads=[{temperature: 50}];"
+                             "patches=[{name: p, layer: low, theta1: [0, 0.02]}, {name: q, layer: "
+                             "high, theta2: [0.02, 0.025]}]"));
+        for (int k = 0; k < 2; k++) {
+            assert_true(output_error(&r, 1 + k, expansion[k]) < 1e-11);
+            assert_true(output_error(&r, 3 + k, face[k]) < 1e-9);
+        }
+        scene_run_close(&r);
+    }
+}
+
 /* Law: a temperature linear through the thickness bends a free plate to alpha (outer - inner) / h
  * and its mean stretches it. */
 static void test_temperature_gradient(void **state)
@@ -368,7 +395,7 @@ int main(void)
         cmocka_unit_test(test_curved_actuator),   cmocka_unit_test(test_spiral),
         cmocka_unit_test(test_free_expansion),    cmocka_unit_test(test_temperature_gradient),
         cmocka_unit_test(test_bimetal),           cmocka_unit_test(test_curved_bimetal),
-        cmocka_unit_test(test_together),
+        cmocka_unit_test(test_together),          cmocka_unit_test(test_free_expansion_of_patches),
     };
     return cmocka_run_group_tests_name("fields", tests, NULL, NULL);
 }
