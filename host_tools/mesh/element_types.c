@@ -34,6 +34,7 @@ static int same_place(double near, const laminate_place *first, const laminate_p
     const double flat = 1 / first->chord[0];
     return alike(near, &first->area, &second->area, 1, 0) &&
            first->present_plies == second->present_plies &&
+           alike(near, first->absent, second->absent, LAMINATE_LAYERS, 1) &&
            alike(near, first->chord, second->chord, 2, 0) &&
            alike(near, first->curvature, second->curvature, 2, flat) &&
            alike(near, &first->bubble_share, &second->bubble_share, 1, 0) &&

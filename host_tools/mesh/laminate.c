@@ -240,6 +240,11 @@ int laminate_build(const scene *scene, laminate *laminate, char *error)
 
 /* ---- integrals over the thickness ------------------------------------- */
 
+double laminate_cover(const laminate_place *place, int ply)
+{
+    return place->present_plies >> ply & 1u ? 1 - place->absent[ply] : 0;
+}
+
 enum { POINTS = 6 };
 static const double gauss_x[POINTS] = {-0.9324695142031521, -0.6612093864662645,
                                        -0.2386191860831969, 0.2386191860831969,
@@ -385,7 +390,10 @@ void laminate_heights_of(const laminate *laminate, const scene_element *element,
         if (place->present_plies >> layer & 1u) {
             memcpy(ply[plies].z, laminate->ply[layer].z, sizeof ply[plies].z);
             plane_stiffness(element, place, &laminate->ply[layer], heights->middle,
-                            ply[plies++].stiffness);
+                            ply[plies].stiffness);
+            for (int row = 0; row < HEIGHT_ROWS; row++)
+                ply[plies].stiffness[row] *= laminate_cover(place, layer);
+            plies++;
         }
     height_fit_lines(ply, plies, heights);
     if (!element->metric)
@@ -421,7 +429,8 @@ static int relax_e33(double stiffness[N][N])
 
 /*
  * Stiffnesses and compliances of the plies of an element, integrated over the thickness, from which
- * the stiffness of the element follows with and without free thickening of the plies.
+ * the stiffness of the element follows with and without free thickening of the plies. A ply that is
+ * present in a part of the element alone counts by this part of the area (smeared_plies.h).
  */
 typedef struct ply_integrals {
     double stiffness[N][N]; /* stiffness for the ten strains of an element (mean and difference of
@@ -557,7 +566,8 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
             const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
             double metric[6], natural[6][6];
             strain_share share[N];
-            const double weight = half * gauss_w[point] * metric_at(element, place, z, metric);
+            const double weight = half * gauss_w[point] * metric_at(element, place, z, metric) *
+                                  laminate_cover(place, layer);
             natural_stiffness(element, place, ply, z, natural);
             strain_shares(laminate, &heights, z, share);
             add_point(sums, natural, metric, weight, share);
@@ -591,17 +601,23 @@ static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 
 /*
  * Compute, from the equilibrium of stresses, the transverse shear stiffness of the plies of an
- * element (N/m), in the material axes of the element. Returns 0, or -1 if the plies have no shear
+ * element (N/m), in the material axes of the element. The stiffness of a ply is multiplied by the
+ * fraction of the area of the element that it covers. Returns 0, or -1 if the plies have no shear
  * stiffness.
  */
 static int shear_of_plies(const laminate *laminate, const laminate_place *place, double k[2][2])
 {
     shear_ply ply[LAMINATE_LAYERS];
+    double smeared[LAMINATE_LAYERS][6][6];
     int plies = 0;
     for (int layer = 0; layer < laminate->plies; layer++)
         if (place->present_plies >> layer & 1u) {
             memcpy(ply[plies].z, laminate->ply[layer].z, sizeof ply[plies].z);
-            ply[plies++].c = laminate->ply[layer].c;
+            for (int i = 0; i < 36; i++)
+                smeared[plies][i / 6][i % 6] =
+                    laminate_cover(place, layer) * laminate->ply[layer].c[i / 6][i % 6];
+            ply[plies].c = (const double(*)[6])smeared[plies];
+            plies++;
         }
     return laminate_shear(ply, plies, k);
 }
@@ -704,6 +720,16 @@ static const double *field_stress_of(const laminate_ply *ply, const laminate_fie
 static int field_acts(const laminate_place *place, const laminate_field *field, int layer)
 {
     return (field->ply < 0 || field->ply == layer) && place->present_plies >> layer & 1u;
+}
+
+/*
+ * Return the fraction of the area of an element in which a field acts in a layer. For a field in
+ * one ply it is 1, also where the ply is present in a part of the element alone: the caller
+ * multiplies the effect by the fraction that the electrode or heater covers.
+ */
+static double acting_share(const laminate_place *place, const laminate_field *field, int layer)
+{
+    return field->ply < 0 ? laminate_cover(place, layer) : 1;
 }
 
 /*
@@ -1024,13 +1050,16 @@ static double field_mean(const laminate *laminate, const laminate_field *field,
     return field->axis > 0 ? (field->along[0] + field->along[1]) / 2 : 1;
 }
 
-/* Return the thickness of all plies that are present in an element together (m). */
+/*
+ * Return the thickness of all plies that are present in an element together, as a mean over its
+ * area (m).
+ */
 static double present_thickness(const laminate *laminate, const laminate_place *place)
 {
     double thickness = laminate->thickness;
     for (int layer = 0; layer < laminate->plies; layer++)
-        if (!(place->present_plies >> layer & 1u))
-            thickness -= laminate->ply[layer].z[1] - laminate->ply[layer].z[0];
+        thickness -= (1 - laminate_cover(place, layer)) *
+                     (laminate->ply[layer].z[1] - laminate->ply[layer].z[0]);
     return thickness;
 }
 
@@ -1048,7 +1077,8 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
         const laminate_ply *ply = &laminate->ply[layer];
         const double mean = field_mean(laminate, field, ply);
         if (field_acts(place, field, layer))
-            thickening += field_stress_of(&laminate->ply[layer], field)[2] / ply->c[2][2] * mean *
+            thickening += acting_share(place, field, layer) *
+                          field_stress_of(&laminate->ply[layer], field)[2] / ply->c[2][2] * mean *
                           (ply->z[1] - ply->z[0]) / thickness;
     }
     return place->is_general ? thickening * place->natural.base[2][2] * place->natural.base[2][2]
@@ -1074,6 +1104,8 @@ static void field_resultants(const laminate *laminate, const scene_element *elem
             continue;
         ply_stress(&laminate->ply[layer], element, field_stress_of(&laminate->ply[layer], field),
                    stress);
+        for (int i = 0; i < 6; i++)
+            stress[i] *= acting_share(place, field, layer);
         integrate_stress(laminate, element, place, &laminate->ply[layer], field, stress, h0);
     }
     const int thickens =
@@ -1147,6 +1179,20 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
+ * Return the factor by which the product of the mean effects of two fields on an element counts in
+ * laminate_capacitance. The mean effect of a field in one ply is proportional to the fraction of
+ * the element that the ply covers, so that the product has both fractions as factors. The caller of
+ * laminate_capacitance multiplies by the smaller one, where both fields act; the larger one
+ * remains. A temperature of all plies acts everywhere.
+ */
+static double larger_cover(const laminate_place *place, const laminate_field *first,
+                           const laminate_field *second)
+{
+    const double cover = laminate_cover(place, first->ply);
+    return second->ply < 0 ? 1 : fmax(cover, laminate_cover(place, second->ply));
+}
+
+/*
  * The charge per area is a sum of four terms, of which the second and third belong to the element
  * option lin33 and the last to uniform fields:
  *   integral of f1 f2 d + integral of f1 f2 c_33 t1 t2 - C_33 T1 T2 + shear_charge.
@@ -1155,6 +1201,7 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
  *   c_33, C_33  normal stiffness of the ply, and of all plies together
  *   t1, t2      free thickness strains of the ply per unit of each field
  *   T1, T2      means of the free thickness strains over all plies
+ * The third and the fourth term have the factor of larger_cover.
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,
@@ -1166,6 +1213,7 @@ double laminate_capacitance(const laminate *laminate, const scene_element *eleme
     const double thickening = element->lin33 ? electric_stress_of(own, first)[2] *
                                                    field_stress_of(own, second)[2] / own->c[2][2]
                                              : 0;
+    const double cover = larger_cover(place, first, second);
     double stiffness[N][N], share[6], charge = 0;
     for (int point = 0; point < POINTS && field_acts(place, second, ply); point++) {
         const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[point];
@@ -1176,10 +1224,10 @@ double laminate_capacitance(const laminate *laminate, const scene_element *eleme
     }
     if (element->lin33 && place->present_plies >> ply & 1u &&
         package_stiffness(laminate, element, place, stiffness) == 0)
-        charge -= free_thickening(laminate, place, first) *
+        charge -= cover * free_thickening(laminate, place, first) *
                   free_thickening(laminate, place, second) * stiffness[M33][M33];
     if (is_uniform)
-        charge += shear_charge(laminate, element, place, first, second);
+        charge += cover * shear_charge(laminate, element, place, first, second);
     return charge * place->area;
 }
 

@@ -61,7 +61,11 @@ typedef struct laminate {
  * the base vectors.
  */
 typedef struct laminate_place {
-    uint32_t present_plies; /* plies that are present in the element: bit i is set for ply i */
+    uint32_t present_plies; /* plies that are present in the element, at least in a part of it: bit
+                               i is set for ply i */
+    double absent[LAMINATE_LAYERS]; /* fraction of the area of the element in which each ply that is
+                                       present is absent (smeared_plies.h): above 0 where a patch
+                                       with smeared stiffness ends within the element */
     double curvature[2]; /* principal curvatures of the element along its directions 1 and 2 (1/m)
                           */
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
@@ -76,6 +80,12 @@ typedef struct laminate_place {
     natural_base natural; /* base vectors at any height of an element that does not lie along lines
                              of curvature */
 } laminate_place;
+
+/*
+ * Return the fraction of the area of an element in which a ply is present: 0 where it is absent, 1
+ * where it is present everywhere.
+ */
+double laminate_cover(const laminate_place *place, int ply);
 
 /*
  * Build the plies of a scene's layers. Returns 0, or -1 with error filled if the stiffness of a
@@ -151,7 +161,8 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
 
 /*
  * Compute the stress resultants that a field (voltage or temperature) prescribes, times the area of
- * the element.
+ * the element. For a field in a ply that is present in a part of the element alone, the caller
+ * multiplies them by the fraction of the element that the field covers.
  *   h0  [10] out  resultants (N m) conjugate to the ten strains of an element: mean and difference
  *       of both faces for the strains 11, 22, 33 and 12; then the strains 13 and 23
  */
@@ -170,7 +181,8 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 
 /*
  * Return the charge of the upper electrode of a ply in an element under a field (voltage or
- * temperature) while the strains are zero (C).
+ * temperature) while the strains are zero (C). For a ply that is present in a part of the element
+ * alone, the caller multiplies it by the fraction that the electrode and the field cover.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
@@ -178,7 +190,8 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
 /*
  * Return minus the mixed second derivative of an element's electric enthalpy with respect to two
  * fields, at constant strains: a capacitance (C/V) for two electric fields, a charge per kelvin
- * (C/K) for an electric field and a temperature.
+ * (C/K) for an electric field and a temperature. Where the plies of the fields are present in a
+ * part of the element alone, the caller multiplies it by the fraction that both fields cover.
  *   first      in  electric field in a ply
  *   second     in  electric field in the same or another ply, or a temperature
  *   is_uniform in  true: both fields are constant over the element. false: both vary with the mean

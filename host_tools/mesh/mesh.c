@@ -9,6 +9,7 @@
 #include "corner_tables.h"
 #include "element_types.h"
 #include "quads_of_lines.h"
+#include "smeared_plies.h"
 #include "../scene/surface_formula.h"
 #include "../quads/vector.h"
 #include "warp.h"
@@ -335,6 +336,7 @@ static laminate_place element_place(const mesh *mesh, int element)
                      : centre.lame[0] * centre.lame[1] * (range[0][1] - range[0][0]) *
                            (range[1][1] - range[1][0]);
     place.present_plies = present_plies(mesh, middle);
+    smeared_plies_set(&place, scene, element);
     return place;
 }
 

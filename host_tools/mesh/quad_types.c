@@ -10,6 +10,7 @@
 #include <string.h>
 #include "corner_tables.h"
 #include "quad_regularity.h"
+#include "smeared_plies.h"
 #include "../quads/vector.h"
 
 /* ---- topology ----------------------------------------------------------- */
@@ -178,10 +179,11 @@ static int add_quad(quad_build *build, int element, const quad_geometry *geometr
     const double tau = build->list->scene->element.tau,
                  thickness = build->list->laminate->thickness;
     const double *curvature = geometry->curvature, *length = geometry->length;
-    const laminate_place place = quad_place(geometry, &quads->region[region], rule);
+    laminate_place place = quad_place(geometry, &quads->region[region], rule);
     const double sum = length[0] * length[0] * curvature[0] + length[1] * length[1] * curvature[1];
     pzs_element_type type;
     start_type(build, element, geometry, &type);
+    smeared_plies_set(&place, build->list->scene, element);
     const int before = build->list->count;
     const int k = type_list_add(build->list, &type, &place, tau * sum / (12 * thickness), error);
     if (k < 0)

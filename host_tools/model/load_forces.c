@@ -166,8 +166,7 @@ static double mass_per_area(const mesh *mesh, const laminate_place *place)
     double mass = 0;
     for (int k = 0; k < mesh->laminate.plies; k++) {
         const laminate_ply *ply = &mesh->laminate.ply[k];
-        if (place->present_plies >> k & 1u)
-            mass += ply->density * (ply->z[1] - ply->z[0]);
+        mass += ply->density * (ply->z[1] - ply->z[0]) * laminate_cover(place, k);
     }
     return mass;
 }

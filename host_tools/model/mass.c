@@ -47,9 +47,9 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
 
 /*
  * Compute integrals over the thickness of an element, per area, for its mass matrix: density times
- * two displacement functions times (1 + k1 z)(1 + k2 z), over the plies that are present. The
- * functions are constant, linear and quadratic in the height z; k1 and k2 are the principal
- * curvatures.
+ * two displacement functions times (1 + k1 z)(1 + k2 z), over the plies, each of which counts by
+ * the fraction of the area that it covers. The functions are constant, linear and quadratic in the
+ * height z; k1 and k2 are the principal curvatures.
  *   m [FUNCTIONS][FUNCTIONS] out  integral for each pair of displacement functions
  */
 static void moments(const laminate *laminate, const laminate_place *place, double per_area,
@@ -64,8 +64,9 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
         for (int point = 0; point < POINTS && place->present_plies >> layer & 1u; point++) {
             const double z = centre + half * gauss_x[point];
             const double metric = (1 + place->curvature[0] * z) * (1 + place->curvature[1] * z);
-            add_moments(z - middle, laminate->thickness,
-                        half * gauss_w[point] * ply->density * metric, m);
+            add_moments(
+                z - middle, laminate->thickness,
+                half * gauss_w[point] * ply->density * metric * laminate_cover(place, layer), m);
         }
     }
 }

@@ -119,7 +119,7 @@ static void gather(const mesh *mesh, int element, const double *displacement, do
 
 /*
  * Add the voltages, or the temperatures of heaters, that an actuator or sensor applies in an
- * element through one grid of patches.
+ * element through one grid of patches: means over the area in which the layer is present.
  *   value                in      voltages of the electrodes (V) or temperatures of the heaters (K)
  *   part    [most_parts] out     work array
  *   applied [layers]     in/out  voltages or temperatures of the layers of the element
@@ -128,9 +128,11 @@ static void add_drive(const stress_field *field, int element, const scene_drive 
                       const double *value, design_part *part, double *applied)
 {
     const scene_patches *patches = &field->state.design->patches[drive->patches];
-    const int parts = design_patches_in(&field->state.design->mesh, element, patches, part);
+    const mesh *mesh = &field->state.design->mesh;
+    const double cover = laminate_cover(place_of(mesh, element), patches->layer);
+    const int parts = design_patches_in(mesh, element, patches, part);
     for (int i = 0; i < parts; i++)
-        applied[patches->layer] += part[i].share * drive->factor * value[part[i].patch];
+        applied[patches->layer] += part[i].share / cover * drive->factor * value[part[i].patch];
 }
 
 /*
@@ -218,9 +220,9 @@ static void add_prescribed(const mesh *mesh, int element, const laminate_field *
 }
 
 /*
- * Return the total thickness of the plies that are present in an element (m). Each height is
- * weighted with the area of the surface at this height relative to the area of the reference
- * surface.
+ * Return the total thickness of the plies that are present in an element (m), as a mean over its
+ * area. Each height is weighted with the area of the surface at this height relative to the area of
+ * the reference surface.
  */
 static double present_thickness(const mesh *mesh, int element)
 {
@@ -229,11 +231,10 @@ static double present_thickness(const mesh *mesh, int element)
     double sum = 0;
     for (int layer = 0; layer < mesh->laminate.plies; layer++) {
         const double *z = mesh->laminate.ply[layer].z;
-        if (place->present_plies >> layer & 1u)
-            sum += (z[1] - z[0]) / 6 *
-                   (laminate_area_ratio(option, place, z[0]) +
-                    4 * laminate_area_ratio(option, place, (z[0] + z[1]) / 2) +
-                    laminate_area_ratio(option, place, z[1]));
+        sum += laminate_cover(place, layer) * (z[1] - z[0]) / 6 *
+               (laminate_area_ratio(option, place, z[0]) +
+                4 * laminate_area_ratio(option, place, (z[0] + z[1]) / 2) +
+                laminate_area_ratio(option, place, z[1]));
     }
     return sum;
 }
@@ -295,11 +296,12 @@ static void fill_resultants(const stress_field *field, int element)
         const laminate_field volt = {.ply = layer};
         const double voltage = voltage_across(field, element, layer);
         const laminate_field warm = {.ply = layer, .axis = LAMINATE_HEATED_PLY};
-        const double heat = heat_of(field, element, layer);
+        const double heat = heat_of(field, element, layer),
+                     cover = laminate_cover(place_of(mesh, element), layer);
         if (voltage != 0)
-            add_prescribed(mesh, element, &volt, voltage, resultant);
+            add_prescribed(mesh, element, &volt, cover * voltage, resultant);
         if (heat != 0)
-            add_prescribed(mesh, element, &warm, heat, resultant);
+            add_prescribed(mesh, element, &warm, cover * heat, resultant);
     }
     for (int layer = 0; layer < field->layers; layer++)
         add_along(field, element, layer, resultant);
@@ -487,6 +489,13 @@ void stress_layer_of(const stress_field *field, int element, int layer, stress_l
 
 /* ---- neighbours ----------------------------------------------------------------- */
 
+/* Return whether two elements have the same plies, which cover the same fraction of each. */
+static bool have_equal_plies(const laminate_place *first, const laminate_place *second)
+{
+    return first->present_plies == second->present_plies &&
+           memcmp(first->absent, second->absent, sizeof first->absent) == 0;
+}
+
 bool stress_are_neighbours(const stress_field *field, int first, int second)
 {
     const double least_cosine = 0.766; /* cosine of 40 degrees: two elements whose normals enclose a
@@ -494,7 +503,7 @@ bool stress_are_neighbours(const stress_field *field, int first, int second)
     const mesh *mesh = &field->state.design->mesh;
     const stress_element *a = &field->element[first], *b = &field->element[second];
     const size_t layers = (size_t)field->layers;
-    return place_of(mesh, first)->present_plies == place_of(mesh, second)->present_plies &&
+    return have_equal_plies(place_of(mesh, first), place_of(mesh, second)) &&
            memcmp(field->voltage + (size_t)first * layers, field->voltage + (size_t)second * layers,
                   layers * sizeof *field->voltage) == 0 &&
            memcmp(field->heat + (size_t)first * layers, field->heat + (size_t)second * layers,

@@ -255,6 +255,46 @@ int outline_find_shares(const scene *scene, scene_patches *patches, char *error)
     return status;
 }
 
+/* Return the fraction of the area of an element that all electrodes of a list cover. */
+static double share_of_all(const scene_outlines *outlines, int element)
+{
+    double sum = 0;
+    for (size_t i = outlines->start[element]; i < outlines->start[element + 1]; i++)
+        sum += outlines->share[i];
+    return sum;
+}
+
+double outline_smeared_share(const scene *scene, int layer, int element)
+{
+    double sum = 0;
+    for (int k = 0; k < scene->patch_grids; k++)
+        if (scene->patches[k].is_smeared && scene->patches[k].layer == layer)
+            sum += share_of_all(scene->patches[k].outlines, element);
+    return sum > 1 - ROUNDING ? 1 : sum;
+}
+
+bool outline_is_smeared(const scene *scene, int layer)
+{
+    for (int k = 0; k < scene->patch_grids; k++)
+        if (scene->patches[k].is_smeared && scene->patches[k].layer == layer)
+            return true;
+    return false;
+}
+
+outline_cuts outline_cuts_of(const scene *scene, int layer, int elements)
+{
+    outline_cuts cuts = {0, 1, 0};
+    for (int element = 0; element < elements; element++) {
+        const double share = outline_smeared_share(scene, layer, element);
+        if (!(share > 0 && share < 1))
+            continue;
+        cuts.elements++;
+        cuts.least = fmin(cuts.least, share);
+        cuts.most = fmax(cuts.most, share);
+    }
+    return cuts;
+}
+
 double outline_share(const scene_outlines *outlines, int electrode, int element)
 {
     for (size_t i = outlines->start[element]; i < outlines->start[element + 1]; i++)

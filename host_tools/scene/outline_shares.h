@@ -24,6 +24,31 @@
 double outline_share(const scene_outlines *outlines, int electrode, int element);
 
 /*
+ * Return the fraction of the area of an element that all patches with smeared stiffness on one
+ * layer cover, from 0 to 1. outline_find_shares must have been called before for all patches of the
+ * layer.
+ */
+double outline_smeared_share(const scene *scene, int layer, int element);
+
+/*
+ * Elements that patches with smeared stiffness cover in part, so that their stiffness is smeared:
+ * number, and smallest and largest covered area as a fraction of the area of the element.
+ */
+typedef struct outline_cuts {
+    int elements;
+    double least, most;
+} outline_cuts;
+
+/* Return whether a layer has patches with smeared stiffness. */
+bool outline_is_smeared(const scene *scene, int layer);
+
+/*
+ * Find the elements that the patches with smeared stiffness of one layer cover in part.
+ * outline_find_shares must have been called before.
+ */
+outline_cuts outline_cuts_of(const scene *scene, int layer, int elements);
+
+/*
  * Compute, for every element, the area fraction that each electrode of one item of the section
  * `patches` covers. An electrode is refused if a part of it lies outside the surface, or on
  * elements in which its layer does not exist, unless the scene asks to cut such parts off. Returns

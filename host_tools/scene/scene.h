@@ -247,6 +247,9 @@ typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on o
     scene_outlines *outlines; /* electrodes with outlines of any shape, which replace the coordinate
                                  ranges or element sets of the patches; NULL: patches of whole
                                  elements */
+    bool is_smeared; /* true: the material of the layer ends at the outlines of the electrodes, and
+                        its stiffness and mass are smeared over the elements that an outline cuts;
+                        false: outlines are those of electrodes on a continuous layer */
     scene_at at;
 } scene_patches;
 

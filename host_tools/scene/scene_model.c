@@ -707,6 +707,8 @@ static const range patch_count = {1, 1000, 0, "must be from 1 to 1000"};
 static const form patch_count_form = {.type = FORM_WHOLE, .range = &patch_count};
 static const form grid_form = {.type = FORM_LIST, .item = &patch_count_form, .least = 2, .most = 2};
 
+static const choice ceramics[] = {{"continuous", 0}, {"smeared", 1}, {NULL, 0}};
+
 static const field patch_fields[] = {
     {"name", read_name, offsetof(scene_patches, name), .required = 1,
      .help = "Name of the grid; its patches are name_1_1 ..., with the first index along theta1."},
@@ -727,17 +729,49 @@ static const field patch_fields[] = {
      .help = "Of an outline that reaches beyond the surface, keep the part on it; default false: "
              "refuse it."},
     {"outlines", read_outlines, .form = &outlines_form,
-     .help = "Electrodes of any outline on a continuous layer, in place of ranges and sets; they "
-             "may end anywhere in an element and are name_1_1, name_2_1 ... in their order."},
+     .help = "Electrodes of any outline, in place of ranges and sets; they may end anywhere in an "
+             "element and are name_1_1, name_2_1 ... in their order. The layer is continuous, or "
+             "patched with stiffness: smeared."},
+    {"stiffness", read_either, offsetof(scene_patches, is_smeared), ceramics,
+     .help = "Of outlines: continuous (default), the layer is there everywhere; smeared, a patched "
+             "layer ends at the outlines, and stiffness, mass and thermal expansion of an element "
+             "are means over its area; the error near an outline is of the size of an element."},
     {.key = NULL}};
 
 static const form patch_form = {.type = FORM_MAP, .fields = patch_fields};
 const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000};
 
 /*
- * Check and read patches whose electrodes are given by outlines: their layer is continuous, and
- * they may have neither coordinate ranges nor element sets. Returns 0, or -1 after writing an error
- * message about the scene file.
+ * Check that patches whose electrodes are given by outlines lie on a layer of the right kind: with
+ * smeared stiffness the layer is patched and has no bare face, otherwise it is continuous. Returns
+ * 0, or -1 after writing an error message about the scene file.
+ */
+static int check_outlined_layer(reader *reader, int node, const scene_patches *patches)
+{
+    const scene_layer *layer = &reader->s->layer[patches->layer];
+    const int key = tree_find(reader->t, node, "layer");
+    if (layer->patched && !patches->is_smeared)
+        return tree_fault(reader->t, key,
+                          "the layer '%s' is patched: its material ends where patches end, and "
+                          "outlines do not follow elements; add 'stiffness: smeared', remove "
+                          "'patched', or use patches without 'outlines'",
+                          layer->name);
+    if (patches->is_smeared && !layer->patched)
+        return tree_fault(reader->t, tree_find(reader->t, node, "stiffness"),
+                          "the layer '%s' is continuous, so that its stiffness does not end at "
+                          "outlines; give the layer 'patched: true', or remove 'stiffness'",
+                          layer->name);
+    if (patches->is_smeared && layer->bare != BARE_NONE)
+        return tree_fault(reader->t, tree_find(reader->t, node, "stiffness"),
+                          "the layer '%s' has a bare face, whose patches are whole elements; "
+                          "remove 'bare' from the layer, or use patches without 'outlines'",
+                          layer->name);
+    return 0;
+}
+
+/*
+ * Check and read patches whose electrodes are given by outlines. They may have neither coordinate
+ * ranges nor element sets. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int read_outlined(reader *reader, int node, scene_patches *patches)
 {
@@ -750,12 +784,7 @@ static int read_outlined(reader *reader, int node, scene_patches *patches)
                               foreign[i]);
     if (read_map(reader, node, patch_fields, patches) != 0)
         return -1;
-    if (!reader->s->layer[patches->layer].patched)
-        return 0;
-    return tree_fault(reader->t, tree_find(reader->t, node, "layer"),
-                      "the layer '%s' is patched: its material ends where patches end, and these "
-                      "are whole elements; remove 'patched', or use patches without 'outlines'",
-                      reader->s->layer[patches->layer].name);
+    return check_outlined_layer(reader, node, patches);
 }
 
 /* Read patches on a mesh from a file, where each patch is an element set. */
@@ -777,17 +806,17 @@ static int read_set_patch(reader *reader, int node, scene_patches *patches)
 
 static int read_patch(reader *reader, int node, void *item)
 {
+    static const char *const of_outlines[] = {"plane", "cut", "stiffness"};
     scene_patches *patches = item;
     const scene_line *line = reader->s->line;
     patches->at = node_at(reader, node);
     patches->grid[0] = patches->grid[1] = 1;
     if (tree_find(reader->t, node, "outlines"))
         return read_outlined(reader, node, patches);
-    for (int i = 0; i < 2; i++)
-        if (tree_find(reader->t, node, i ? "cut" : "plane"))
-            return tree_fault(reader->t, tree_find(reader->t, node, i ? "cut" : "plane"),
-                              "'%s' belongs to 'outlines'; add them, or remove it",
-                              i ? "cut" : "plane");
+    for (int i = 0; i < 3; i++)
+        if (tree_find(reader->t, node, of_outlines[i]))
+            return tree_fault(reader->t, tree_find(reader->t, node, of_outlines[i]),
+                              "'%s' belongs to 'outlines'; add them, or remove it", of_outlines[i]);
     if (reader->s->quads)
         return read_set_patch(reader, node, patches);
     patches->theta1[0] = line[0].point[0];
