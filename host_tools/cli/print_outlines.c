@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Areas of electrodes of any outline on standard output (print_outlines.h). */
+/*
+ * Areas of electrodes of any outline, and elements with smeared stiffness, on standard output
+ * (print_outlines.h).
+ */
 #include "print_outlines.h"
 #include <math.h>
 #include <stdlib.h>
+#include "../scene/outline_shares.h"
 
 /*
  * Areas of the electrodes of one item of the scene's section `patches` (square of the scene's unit
@@ -33,11 +37,49 @@ static void print_item(const design *design, const scene_patches *patches)
     free(area);
 }
 
+/* Print in how many elements the patches of a layer have smeared stiffness. */
+static void print_cuts(const char *name, const outline_cuts *cuts)
+{
+    if (cuts->elements == 0) {
+        printf("  layer '%s': its patches cover whole elements, no stiffness is smeared\n", name);
+        return;
+    }
+    printf("  layer '%s': stiffness is smeared over %d element%s ", name, cuts->elements,
+           cuts->elements == 1 ? "" : "s");
+    printf("of which patches cover %.3g to %.4g %%;\n", 100 * cuts->least, 100 * cuts->most);
+    puts("  the error near their outlines is of the size of an element");
+}
+
 void print_outlines(const design *design)
 {
     for (int k = 0; k < design->patch_grids; k++)
         if (design->patches[k].outlines)
             print_item(design, &design->patches[k]);
+    for (int layer = 0; layer < design->layers; layer++)
+        if (outline_is_smeared(design->scene, layer)) {
+            const outline_cuts cuts = outline_cuts_of(design->scene, layer, design->mesh.elements);
+            print_cuts(design->layer[layer].name, &cuts);
+        }
+}
+
+/* Write the elements of each layer whose stiffness is smeared; nothing where no layer has such. */
+static void json_cuts(json *json, const design *design)
+{
+    int layers = 0;
+    for (int layer = 0; layer < design->layers; layer++) {
+        if (!outline_is_smeared(design->scene, layer))
+            continue;
+        const outline_cuts cuts = outline_cuts_of(design->scene, layer, design->mesh.elements);
+        if (layers++ == 0)
+            json_open(json, "smeared_stiffness", '{');
+        json_open(json, design->layer[layer].name, '{');
+        json_number(json, "elements", cuts.elements);
+        json_number(json, "least_share", cuts.elements ? cuts.least : (double)NAN);
+        json_number(json, "most_share", cuts.elements ? cuts.most : (double)NAN);
+        json_close(json, '}');
+    }
+    if (layers > 0)
+        json_close(json, '}');
 }
 
 void print_outlines_json(json *json, const design *design)
@@ -56,4 +98,5 @@ void print_outlines_json(json *json, const design *design)
         free(area);
     }
     json_close(json, '}');
+    json_cuts(json, design);
 }

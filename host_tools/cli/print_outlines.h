@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Areas of electrodes of any outline on standard output, as text and as JSON. */
+/*
+ * Areas of electrodes of any outline, and elements with smeared stiffness, on standard output, as
+ * text and as JSON.
+ */
 #ifndef PRINT_OUTLINES_H
 #define PRINT_OUTLINES_H
 
@@ -8,13 +11,15 @@
 
 /*
  * Print a line with the electrodes' areas for each item of the scene's section `patches` that has
- * outlines.
+ * outlines, and a line for each layer whose stiffness is smeared where its patches end.
  */
 void print_outlines(const design *design);
 
 /*
  * Write the areas of electrodes of any outline: for each item of the section `patches` that has
- * outlines, the area of each electrode in their order; nothing where no item has outlines.
+ * outlines, the area of each electrode in their order; nothing where no item has outlines. For each
+ * layer with smeared stiffness: number of elements that its patches cover in part, and the smallest
+ * and the largest covered fraction of their areas.
  */
 void print_outlines_json(json *json, const design *design);
 

@@ -1,7 +1,26 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Tables of layers, materials and voltages, and the text of the scene, on report pages. */
 #include <math.h>
+#include "../scene/outline_shares.h"
 #include "report_page.h"
+
+/* Write in how many elements a layer has smeared stiffness, if its patches ask for it. */
+static void write_cuts(const page *page, int layer)
+{
+    const design *design = page->design;
+    if (!outline_is_smeared(design->scene, layer))
+        return;
+    const outline_cuts cuts = outline_cuts_of(design->scene, layer, design->mesh.elements);
+    if (cuts.elements > 0)
+        put(page->file,
+            "<p>The stiffness of the layer %t is smeared over %d elements of which its patches "
+            "cover %p to %p; the error near their outlines is of the size of an element.</p>\n",
+            design->layer[layer].name, cuts.elements, cuts.least, cuts.most);
+    else
+        put(page->file,
+            "<p>The patches of the layer %t cover whole elements, no stiffness is smeared.</p>\n",
+            design->layer[layer].name);
+}
 
 static void write_layers(const page *page)
 {
@@ -16,6 +35,8 @@ static void write_layers(const page *page)
                 layer->angle, layer->patched ? "in patches" : place);
     }
     put_table_end(page->file);
+    for (int k = 0; k < design->layers; k++)
+        write_cuts(page, k);
 }
 
 /* Write the constants of the materials: strains d31 or stresses e31, as the scene states them. */

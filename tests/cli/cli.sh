@@ -209,6 +209,12 @@ run 0 migrate scordelis-lo && cmp -s "$dir/out" host_tools/scenes/scordelis-lo.y
 run 2 migrate && says 'name a scene'; check 'migrate without a scene' $?
 run 0 check tests/rigs/scenes/outline-plate.yaml --json && json "abs(j['electrode_areas']['up'][0] / (0.01 * 3.141592653589793) - 1) < 1e-12"
 check 'check tells the areas of electrodes of any outline' $?
+run 0 check tests/rigs/scenes/smeared-plate.yaml --json && json "(lambda s: s['upper']['elements']==20 and 0<s['upper']['least_share']<1e-3 and .5<s['upper']['most_share']<1 and s['lower']['elements']==12)(j['smeared_stiffness'])"
+check 'check --json: elements with smeared stiffness' $?
+run 0 solve tests/rigs/scenes/smeared-plate.yaml --report "$dir/r.html" &&
+    grep -q "layer 'upper': stiffness is smeared over 20 elements of which patches cover" "$dir/out" &&
+    grep -q 'the error near their outlines is of the size of an element' "$dir/out" && grep -q 'The stiffness of the layer upper is smeared over 20 elements' "$dir/r.html"
+check 'solve and its report tell where stiffness is smeared' $?
 run 0 schema && cmp -s "$dir/out" host_tools/scenes/scene.schema.json; check 'scene.schema.json is what pzs schema writes (else: make schema)' $?
 /usr/bin/python3 tests/cli/schema.py "$PZS" host_tools/scenes/scene.schema.json "${SCHEMA_EVERY:-25}" tests/cli/schema/scenes.yaml host_tools/scenes/*.yaml >"$dir/out" 2>"$dir/err"
 check 'schema and reader agree on every shipped scene and on changed ones' $?

@@ -142,6 +142,7 @@ same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
 same 'electrodes of any outline, one of them open' tests/rigs/scenes/outline-plate.yaml --set kinematics=nonlinear --set 'patches=[{name: up,
     layer: upper, outlines: [{circle: {centre: [0.2, 0.15], radius: 0.1}}, {inside: x - 0.33}]}, {name: low, layer: lower, outlines: [{polygon: [[0.03,
     0.02], [0.35, 0.11], [0.1, 0.27]]}]}]' --set 'sensors=[{name: s, drives: [{patches: low}]}]' --set 'outputs=[{name: w, u3: middle, at: nodes}]'
+same 'patches with smeared stiffness' tests/rigs/scenes/smeared-plate.yaml --compact --set kinematics=nonlinear --set 'loads=[{temperature: 20}]'
 "$PZS" tables annular-plate --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
     grep -q 'the equilibrium solver needs double' "$scratch/found"
 tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"
