@@ -18,11 +18,10 @@ typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK }
 /*
  * State of the electrode that an amplifier drives on the piezoelectric ceramic.
  *
- * Hysteresis is a Prandtl-Ishlinskii model: a part of the voltage passes through play operators
- * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. With h, the
- * hysteresis that the scene file states, the loop of a full cycle is h times the voltage range
- * wide, and hysteresis changes no voltage by more than h A. Creep is the sum of three first-order
- * lags; their time constants differ by factors of ten.
+ * Hysteresis is a Prandtl-Ishlinskii model: play operators with half widths of 1/8 to 4/8 of half
+ * the voltage range. The loop of a full cycle is as wide as the scene's hysteresis times the
+ * voltage range. Creep is the sum of three first-order lags with time constants that differ by
+ * factors of ten.
  */
 typedef struct electrode {
     electrode_fault fault;
@@ -93,7 +92,7 @@ typedef struct imperfections {
 
 /*
  * Advance the first-order lag of an amplifier by a time interval with a constant command. Returns
- * the mean output voltage over the interval, or the present one for an interval of length 0 (V).
+ * the mean output voltage over the interval, or for length 0 the present one (V).
  *   output    in/out  output voltage of the amplifier (V)
  *   command   in      commanded output voltage (V)
  *   bandwidth in      corner frequency of the lag (Hz)
@@ -108,23 +107,21 @@ double amplifier_lag(double *output, double command, double bandwidth, double in
 bool imperfections_vary(const imperfection_tables *tables);
 
 /*
- * Advance the amplifiers and electrodes by a time interval with constant commands to the
- * amplifiers.
+ * Advance the amplifiers and electrodes by a time interval with constant commands.
  *   output [amplifiers] in   commanded output voltages of the amplifiers (V)
  *   interval            in   length of the interval (s)
- *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval; for an interval
- *       of length 0, the voltages that act at this instant (V)
+ *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval (V); for length
+ *                            0 the present ones
  */
 void imperfections_actuate(const imperfections *imperfections, const double *output,
                            double interval, double *effect);
 
 /*
- * Compute the lowest and highest voltages that would act on the ceramic if all amplifiers moved to
- * their lower or upper limits at once (the stroke of the electrodes). Hysteresis makes their range
- * smaller than that of the voltage limits, and creep makes it larger with time. A faulty electrode
- * has no range. The states of the electrodes do not change.
- *   lowest, highest [amplifiers] out  these voltages (V), infinite where the voltage limit is
- *     infinite
+ * Compute the lowest and highest voltages that act on the ceramic if all amplifiers move to their
+ * voltage limits at once. Their range differs from that of the limits by hysteresis, creep and
+ * faults. The states of the electrodes do not change.
+ *   lowest, highest [amplifiers] out  voltages on the ceramic (V), infinite where the voltage limit
+ *       is infinite, equal for a faulty electrode
  * Returns whether memory was available.
  */
 bool imperfections_stroke(const imperfections *imperfections, double *lowest, double *highest);
@@ -140,10 +137,11 @@ double imperfections_sense(const imperfections *imperfections, int sensor, doubl
 
 /*
  * Compute the readings that the controller receives at a tick, with noise, imperfections and
- * faults. A stuck sensor repeats its latest reading bit for bit.
+ * faults.
  *   noise   [sensors] in      standard deviation of the noise (unit of each reading)
  *   exact   [sensors] in      readings without noise and imperfections
- *   reading [sensors] in/out  latest reading of each sensor, also of a sensor that gives nothing
+ *   reading [sensors] in/out  latest reading of each sensor, also of a missing one; a stuck sensor
+ *                             repeats it bit for bit
  *   sensed  [sensors] out     readings for the controller, NaN where a sensor gives nothing
  */
 void imperfections_read(const imperfections *imperfections, int tick, const double *noise,

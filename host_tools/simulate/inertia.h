@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Vibration of a structure about its static equilibrium, computed for each vibration mode
- * separately. The state of a vibration mode is the deviation d of its modal coordinate q from the
- * equilibrium under the present inputs, and the scaled velocity p = (dq/dt)/w with the angular
- * frequency w. While the inputs are constant, an exact propagator advances (d, p) over any
- * interval. A jump of an input leaves q unchanged and moves the equilibrium, so that d jumps by the
- * opposite amount.
+ * separately by an exact propagator over time intervals with constant inputs.
+ *
+ * The state of a mode is the deviation of its modal coordinate from equilibrium, and its velocity
+ * divided by the angular frequency. A jump of an input moves the equilibrium, so that the deviation
+ * jumps by the opposite amount.
  */
 #ifndef INERTIA_H
 #define INERTIA_H

@@ -178,11 +178,10 @@ static double largest_change(const load_step *step)
 }
 
 /*
- * Set a load of a given distribution. Its size is such that the voltages which compensate it change
- * by at most load_share of half the range between their limits. Without voltage limits, the
- * displacements by the load are load_share times the unit of shape errors (storm_rig.scale).
- *   size out  norm of the displacements of the targets by the load, without compensation; 0: the
- *       load is not applied, because it moves nothing, or because the voltages cannot compensate it
+ * Apply a load of a given distribution. Its size is such that the voltages which compensate it
+ * change by at most load_share of half their range.
+ *   size out  norm of the displacements of the targets by the load, without compensation; 0: no
+ *             load is applied, because it moves nothing or the voltages cannot compensate it
  */
 static pzs_status size_load(load_step *step, load_shape shape, double *size)
 {
@@ -200,6 +199,10 @@ static pzs_status size_load(load_step *step, load_shape shape, double *size)
     if (PZS_IS_ERROR(status) || storm_distance(storm, storm->best_shape, step->start) >
                                     load_left * small * storm->rig->scale)
         return status;
+    /*
+     * Without voltage limits, the load displaces the targets by load_share times the unit of shape
+     * errors.
+     */
     scale_load(step, load_share / (change > 0 ? change : small));
     *size = storm_distance(storm, storm->load, NULL);
     return find_loaded_best(step);

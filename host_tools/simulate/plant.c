@@ -90,19 +90,18 @@ static int change_scene(plant *plant)
 }
 
 /*
- * Whether the plant has inertia: if the scene asks for it, or if the scene file does not say and
- * gives all densities. A plant with a contact has no inertia, because its vibration modes depend on
- * the nodes in contact. A plant with sensors of voltages or charges has no inertia, because the
- * modal model has no output rows for them. The member `reason` of the plant states why it has no
- * inertia.
+ * Return whether the plant moves with inertia. Otherwise the member `reason` of the plant says why
+ * not.
  */
 static bool wants_inertia(plant *plant)
 {
     const design *design = &plant->analysis.design;
     char names[SCENE_ERROR];
     const char *why = NULL;
+    /* The modal model has no output rows for sensors of voltages or charges. */
     if (design->simulate.sight != SIGHT_MEASURED && !design_reads_displacements(design))
         why = "a sensor is an electrode";
+    /* The vibration modes depend on the nodes in contact. */
     if (design->contact.given)
         why = "the plant has a contact";
     if (!plant->analysis.source->has_structure && design->measured.modes == 0)

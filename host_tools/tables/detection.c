@@ -42,11 +42,10 @@ static double ratio_of(const wiring_test *test, const double *direct, size_t ele
 }
 
 /*
- * Find out on which electrodes the fault detector can find a fault. The result holds the reason for
- * each electrode on which it cannot, the number of electrodes on which it can, and the electrode
- * with the smallest ratio of response to noise.
- *   state [electrodes] in  state of each electrode in the fault detector when its loop begins, a
- *                          value of pzs_electrode_state
+ * Find out on which electrodes the fault detector can detect a fault. The result holds their
+ * number, the reason for every other electrode, and the electrode with the smallest ratio of
+ * response to noise.
+ *   state [electrodes] in  initial state in the fault detector (pzs_electrode_state)
  */
 static void judge(detection *detection, const wiring_test *test, const double *direct,
                   const uint8_t *state)

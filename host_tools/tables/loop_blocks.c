@@ -226,18 +226,14 @@ static double reachable_rms(const design *design)
 }
 
 /*
- * Make the tables of the supervisor, the block (stage of the tick) that monitors the control loop.
- * A tick is implausible if the measured shape deviates from the predicted one by more than a
- * threshold. Three numbers determine the threshold, with W the root mean square of the target:
- *   load    tolerated effect of a sudden load: 0.3 W, or the effect of the scene's loads if
- *           larger
- *   noise   noise of the readings: that of the scene, at least 0.005 W
- *   fading  factor by which the tolerated effect of earlier changes of the target is multiplied
- *           in a tick: it falls to 1/e in two periods of the first vibration mode, or in 50
- *           ticks without a vibration model
- * If the target is zero, W is the root mean square of the shape under half the voltage range. An
- * alarm begins when the counter of implausible ticks reaches one period of the mode, at least 20
- * ticks.
+ * Make the tables of the supervisor, the block (stage of a control tick) that monitors the loop.
+ * With W, the RMS of the target (if it is zero, of the shape under half the voltage range), and the
+ * period of the first vibration mode:
+ *   load         tolerated effect of a sudden load: that of the scene's loads, at least 0.3 W
+ *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
+ *   fading       factor per tick of the tolerated effect of earlier target changes: 1/e in two
+ *                periods, or in 50 ticks without a vibration model
+ *   alarm_ticks  implausible ticks until an alarm: a period, at least 20 ticks
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -519,11 +515,10 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 /* ---- memory of the blocks ---------------------------------------------- */
 
 /*
- * Define a function name_bytes, which returns the memory of a block of the control loop in single
- * or double precision (bytes), and an array name_macro. `expression` is the call of the library's
- * macro for this memory; name_macro holds its text for the generated header. Pointers, and reals in
- * structs, have their size on this computer, so that in single precision the number is an upper
- * bound.
+ * Define the function name_bytes, which returns the memory of a block of the control loop (bytes),
+ * and the string name_macro for the generated header. In single precision the number is an upper
+ * bound: pointers, and reals in structs, count with their size on this computer.
+ *   expression in  call of the library's macro for this memory, the text in name_macro
  */
 #define BLOCK_BYTES(name, expression)                                                              \
     static const char name##_macro[] = #expression;                                                \

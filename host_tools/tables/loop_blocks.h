@@ -85,19 +85,19 @@ bool loop_supervises(const design *design, bool is_damped);
 
 /*
  * Fill the list of the blocks (stages) of a scene's control loop, in the order in which a tick runs
- * them. The list refers to the arguments, which must outlive it.
- *   design     in  numerical model of the scene, with its least-squares problem for the voltages
- *   estimator  in  shape estimator with its gains; all zero where the scene has neither an
- *              estimator nor feed-forward
- *   damper     in  tables of the vibration damper
+ * them.
+ *   design     in  numerical model of the scene; must outlive the list
+ *   estimator  in  shape estimator; all zero where the scene has neither an estimator nor
+ *                  feed-forward; must outlive the list
+ *   damper     in  tables of the vibration damper; must outlive the list
  */
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
                       const damper *damper);
 
 /*
- * Add the blocks that make test pulses (slow, smooth pulses of an amplifier's voltage) to a filled
- * list of the blocks (stages) of a control tick, where the scene has such blocks: the self-test,
- * and the fault detector of a loop that damps vibration.
+ * Add the blocks (stages of a control tick) that make test pulses to a filled list: the self-test,
+ * and the fault detector of a loop that damps vibration. Blocks that the scene does not have are
+ * left out.
  *   wiring in  tables of the self-test; must outlive the list
  *   pulses in  tables of the test pulses of the fault detector; must outlive the list
  */

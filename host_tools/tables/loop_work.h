@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Number of processor instructions in a control tick, for each block (part) of the tick: upper
- * bounds that follow from the sizes of the tables, and the largest work of the optimiser with which
- * a tick stays within the bounds. The bounds count the operations in the loops of each block, each
- * with the number of instructions that gcc generates for it; tests/bench/count_bound.sh compares
- * them with instructions counted in QEMU. Ticks that repair damaged memory are not bounded, and
- * more than LOOP_WORK_MISSED missed ticks before a tick may lengthen it.
+ * Upper bounds of the processor instructions in a control tick, for each of its blocks (stages),
+ * computed from the sizes of the tables. They do not cover ticks that repair damaged memory, or
+ * that follow more than LOOP_WORK_MISSED missed ticks.
+ *
+ * Each bound counts the operations in the loops of a block, times the instructions that gcc
+ * generates for an operation. The script tests/bench/count_bound.sh compares the bounds with
+ * instructions counted in QEMU.
  */
 #ifndef LOOP_WORK_H
 #define LOOP_WORK_H

@@ -217,10 +217,8 @@ static pzs_structure controlled(const analysis *analysis)
 }
 
 /*
- * Return the structure that the tables contain. With the option --compact it has no stiffness
- * matrices of the elements. If nearly every element of the mesh is a type of its own, it then has
- * compact element types (pzs_compact_type), without the matrices that the firmware computes from
- * the nodes.
+ * Return the structure that the tables contain. With the option --compact it has no element
+ * stiffness matrices.
  *   whole in  true: with all inputs and outputs; false: with those of the controller alone
  */
 static pzs_structure structure_of_tables(const analysis *analysis, int whole,
@@ -232,6 +230,10 @@ static pzs_structure structure_of_tables(const analysis *analysis, int whole,
     structure.stiffness = NULL;
     structure.compact = compact->type;
     structure.node = compact->node;
+    /*
+     * If nearly every element has its own type, compact types replace the full ones, without the
+     * matrices that the firmware computes from the nodes.
+     */
     if (compact->type)
         structure.type = NULL;
     structure.crc = pzs_structure_crc(&structure);
@@ -534,13 +536,11 @@ static void write_voltage_problem(emitter *emitter, const design *design,
 
 /*
  * Write the voltage optimisation problem and its target.
- *   image in      part of the library for which the firmware's tables are written: control, linear
- *                 or nonlinear
- *   blocks in     blocks (stages) of the control tick, with the problem to be written and the
- *                 limit of the optimiser's work in a tick
- *   facts  in/out whether the tables hold the influence matrix as full matrix or as sparse rows,
- *                 and the numbers of entries from which this was decided; out where image is
- *                 TABLES_CONTROL, otherwise in
+ *   image  in      part of the library that the firmware uses: control, linear or nonlinear
+ *   blocks in      blocks (stages) of the control tick, with the problem to be written
+ *   facts  in/out  whether the influence matrix is stored as full matrix or as sparse rows, and the
+ *                  numbers of entries that decide this; out if image is TABLES_CONTROL, otherwise
+ *                  in
  * Returns 0, or -1 where memory runs out.
  */
 static int write_problem(emitter *emitter, const analysis *analysis, tables_image image,

@@ -37,10 +37,8 @@ typedef struct tables_size {
 } tables_size;
 
 /*
- * Bytes of workspace and of stack that a firmware needs on a device, in single precision [0] and in
- * double precision [1]. The workspace is that of the control loop with all its blocks (stages), of
- * the stiffness matrix and of the equilibrium solver, as far as the firmware contains them. The
- * stack is that of the library alone, which `make test` verifies.
+ * Bytes of workspace and of stack that a firmware needs on a device, in single precision [0] and
+ * double precision [1]. The stack is that of the library alone, without the caller's.
  *   size in  sizes of the tables, which tables_write has determined
  */
 typedef struct tables_memory {
@@ -56,11 +54,10 @@ tables_memory tables_need(const analysis *analysis, tables_image image, const ta
 bool tables_are_compact(const analysis *analysis);
 
 /*
- * Write the tables of a firmware as a C header. A scene always gives identical bytes, because the
+ * Write the tables of a firmware as a C header. The same scene always gives identical bytes: the
  * header contains no dates and no paths.
- *   analysis in   analysis of the scene, whose influence matrix is computed if the scene has a
- *                 target (without a target the tables contain no voltage optimisation problem);
- *                 for image nonlinear the displacement of the scene must be computed before
+ *   analysis in   analysis of the scene. If the scene has a target, its influence matrix must be
+ *                 computed; for image nonlinear, its displacement too
  *   image    in   part of the library that the firmware uses: control, linear or nonlinear
  *   prefix   in   start of every name, a C identifier
  *   size     out  size of the tables

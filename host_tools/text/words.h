@@ -39,12 +39,12 @@ const char *words_unit(const scene_unit_names *units, words_quantity quantity,
 enum { WORDS_FACE = SCENE_NAME + 48 };
 
 /*
- * Write a text that names the electric potentials on a face of a layer, such as "potential of layer
- * 1 upper, inner face", where upper is the name of the layer. Returns whether the face carries no
- * electrode; only then its potential varies from node to node.
- *   layer [layers] in  layers of the scene
- *   k              in  face: 2 layer for the inner and 2 layer + 1 for the outer face, layers from
- *       0
+ * Write the name of the electric potentials on a face of a layer, such as "potential of layer 1
+ * upper, inner face" for a layer named upper. Returns whether the face is bare (carries no
+ * electrode), so that its potential varies from node to node.
+ *   layer [layers] in   layers of the scene
+ *   k              in   number of the face: 2 i for the inner and 2 i + 1 for the outer face of
+ *                       layer i, counted from 0
  */
 bool words_bare_face(const scene_layer *layer, int k, char text[WORDS_FACE]);
 
