@@ -8,19 +8,17 @@
 static const double two_pi = 6.283185307179586;
 
 /*
- * Settings of the vibration damper (stage of the control tick that damps vibration) from which the
- * stability tests trial_choose one row.
+ * Settings of the vibration damper, of which the stability tests choose one row. The first three
+ * rows compensate a load step fast; the rows with less noise in the voltages come first. The other
+ * rows tolerate larger deviations of the readings' delay.
  *   damping  strength of the damping
  *   mix      weight of the change of velocity in the computed deviation from equilibrium
  *   follow   speed at which the voltages approach the statically optimal voltages
- *   drift    random change of the loads that the observer assumes
+ *   drift    random change of the loads that the observer assumes; larger values estimate a load
+ *            faster and let more sensor noise into the voltages
  *   kick     random change of the velocity that the observer assumes
  *   later    assumed additional age of the sensor readings (ticks)
  * Units and definitions are those of damper_settings.
- *
- * The first three settle a load step fast. The larger `drift` is, the faster the observer estimates
- * a load, and the more the noise of the sensors moves the voltages: smaller ones come first. The
- * other settings tolerate larger deviations of the readings' delay.
  */
 static const struct {
     double damping, mix, follow, drift, kick;
@@ -40,11 +38,9 @@ enum { CHOICES = sizeof choices / sizeof *choices };
 static const double slowest = 1.25;
 
 /*
- * Regularisations of the voltages, relative to the mean diagonal entry of the Hessian, that are
- * tried for a loop that is not stable. Some combinations of voltages hardly move the target, but
- * they move vibration modes. Without regularisation the controller uses large voltages of this kind
- * to reduce small errors of the shape, which excites the modes. Regularisation keeps these voltages
- * small.
+ * Relative regularisations of the voltages (factors of the mean diagonal entry of the Hessian) that
+ * are tried for an unstable loop. They suppress combinations of voltages that hardly move the
+ * target but excite vibration modes.
  */
 static const double cures[] = {1e-4, 1e-2};
 
@@ -166,17 +162,22 @@ static bool tolerates_all(const certificate_loop *loop)
 
 /*
  * Whether a loop with other settings is better than the best loop so far. A loop that passes all
- * tests is better than one that does not. Among loops that fail, that with fewer failed storms
- * (simulations with fast jumps of the target) is better. Among loops that pass, that which
- * tolerates the larger deviation of the readings' delay is better, unless it settles much later.
+ * tests is better than one that fails.
  *   fastest in  mean number of ticks until the shape settles, with the first settings that pass
  */
 static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
 {
     if (!best->is_made || loop->is_stable != best->is_stable)
         return !best->is_made || loop->is_stable;
+    /*
+     * Among loops that fail, the one with fewer failed storms (fast jumps of the target) is better.
+     */
     if (!loop->is_stable)
         return loop->failed + loop->target.failed < best->failed + best->target.failed;
+    /*
+     * Among loops that pass, the one that tolerates the larger deviation of the readings' delay is
+     * better, unless it settles much later.
+     */
     return tolerance_of(loop) > tolerance_of(best) && loop->ticks <= slowest * fastest;
 }
 
@@ -194,11 +195,11 @@ static int try_older(trial *trial, int choice, bool *tolerates, char *error)
 }
 
 /*
- * Test one choice of settings of the vibration damper, and keep it where it is better than the best
- * one so far. Once settings have passed all tests, others can only be better by tolerating readings
- * that are one tick older, which is then tested first.
+ * Test one row of the table `choices` of damper settings, and keep it if it is better than the best
+ * one so far.
  *   load_step in      time in which the loop compensates a load step with these settings (periods)
- *   fastest   in/out  mean number of ticks of a storm with the first settings that pass
+ *   fastest   in/out  mean number of ticks of a storm (fast jumps of the target) with the first
+ *                     settings that pass
  * Returns 0, or -1 with error filled.
  */
 static int compare_choice(trial *trial, int choice, double load_step, double *fastest, char *error)
@@ -208,6 +209,10 @@ static int compare_choice(trial *trial, int choice, double load_step, double *fa
     damper_options options;
     bool tolerates = true;
     const bool has_stable = certificate->loop.is_stable;
+    /*
+     * After settings that pass all tests, others can only be better if they tolerate readings that
+     * are one tick older. This quick test comes first.
+     */
     if (has_stable && try_older(trial, choice, &tolerates, error) < 0)
         return -1;
     if (!tolerates)
@@ -236,14 +241,14 @@ typedef struct candidate {
 } candidate;
 
 /*
- * Test the settings of the vibration damper in one row of the table `choices`, and keep them if
- * they are better than the best ones so far. They are not tested twice, nor if they assume readings
- * older than PZS_DELAY_LIMIT ticks.
+ * Test the damper settings in one row of the table `choices`, and keep them if they are better than
+ * the best ones so far. Settings are tested once, and only if they assume readings at most
+ * PZS_DELAY_LIMIT ticks old.
  *   only_fast in      true: leave out settings that compensate a load step more slowly than in
- *       CERTIFICATE_LOAD_STEP periods
+ *                     CERTIFICATE_LOAD_STEP periods
  *   candidate in/out  results so far of this row
- *   fastest   in/out  mean number of ticks in which storms (simulations with fast jumps of the
- *       target) settle with the first settings that passed all tests
+ *   fastest   in/out  mean number of ticks of a storm (fast jumps of the target) with the first
+ *                     settings that pass
  * Returns 0, or -1 with error filled.
  */
 static int consider(trial *trial, int choice, bool only_fast, candidate *candidate, double *fastest,
@@ -273,6 +278,10 @@ int trial_choose(trial *trial, char *error)
     if (trial_use(trial, &first, error) < 0)
         return -1;
     const double angle = first_angle(trial);
+    /*
+     * Fast compensation is required only where a period has enough ticks, and where the scene file
+     * requires no tolerance of older readings (delay_margin).
+     */
     const bool asks = angle > 0 && angle < CERTIFICATE_ANGLE && control->delay_margin == 0;
     for (int i = 0; i < CHOICES && asks && !tolerates_all(best); i++)
         if (consider(trial, i, true, &of[i], &fastest, error) < 0)

@@ -159,11 +159,9 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 
 /*
  * Find how far the tick rate can be raised (factor 2) or lowered (factor 1/2) until the control
- * loop is no longer stable. Starting from a stable rate, the rate is multiplied by `factor` as long
- * as the loop stays stable. Then the geometric mean of the last
- * stable and the first unstable rate is tried.
+ * loop is no longer stable, to half an octave.
  *   from in   stable tick rate (1/s)
- *   rate out  last rate at which the loop is stable (1/s)
+ *   rate out  last rate at which the loop is stable (1/s), at most OCTAVES octaves from `from`
  * Returns 0, or -1 with error filled.
  */
 static int find_rate(trial *trial, double from, double factor, double *rate, char *error)

@@ -114,11 +114,9 @@ int trial_run_storms(const storm_rig *rig, int count, int enough, certificate_lo
 
 /*
  * Test the stability of the loop on the structure linearised about the equilibrium at its target
- * shape. The growth of small vibrations is measured on structures with other static responses and
- * frequencies than this one. If the vibrations decay on all of them, a third of the storms
- * (simulations with fast jumps of the target) are run: those with the first of three random
- * sequences of targets. If the structure has no such equilibrium, only the reason is stored.
- *   enough  in  number of storms that fail to settle after which the others are left out
+ * shape. If the structure has no such equilibrium, only the reason is stored in `target`.
+ *   enough  in  number of storms (simulations with fast jumps of the target) that fail to settle
+ *               after which the others are left out
  * Returns 0, or -1 with error filled.
  */
 int trial_certify_target(const trial *trial, int enough, certificate_target *target, char *error);
@@ -131,8 +129,7 @@ bool trial_visit_pass(void *context, const storm_task *task, const storm_result 
 
 /*
  * Test the control loop with sensor readings that are `older` ticks older than the scene file
- * states. The structures are the model, and others with higher or lower static responses and
- * frequencies.
+ * states, on the model and on structures with other static responses and frequencies.
  *   storms  in   number of storms (simulations with fast jumps of the target) to run
  *   settles out  whether small vibrations decay and the shape settles after the jumps
  * Returns 0, or -1 with error filled.
@@ -141,11 +138,11 @@ int trial_try_age(const storm_rig *rig, int storms, int older, bool *settles, ch
 
 /*
  * Count by how many ticks the sensor readings may be older (sign = 1) or newer (sign = -1) than the
- * scene file states. The count ends where small vibrations grow, or where the shape no longer
- * settles after fast jumps of the target.
- *   storms  in  number of storms (simulations with fast jumps of the target) for each age
- *   most    in  largest number of ticks to try
- *   stood   in/out  number of ticks with which the loop has passed these tests
+ * scene file states, with the loop still stable.
+ *   storms  in      number of storms (simulations with fast jumps of the target) for each age
+ *   most    in      largest number of ticks to try
+ *   stood   in/out  number of ticks with which the loop has passed the tests of trial_try_age
+ * Returns 0, or -1 with error filled.
  */
 int trial_count_ages(const storm_rig *rig, int storms, int sign, int most, int *stood, char *error);
 
@@ -160,12 +157,10 @@ int trial_try_neighbouring_ages(const trial *trial, certificate_loop *loop, char
 /* ---- choice of the settings (certify_choice.c) -------------------------- */
 
 /*
- * Choose the settings of the vibration damper: settings that compensate a load step fast enough and
- * pass all tests, or, if there are none, other settings that pass. Fast compensation is not
- * required in two cases: if the phase of the first observed mode advances by CERTIFICATE_ANGLE or
- * more in a tick, or if the scene file requires a margin of the readings' delay (delay_margin). In
- * the latter case the loop must pass with readings one tick older. Returns 0, or -1 with error
- * filled.
+ * Choose the settings of the vibration damper from the table `choices`. Settings that compensate a
+ * load step fast enough and pass all tests are preferred to others that pass. If the scene file
+ * requires delay_margin, the settings must also pass with readings one tick older. Returns 0, or -1
+ * with error filled.
  */
 int trial_choose(trial *trial, char *error);
 
