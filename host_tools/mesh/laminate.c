@@ -254,10 +254,10 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
 
 /*
  * Compute the factors by which the strains of an element at height z are divided: squares and
- * products of the length ratios of lines of curvature (length at height z over length in the
- * reference surface). They are 1 where the element option `metric` is off, and on elements not
- * along lines of curvature, which natural_stiffness and natural_stress treat.
- *   share [6] out  the factors, order 11 22 33 23 13 12
+ * products of the length ratios (length at height z over length in the reference surface) of lines
+ * of curvature.
+ *   share [6] out  the factors, order 11 22 33 23 13 12; 1 where the element option `metric` is
+ *       off, and on elements not along lines of curvature (natural_stiffness)
  * Returns the area of the element at height z over that in the reference surface.
  */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,

@@ -112,10 +112,13 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
                          double map[6][6]);
 
 /*
- * Compute the stiffness matrices of an element in its four strain modes: strains constant over the
- * element (00), proportional to xi2 (01), xi1 (10) and xi1 xi2 (11), with the natural coordinates
- * from -1 to 1. They contain the factors of the integral of the strain energy: area, area/(3 -
- * alpha_1^2), area/(3 - alpha_2^2) and area/9, with alpha_1 and alpha_2 from laminate_place.skew.
+ * Compute the stiffness matrices of an element in its four strain modes, with the factors of the
+ * strain energy's integral over the element:
+ *   00  constant strains                  area
+ *   01  strains proportional to xi2       area/(3 - alpha_1^2)
+ *   10  strains proportional to xi1       area/(3 - alpha_2^2)
+ *   11  strains proportional to xi1 xi2   area/9
+ * with the natural coordinates xi1, xi2 from -1 to 1, and the skew alpha of laminate_place.
  *   packed [4][55] out  lower triangles of the matrices (N m) for the ten strains, packed by rows
  * Returns 0, or -1 if no ply is present.
  */

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Quadratic part of the in-plane strains e + z k + z^2 m of an element, with the height z above the
- * middle of all plies. An element has two numbers for each strain, at both faces, and therefore a
- * straight line a + b z/thickness in place of z^2. The element option `quadratic` chooses this
- * line:
- * - on: least deviation from z^2, weighted with the stiffness of the plies, so that membrane forces
- *   and moments are the integrals of the stresses (one ply: a = thickness^2/12);
- * - off: a = thickness^2/4 and b = 0, exact at the faces;
- * - omitted: a = b = 0, so that the strains are e + z k.
+ * middle of all plies. An element knows each strain at both faces only, and uses a straight line a
+ * + b z/thickness in place of z^2. The element option `quadratic` chooses the line:
+ *   on       least deviation from z^2, weighted with the stiffness of the plies, so that resultants
+ *       are integrals of the stresses; one ply: a = thickness^2/12, b = 0
+ *   off      a = thickness^2/4 and b = 0, exact at the faces
+ *   omitted  a = b = 0: the strains are e + z k
  */
 #ifndef LAMINATE_HEIGHT_H
 #define LAMINATE_HEIGHT_H

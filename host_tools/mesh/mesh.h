@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh of a scene: nodes, elements, element types and the numbers of the free dof. The free dof are
- * numbered for a small envelope of the stiffness matrix's factor: fastest along the direction with
- * the narrower band. Along the other direction, if it is closed, the n mesh lines follow in the
- * order 0, n-1, 1, n-2 and so on. Nodes are numbered fastest along the surface coordinate theta2.
+ * Mesh of a scene: nodes, elements, element types and the numbers of the free dof. Nodes are
+ * numbered fastest along the surface coordinate theta2, free dof fastest along the direction with
+ * the narrower band, for a small envelope of the stiffness matrix's factor. Along the other
+ * direction, if closed, the n mesh lines follow in the order 0, n-1, 1, n-2 and so on.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -150,7 +150,7 @@ bool mesh_depends_on_axes(const scene_support *support);
 /*
  * Apply the oblique supports of a scene, which hold mean displacements (of both faces) along
  * directions that are no axes of the triads. The dof of such a node are turned to axes that begin
- * with the held directions. Call it after all other supports are marked in node_dof, before the dof
+ * with the held directions. Call it when all other supports are marked in node_dof, before the dof
  * are numbered.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  *   node   [nodes]               out     work array

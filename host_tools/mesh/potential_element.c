@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Electric potentials at the corners of a layer: stress resultants at zero strain, and capacitances
- * (potential_element.h). The potentials cause five fields: the voltage across the layer, and
- * electric fields along the axes 1 and 2 of the shell at both faces. Resultants follow from the
- * means of the fields over the element; capacitances also have a part from the deviations from
- * these means.
+ * (potential_element.h). The potentials cause five fields: the voltage across the layer, and fields
+ * along the axes 1 and 2 of the shell at both faces. Only capacitances depend on deviations of the
+ * fields from their means over the element.
  */
 #include "potential_element.h"
 #include <string.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Springs and stack actuators of a scene. The elongation of a spring is the displacement of its
- * point along its direction, less that of its other end: a sparse row over the free dof. The
- * displacement of a point is the mean of both faces unless a face is named. Distributed springs are
- * lumped at the nodes. The list has one item for each entry of the section `springs`, then one for
- * each actuator (empty without stacks).
+ * point along its direction, less that of its other end: a sparse row over the free dof. Without a
+ * named face, a point moves with the mean of both faces. Distributed springs are lumped at the
+ * nodes. The list has one item for each entry of `springs`, then one for each actuator.
  */
 #ifndef SPRINGS_H
 #define SPRINGS_H

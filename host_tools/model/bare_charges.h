@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Nodal charges of bare faces: faces of piezoelectric layers without electrodes, with an unknown
- * electric potential at each node. The nodal charge (C) is conjugate to it: their product is work.
- * The charges are the last rows of the charge matrix [electrodes and potentials][inputs], per unit
- * of each input; the first rows belong to the electrodes of amplifiers and sensors.
+ * electric potential at each node. The nodal charge (C) is conjugate to the potential. The charge
+ * matrix [electrodes and potentials][inputs] has the charges per unit of each input: first rows for
+ * the electrodes of amplifiers and sensors, last rows for the potentials.
  */
 #ifndef BARE_CHARGES_H
 #define BARE_CHARGES_H

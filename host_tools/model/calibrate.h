@@ -82,9 +82,10 @@ typedef struct wiring_fault {
 enum { WIRING_FAULTS = 16 };
 
 /*
- * Find faults of electrodes and cables that explain the difference between measured shapes and
- * those of a model: first pairs of cables whose exchange lowers the sum of squared differences by
- * at least the fraction WIRING_GAIN, then electrodes that do not act or act with the opposite sign.
+ * Find faults of electrodes and cables that explain the difference between measured shapes and a
+ * model: first pairs of exchanged cables, then electrodes that do not act or act with the opposite
+ * sign. A pair counts if its exchange lowers the sum of squared differences by the fraction
+ * WIRING_GAIN or more.
  *   fault          out  faults found, each with the index of its electrode
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns the number of faults, or -1 where memory runs out.

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Certificate of stability: whether the control loop, whose step treats each shape as an
- * equilibrium, is stable on a structure with mass. The plant has the lowest vibration modes with
- * their damping ratios, the static response of the other modes, and voltages that are constant
- * between ticks. The controller is pzs_tick without limits, which only slow down the growth of
- * vibration:
+ * equilibrium, is stable on a structure with mass. The simulated plant has the lowest vibration
+ * modes and the static response of the others. The controller is pzs_tick without limits:
  *   v' = -F (q - g v),  F = (B'W^2 B + regularisation)^-1 B'W^2 C.
  *   v, v'  voltages before and after the tick
  *   q, g   modal coordinates measured `delay` ticks before, and their static response per volt
  *   B, C   influence matrix and mode shapes
  *   W      weights of the targets
- * The deviation q - g v from equilibrium depends on the product g F alone.
+ * Limits only slow the growth of vibration down. Stability depends on the product g F alone.
  */
 #ifndef CERTIFICATE_H
 #define CERTIFICATE_H

@@ -43,10 +43,10 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
 void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 
 /*
- * Weaken the hysteresis model whose inverse a control loop uses. On a ceramic with less hysteresis,
- * the full inverse would enlarge small voltage changes and raise the loop gain. Play operators
- * (elements with backlash) are replaced by a larger slope until a change after a reversal of the
- * voltage has at least 0.6 of the effect of a change far from one.
+ * Weaken the hysteresis model that a control loop inverts, because on a ceramic with less
+ * hysteresis the inverse would raise the loop gain. Play operators (elements with backlash) are
+ * replaced by a larger slope until a change just after a voltage reversal has at least 0.6 of its
+ * effect far from one.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the control tick that damps vibration (pzs_vibration): the observed modes, their shapes
- * at sensors and outputs, and the gains (damper_gains.h). The tick observes, from the lowest on,
- * modes that move the outputs and advance by at most 2 rad a tick: at most as many as amplifiers
- * that are not held at one voltage, and fewer than sensors. A unit modal coordinate moves the
- * outputs by a root mean square of 1.
+ * Tables of the control tick that damps vibration (pzs_vibration): observed modes, their shapes at
+ * sensors and outputs, and gains (damper_gains.h). The lowest modes that move the outputs and
+ * advance by at most 2 rad a tick are observed: fewer than sensors, and at most as many as
+ * amplifiers with free voltage. A unit modal coordinate moves the outputs by a root mean square of
+ * 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H

@@ -38,10 +38,11 @@ static const double likeness = 0.05;
 
 /*
  * Bounded least-squares problem that fits hysteresis and creep of an actuator to its positions
- * under known voltages. Unknowns: slopes of a piecewise linear function of the voltage, weights of
- * the play operators (elements with backlash) above and below the middle voltage, creep amplitudes,
- * a constant. Rows: one for each position; one for each play operator, to keep its two weights
- * alike; one for each pair of neighbouring creep time constants.
+ * under known voltages.
+ *   unknowns  slopes of a piecewise linear function of the voltage, weights of the play operators
+ *       (elements with backlash) above and below the middle voltage, creep amplitudes, a constant
+ *   rows      one for each position; one for each play operator, to keep its two weights alike; one
+ *       for each pair of neighbouring creep time constants
  */
 typedef struct fit {
     const sweep *sweep;

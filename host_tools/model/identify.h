@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Identification of hysteresis and creep of a ceramic from one measured sweep of voltage and
- * position. Bounded least squares give the slopes, weights and creep amplitudes of the section
+ * position. Bounded least squares fit the slopes, weights and creep amplitudes of the section
  * `hysteresis` of a scene file; slacks and time constants are prescribed. The model is
  *   position = position at the start + gain x effect.
- * The effect (V) is the voltage that would act alike without hysteresis and creep (pzs_hysteresis).
- * It rises with the voltage, because no unknown is negative. The best sweep is a triangle of
- * decreasing amplitude, then a constant voltage.
+ *   effect  voltage (V) that would act alike without hysteresis and creep (pzs_hysteresis)
+ *   gain    position per volt of the effect
+ * The best sweep is a triangle of decreasing amplitude, then a constant voltage.
  */
 #ifndef IDENTIFY_H
 #define IDENTIFY_H

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Identification of vibration modes from the free vibration after steps of the voltages. While the
- * voltages are constant, each reading is a constant plus decaying sinusoids. The method ESPRIT
- * (shift invariance of the signal subspace) gives first estimates of frequencies and damping
- * ratios; least squares over all samples refine them.
+ * Identification of vibration modes from the free vibration after steps of the voltages, which is a
+ * constant plus decaying sinusoids. The method ESPRIT (shift invariance of the signal subspace)
+ * estimates frequencies and damping ratios; least squares over all samples refine them.
  */
 #ifndef IDENTIFY_MODES_H
 #define IDENTIFY_MODES_H

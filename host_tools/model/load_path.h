@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Load path: the curve of equilibria from the reference state, with all input values multiplied by
- * one load factor. The arc-length method with a spherical constraint (Crisfield 1981) follows the
- * curve beyond limit points, at which the load decreases: steps have a prescribed length of
- * displacement. Equal steps of the load factor, up to the first limit point, replace it for
- * prescribed displacements, moving contact bodies, and shells that the contact alone holds.
+ * one load factor. The arc-length method (Crisfield 1981), with steps of prescribed length, follows
+ * it beyond limit points, where the load decreases. Prescribed displacements, moving contact bodies
+ * and shells held by contact alone need equal steps of the load factor, which end at a limit point.
  */
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H

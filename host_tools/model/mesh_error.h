@@ -45,13 +45,13 @@ typedef struct mesh_error {
  * Estimate the discretisation error from the results on two or three meshes, the element size of
  * which halves from one to the next. The result is extrapolated with second order, the order of the
  * element's displacement. The uncertainty, at least 1e-9 of the result, is
- * - for two meshes, 1.5 |d|;
- * - for three meshes, the larger of |d| and |c|/4;
- * - for three meshes that converge more slowly, in addition |d|/(c/d - 1) - |d|/3;
- * - for results that rise and then fall, or the reverse, (4 |d| + |c|)/3.
- *
- *   d  difference between the results on the two finest meshes
- *   c  difference between the results on the second and the third finest mesh
+ *   1.5 |d|                                      for two meshes
+ *   max(|d|, |c|/4)                              for three meshes
+ *   max(|d|, |c|/4) + |d|/(c/d - 1) - |d|/3      for three meshes, convergence below second order
+ *   (4 |d| + |c|)/3                              for results that rise and then fall, or the
+ *       reverse
+ * with the difference d between the two finest meshes and c between the second and the third
+ * finest.
  *   value [meshes] in  results, that of the finest mesh first
  *   meshes         in  2 or 3
  */

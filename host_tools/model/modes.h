@@ -43,8 +43,7 @@ typedef struct modes {
 
 /*
  * Compute the results of every target shape of a scene that lists several as alternatives, linear
- * or nonlinear (analysis->is_nonlinear). The influence matrix must have been computed. The target
- * of the scene is restored afterwards.
+ * or nonlinear as analysis->is_nonlinear says. Needs the influence matrix; the target is restored.
  *   limit  [limits] in  pairs of voltage limits that all amplifiers share, besides their own limits
  * Returns 0, or -1 with error filled; call modes_free in either case.
  */

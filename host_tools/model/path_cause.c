@@ -5,9 +5,9 @@
 
 /*
  * Threshold of Green's strain in a face of the shell, below which the material counts as softened.
- * The stress is linear in Green's strain, so that a compressive force has a maximum at the strain
- * -1/3, and the bending moment of a strip at -0.35 of its inner face. The threshold is closer to
- * zero because strains at the centres of elements are smaller in size than the largest ones.
+ * With stress linear in Green's strain, a compressive force has its maximum at the strain -1/3. The
+ * threshold is closer to zero, because strains at element centres are smaller in size than the
+ * largest.
  */
 static const double soft_strain = -0.3;
 

@@ -23,10 +23,12 @@ bool path_is_softened(const load_path *path);
 bool path_has_lost_normal(const load_path *path, const mesh *mesh);
 
 /*
- * Fill a text with the most likely cause of the critical points or the end of a load path: the
- * solver's last status for equal load steps and solver errors; otherwise a turn of the shell that
- * takes the stiffness of the seventh dof (at the last point), compression that softens the material
- * law, or a bend too sharp for one element (both at the first limit point, bifurcation or the end).
+ * Fill a text with the most likely cause of the critical points or the end of a load path:
+ *   equal load steps, or a solver error   the last status of the solver
+ *   at the last point of the path         a turn of the shell that takes the stiffness of the
+ *       seventh dof of a node
+ *   at the first limit point, otherwise bifurcation, otherwise the last point   compression that
+ *       softens the material law; otherwise a bend too sharp for one element
  */
 void path_cause(const load_path *path, const analysis *analysis, char text[PATH_CAUSE_BYTES]);
 

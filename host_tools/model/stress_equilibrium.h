@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Transverse shear and normal stresses from equilibrium through the thickness. In the directions a
- * = 1, 2 of the principal curvatures, a shell without body forces satisfies
+ * Transverse shear and normal stresses from equilibrium through the thickness. In the directions 1
+ * and 2 of the principal curvatures, a shell without body forces satisfies
  *   d(c_1^2 c_2 s_13)/dz = -c_1^2 c_2 (s_11,1/c_1 + s_12,2/c_2), and so for s_23,
  *   d(c_1 c_2 s_33)/dz = -c_2 s_13,1 - c_1 s_23,2 + c_2 k_1 s_11 + c_1 k_2 s_22.
  *   s_ij  stresses at the height z above the reference surface
  *   c_a   1 + k_a z, with the principal curvature k_a
  *   ,a    derivative along direction a: least-squares fit to the element and its neighbours
  *
- * Gradients of the two normal forces and of the two bending moments are corrected so that the shear
- * stress vanishes at both faces and integrates to the element's shear resultant. An element without
- * neighbours uses the moments alone (laminate_shear.h). The mean of s_33 is the element's normal
- * stress.
+ * The gradients are corrected so that the shear stress vanishes at both faces and integrates to the
+ * element's shear resultant. An element without neighbours uses the gradients of the two bending
+ * moments alone (laminate_shear.h). The mean of s_33 is the element's normal stress.
  */
 #ifndef STRESS_EQUILIBRIUM_H
 #define STRESS_EQUILIBRIUM_H

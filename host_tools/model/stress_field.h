@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Stresses and strains of a solved structure, recovered from its displacement on the host.
- * - In-plane strains and stresses are those at the element's centre; strains are linear through the
- *   thickness, with the exact lengths at each height of a curved shell.
- * - With the element option lin33, the thickness strain of each ply follows from one normal stress
- *   33 of all plies; otherwise it is linear too.
- * - Transverse shear and normal stresses follow from equilibrium (stress_equilibrium.c).
- * - At large rotations, strains are Green's and stresses second Piola-Kirchhoff stresses, in the
- *   directions of the undeformed shell.
+ * Stresses and strains of a solved structure at the centres of its elements, recovered from its
+ * displacement on the host.
+ *   in-plane strains   linear through the thickness, with the exact lengths at each height of a
+ *       curved shell
+ *   thickness strain   linear, or with the element option lin33 that of each ply under one normal
+ *       stress 33 of all plies
+ *   shear and normal stresses 13, 23, 33   from equilibrium (stress_equilibrium.c)
+ * At large rotations, strains are Green's and stresses second Piola-Kirchhoff stresses, in the
+ * directions of the undeformed shell.
  */
 #ifndef STRESS_FIELD_H
 #define STRESS_FIELD_H

@@ -5,10 +5,10 @@
  *   K x = w^2 M x.
  *   K, M  stiffness and mass matrix
  *   w     angular frequency
- * A band Lanczos method on (K + shift M)^-1 M with full reorthogonalisation computes them; the
- * shift is positive only if rigid motions are possible. The negative pivots of K - s M, with s just
- * above the last squared frequency, prove that no mode is missing. With a measured influence matrix
- * the modes are those of the scene (vibration_measured.c).
+ * The method is band Lanczos on (K + shift M)^-1 M; the shift is 0 unless rigid motions are
+ * possible. The negative pivots of K - s M, with s just above the last w^2, prove that no mode is
+ * missing. With a measured influence matrix the modes are those of the scene
+ * (vibration_measured.c).
  */
 #ifndef VIBRATION_H
 #define VIBRATION_H

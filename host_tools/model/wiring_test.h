@@ -20,8 +20,8 @@ typedef struct wiring_test {
 
 /*
  * Make the tables of the self-test of amplifiers, cables and sensors. A test pulse lasts as long as
- * the scene file says, or six periods of the first vibration mode where known, and at least as long
- * as its height needs under the step limits.
+ * the scene file says, or six periods of the first vibration mode where known; longer if its height
+ * needs more ticks under the step limits.
  *   analysis  in  analysis with influence matrix and, for the six periods, vibration modes; must
  *       outlive the self-test
  *   estimator in  shape estimator of the controller, which must outlive the self-test; NULL: every
