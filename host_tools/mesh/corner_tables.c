@@ -59,9 +59,9 @@ static pzs_node node_of(const surface_point *point)
 
 /*
  * Compute the corner tables with the element option `cartesian`: a strain is the difference of the
- * displacement vectors of two corners, in the triad (local axes) of the corner, over the length of
- * their side. The library function is the one that a firmware without stored tables calls, so that
- * the numbers are equal.
+ * displacement vectors of two corners over the length of their side, in the triad (local axes) of
+ * the corner. A firmware without stored tables calls the same library function and gets equal
+ * numbers.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])

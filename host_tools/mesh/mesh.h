@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh of a scene: nodes, elements, element types and the numbers of the free dof. Nodes are
- * numbered fastest along the surface coordinate theta2, free dof fastest along the direction with
- * the narrower band, for a small envelope of the stiffness matrix's factor. Along the other
- * direction, if closed, the n mesh lines follow in the order 0, n-1, 1, n-2 and so on.
+ * Mesh of a scene: nodes, elements, element types and the numbers of the free dof. On mesh lines,
+ * nodes are numbered fastest along the surface coordinate theta2. Free dof are numbered for a small
+ * envelope of the stiffness matrix's factor: fastest along the direction with the narrower band. If
+ * the other direction is closed, its n mesh lines follow in the order 0, n-1, 1, n-2 and so on.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -150,12 +150,11 @@ bool mesh_depends_on_axes(const scene_support *support);
 /*
  * Apply the oblique supports of a scene, which hold mean displacements (of both faces) along
  * directions that are no axes of the triads. The dof of such a node are turned to axes that begin
- * with the held directions. Call it when all other supports are marked in node_dof, before the dof
- * are numbered.
+ * with the held directions. Call it when node_dof marks all other supports, before the dof are
+ * numbered.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  *   node   [nodes]               out     work array
- * Returns 0, or -1 with error filled if directions or prescribed values at a node contradict each
- * other.
+ * Returns 0, or -1 with error filled if directions or values at a node contradict each other.
  */
 int mesh_hold_oblique(mesh *mesh, double *values, int *node, char *error);
 

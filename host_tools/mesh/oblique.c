@@ -277,10 +277,9 @@ static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 }
 
 /*
- * Mark the dof of a node that supports hold or prescribe. The dof stay along the triad (local axes)
- * if all prescribed displacements are 0 and the held directions are axes of the triad or span the
- * space. Otherwise the mesh gets new axes for the node's mean displacements, the held directions
- * first.
+ * Mark the dof of a node that supports hold or prescribe. They stay along the triad (local axes) if
+ * all prescribed displacements are 0 and the held directions are axes of the triad or span the
+ * space. Otherwise the node gets new axes, which begin with the held directions.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  */
 static void hold_node(mesh *mesh, int node, double *values, held_axes *held)

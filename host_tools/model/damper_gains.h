@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Gains of the control tick that damps vibration (pzs_vibration), from a modal model: propagators
- * of free vibration, observer, and the damping term subtracted from the gradient of the tick's
- * objective. The observer is a stationary Kalman filter, whose covariance P solves
+ * of free vibration, observer, and damping term in the gradient of the tick's objective. The
+ * observer is a stationary Kalman filter, whose covariance P solves
  *   P = A P A' - A P C' (C P C' + 1)^-1 C P A' + Q.
  *   states  of each mode: position q, velocity p over angular frequency, static position w under
  *       loads
@@ -10,8 +10,8 @@
  *       voltages v and the static coordinate g per volt
  *   C       readings per unit of each state, divided by the noise of their sensors
  *   Q       process noise of p and w
- * All settings are dimensionless: noise relative to that of the sensors; damping, frequencies and
- * rates by the phase angle of a mode in a tick (angular frequency times tick interval, rad).
+ * All settings are dimensionless: relative to the noise of the sensors, or to the phase angle of a
+ * mode in a tick (angular frequency times tick interval, rad).
  */
 #ifndef DAMPER_GAINS_H
 #define DAMPER_GAINS_H

@@ -324,8 +324,8 @@ static bool restore_start(arc_search *arc_search)
 }
 
 /*
- * Make a step from the last converged point of the load path, whose tangent stiffness is factored:
- * a change along the tangent of the path, then corrections.
+ * Make a step along the tangent of the load path from the last converged point, whose tangent
+ * stiffness is factored; then correct it.
  *   change in  first change of the load factor
  *   arc    in  length of the step; 0: the load factor stays at its first change
  * Returns whether the step has converged without reversing the direction of the path. The tangent

@@ -168,10 +168,10 @@ typedef struct bend {
 } bend;
 
 /*
- * Return the number of elements that a point force requires on a quarter turn of a curved shell of
- * radius R, thickness h and length L: two for each of the (R/h)^(1/4) (R/L)^(1/2) waves of the
- * dent, at most one for each bending length sqrt(R h). The result is 0 for a strip narrower than
- * that, which bends like a ring.
+ * Return the number of elements that a point force requires on a quarter turn of a curved shell:
+ * two for each wave of its dent, at most one for each bending length sqrt(R h). A strip narrower
+ * than this length bends like a ring and gives 0. The dent has (R/h)^(1/4) (R/L)^(1/2) waves.
+ *   R, h, L  radius, thickness and length of the shell
  */
 static double elements_needed(const bend *bend)
 {

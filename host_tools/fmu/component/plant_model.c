@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The plant of a scene as the model in an FMU (functional mock-up unit): amplifiers, cables,
- * ceramic, linear structure with or without vibration, and sensors. Functions and order are those
- * of simulate_loop.c, so that `pzs simulate` gives identical bits. After a step, the readings are
- * those for the controller's next tick. A load set before a step acts from the end of that step.
+ * ceramic, linear structure with or without vibration, and sensors. Functions are called in the
+ * order of simulate_loop.c, so that `pzs simulate` gives identical bits. Readings after a step
+ * belong to the controller's next tick; a load set before a step acts from its end.
  */
 #include <math.h>
 #include <stdio.h>
