@@ -94,9 +94,9 @@ pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem 
 /*
  * Move the test voltages, calibration.info.voltage, by one tick towards the present test pattern,
  * within all limits. In a pattern every input is at plus or minus its test amplitude; once the
- * voltages have settled, the next pattern begins. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_LIMITS
- * (input info.where has no finite voltage range), PZS_E_CRC (the limits are damaged; the voltages
- * stay).
+ * voltages have settled, the next pattern begins. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
+ *   PZS_E_LIMITS  input info.where has no finite voltage range
+ *   PZS_E_CRC     the limits are damaged; the voltages stay
  */
 pzs_status pzs_calibration_excite(pzs_calibration *calibration);
 
@@ -106,9 +106,9 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration);
  * differences of readings and of voltages from a reference state.
  *   voltage [inputs]  in  voltages of the amplifiers (V)
  *   reading [outputs] in  sensor readings (m)
- * Warning: PZS_W_SENSOR (reading info.where is not finite or too large; the record is ignored).
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (a voltage is not finite, or squares
- * overflow).
+ * Warning, errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
+ *   PZS_W_SENSOR     reading info.where is not finite or too large; the record is ignored
+ *   PZS_E_NONFINITE  a voltage is not finite, or squares overflow
  */
 pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *voltage,
                                   const pzs_real *reading);
@@ -120,9 +120,11 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
  *   spread    [inputs]          out  standard error of entry (i, k) of the matrix is spread[k]
  *                                    times the square root of info.noise[i] (1/V); with a finite
  *                                    settings.memory it is an upper bound
- * Warning: PZS_W_UNOBSERVABLE (the records do not determine the effect of input info.where: its
- * column is that of pzs_calibration_init; its spread and those of inputs that always moved with it
- * are infinite). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * Warning, errors:
+ *   PZS_W_UNOBSERVABLE  The records do not determine the effect of input info.where. Its column is
+ *                       that of pzs_calibration_init; its spread and those of inputs that always
+ *                       moved with it are infinite.
+ *   PZS_E_ARGUMENT, PZS_E_STAGE
  *
  * An amplifier that is off gives no warning, but a column that differs from 0 by its standard
  * errors at most: test for it before use.

@@ -50,9 +50,9 @@
 
 /*
  * PZS_VFP: 1 computes products of matrices and vectors with assembler instructions of the Arm
- * floating-point unit, to the same bits as the C code in about 0.6 times the instructions. It needs
- * gcc or clang, the Thumb-2 instruction set, a floating-point unit, PZS_REAL_BITS 32 and PZS_TILE
- * 4, and is 1 by default where all of these are given.
+ * floating-point unit, to the same bits as the C code in about 0.6 times the instructions. Default:
+ * 1 where possible, that is with gcc or clang, the Thumb-2 instruction set, a floating-point unit,
+ * PZS_REAL_BITS 32 and PZS_TILE 4.
  */
 #ifndef PZS_VFP
 #if defined(__GNUC__) && defined(__thumb2__) && defined(__ARM_FP) && PZS_REAL_BITS == 32 &&        \

@@ -249,12 +249,13 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 
 /*
  * pzs_hold fixes the voltage of one input, for example of a dead electrode at 0 V. pzs_release lets
- * the controller choose it again.
+ * the controller choose it again. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  *   voltage in  voltage (V), clamped to the limits of the tables
- * The next pzs_tick or pzs_step applies the fixed voltage at once, even beyond the step limit
- * (warning PZS_W_STEP_LIMIT). Where sums of voltages are limited, it is reached gradually within
- * all limits (warning PZS_W_LIMIT_ROWS); meanwhile the other voltages move towards the safe
- * voltages of pzs_limit_rows. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
+ *   - The next pzs_tick or pzs_step applies the voltage, even beyond the step limit (warning
+ *     PZS_W_STEP_LIMIT).
+ *   - Where sums of voltages are limited, the voltage is reached gradually within all limits
+ *     (warning PZS_W_LIMIT_ROWS). Meanwhile the other voltages move towards the safe ones of
+ *     pzs_limit_rows.
  */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage);
 pzs_status pzs_release(pzs_control *control, uint16_t input);
@@ -277,8 +278,8 @@ typedef struct pzs_report {
 
 /*
  * Assess the present voltages of a controller from the influence matrix alone, independently of the
- * optimiser, against the present voltage limits, narrowed by the step limits of the last tick. The
- * call takes 3 inputs*outputs multiply-adds; a control loop does not need it.
+ * optimiser, with 3 inputs*outputs multiply-adds; a control loop does not need it. The limits are
+ * the present ones, narrowed by the step limits of the last tick.
  *   error  [outputs] in   error passed to the last pzs_step, or, after pzs_tick, target minus
  *                         info.disturbance (m)
  *   report           out  unchanged after an error

@@ -15,12 +15,11 @@ extern "C" {
  * Tables of limits of weighted sums of voltages, in addition to the limits of each voltage: for
  * example the largest difference of two neighbouring voltages. Limit row k demands
  *   lower[k] <= sum over the inputs of (coefficient in row k of `sums` * voltage) <= upper[k].
- * The last absolute_count rows take absolute values of the voltages, for example to limit the
- * current of a common supply.
- *
- * All voltages that the controller gives obey these limits exactly, because the optimiser narrows
- * each limit by the rounding error of the sum. A program without such limits does not link their
- * code.
+ *   - The last absolute_count rows take absolute values of the voltages, for example to limit the
+ *     current of a common supply.
+ *   - All voltages that the controller gives obey these limits exactly, because the optimiser
+ *     narrows each limit by the rounding error of the sum.
+ *   - A program without such limits does not link their code.
  */
 typedef struct pzs_limit_rows {
     const struct pzs_limit_row_calls *call; /* functions that implement limits of sums of voltages:

@@ -274,11 +274,11 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
 /*
  * Copy the voltages to apply that the last tick of a control loop has computed; all belong to one
  * tick. The function is for a part of the program that may run while a tick runs, such as an
- * interrupt that feeds converters.
+ * interrupt. On a processor that reorders writes, or with DMA, place its memory barrier after the
+ * tick.
  *   voltage [inputs] out  voltages to apply (V)
- * On a processor that reorders writes, or with DMA, place its memory barrier after the tick.
- * Warning: PZS_W_HELD (ticks kept interrupting the copy; ignore `voltage`). Errors: PZS_E_ARGUMENT,
- * PZS_E_STAGE.
+ * Warning, errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
+ *   PZS_W_HELD  ticks kept interrupting the copy; ignore `voltage`
  */
 pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage);
 
@@ -394,12 +394,13 @@ pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_READINGS) that corrects late readings: it adds to
- * each the change predicted from the voltages applied since the reading was taken.
+ * each the change predicted from the voltages applied since the reading was taken. Tables:
+ * pzs_reading_delay.
  *   - A missing or stuck reading becomes NaN.
  *   - The block is the first of its list except for pzs_effect_block.
  *   - A list with the vibration damper, which takes the delay into account, does not need it.
- * Tables: pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other
- * sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
+ * Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT,
+ * PZS_E_CRC, PZS_E_NONFINITE.
  */
 extern const pzs_block_type pzs_reading_delay_block;
 #define PZS_READING_DELAY_BLOCK_BYTES(inputs, sensors, delay)                                      \
@@ -588,10 +589,11 @@ typedef struct pzs_supervisor {
 pzs_status pzs_supervisor_give(pzs_supervisor *supervisor, pzs_supervisor_command command);
 
 /*
- * Return the duration (ticks) of a ramp of the supervisor: pzs_supervisor_ramp between two voltage
- * vectors, pzs_supervisor_longest_ramp from anywhere inside the limits to the park voltages or to
- * the reference voltages of the optimisation. Inputs whose step limit is 0 do not count.
- * UINT32_MAX: a limit is infinite, so there is no bound.
+ * Return the duration (ticks) of a ramp of the supervisor, UINT32_MAX if a limit is infinite.
+ * Inputs whose step limit is 0 do not count.
+ *   pzs_supervisor_ramp          between two voltage vectors
+ *   pzs_supervisor_longest_ramp  from anywhere inside the limits to the park voltages or to the
+ *                                reference voltages of the optimisation
  *   from, to [inputs] in  voltages at the start and at the end (V)
  */
 uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *problem,
@@ -606,12 +608,13 @@ pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_SUPERVISE) that decides whether the loop controls
- * the voltages or ramps them to the park voltages, which are safe. Tables: pzs_supervision. Memory
- * returned by pzs_loop_find: pzs_supervisor.
- *
- * Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT,
- * PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the park voltage of input info.where is outside its
- * voltage limits, or the park voltages violate a limit of a sum of voltages).
+ * the voltages or ramps them to the park voltages, which are safe.
+ *   tables                             pzs_supervision
+ *   memory returned by pzs_loop_find   pzs_supervisor
+ * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and
+ *   PZS_E_ARGUMENT  also for tables of other sizes
+ *   PZS_E_LIMITS    the park voltage of input info.where is outside its voltage limits, or the park
+ *                   voltages violate a limit of a sum of voltages
  */
 extern const pzs_block_type pzs_supervisor_block;
 #define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \
@@ -1030,10 +1033,12 @@ typedef struct pzs_compensator {
  *   - A wrong state of hysteresis is forgotten after the next large change of voltage.
  *
  * Memory of the effect block, returned by pzs_loop_find: pzs_compensator. Errors of its
- * initialisation: PZS_E_ARGUMENT (also for tables of other sizes, and where sums of voltages are
- * limited, because such limits do not hold for effects), PZS_E_FORMAT, PZS_E_CRC, PZS_E_STAGE (no
- * inverse block in the list), PZS_E_LIMITS (input info.where has an infinite voltage limit, or
- * parameters outside the ranges that pzs_hysteresis states).
+ * initialisation: PZS_E_FORMAT, PZS_E_CRC, and
+ *   PZS_E_ARGUMENT  also for tables of other sizes, and where sums of voltages are limited, because
+ *                   such limits do not hold for effects
+ *   PZS_E_STAGE     no inverse block in the list
+ *   PZS_E_LIMITS    input info.where has an infinite voltage limit, or parameters outside the
+ *                   ranges that pzs_hysteresis states
  */
 extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 #define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \
@@ -1147,11 +1152,15 @@ typedef struct pzs_fault_detector {
  *   control in/out  an initialised controller, which must outlive the detector
  *   delay   in      age of the measured shapes (ticks), at most PZS_DELAY_LIMIT
  *   work    in      memory of the caller, aligned for pzs_real, at least PZS_FAULT_DETECTOR_BYTES
- * If `delay` is not 0, pzs_tick and pzs_fault_detector_tick need a corrected shape: the one
- * measured `delay` ticks ago, plus the shape predicted for the present voltages, minus that for the
- * voltages at the measurement. A voltage that pzs_hold keeps constant counts in both predictions.
- * Errors: PZS_E_ARGUMENT (also where sums of voltages are limited, because a test signal could
- * violate such a limit), PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
+ *
+ * If `delay` is not 0, pass to pzs_tick and pzs_fault_detector_tick this corrected shape (a voltage
+ * that pzs_hold keeps constant counts in both predictions):
+ *   shape measured `delay` ticks ago + shape predicted for the present voltages
+ *       - shape predicted for the voltages at the time of the measurement
+ *
+ * Errors: PZS_E_STAGE, PZS_E_NONFINITE, and
+ *   PZS_E_ARGUMENT   also where sums of voltages are limited: a test signal could violate a limit
+ *   PZS_E_WORKSPACE  info.where = bytes needed
  */
 pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *control,
                                    uint16_t delay, void *work, size_t bytes);
@@ -1160,8 +1169,9 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
  * Run the fault detector for electrodes after each pzs_tick (and pzs_quantise). Until pzs_release
  * the voltage of a dead electrode is kept at 0 V, that of any other faulty one at its last value.
  *   measured [outputs] in  measured shape that was passed to pzs_tick (m); NULL: none
- * Warning: PZS_W_ELECTRODE (electrodes were found faulty and have the state PZS_ELECTRODE_HELD;
- * info.where = input of the first). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * Warning, errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
+ *   PZS_W_ELECTRODE  electrodes were found faulty and have the state PZS_ELECTRODE_HELD; info.where
+ *                    = input of the first
  */
 pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real *measured);
 
@@ -1380,32 +1390,35 @@ typedef struct pzs_selftest {
 
 /*
  * End a self-test, whatever faults it has found, so that the loop controls the voltages from the
- * next tick on. Called before the first tick, for example after a reset and pzs_loop_start, it
- * skips the self-test. Pass the readings of a faulty sensor as NaN.
+ * next tick on. Before the first tick, for example after a reset and pzs_loop_start, the call skips
+ * the test.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
- * The voltage of a faulty amplifier is kept constant (pzs_hold) until pzs_release: at 0 V if it
- * does not respond, otherwise at its present value. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ *   - The voltage of a faulty amplifier is kept constant (pzs_hold) until pzs_release: at 0 V if it
+ *     does not respond, otherwise at its present value.
+ *   - Pass the readings of a faulty sensor as NaN.
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_selftest_accept(pzs_selftest *selftest);
 
 /*
  * Repeat the self-test at the present voltages, for example once a day while the target stands
- * still, or where an electrode is suspected. Until its end the loop does not control the voltages.
- * After a fault the voltages stay constant until pzs_selftest_accept. An amplifier that pzs_hold
- * keeps constant is not tested.
+ * still, or where an electrode is suspected. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ *   - Until its end the loop does not control the voltages.
+ *   - After a fault the voltages stay constant until pzs_selftest_accept.
+ *   - An amplifier that pzs_hold keeps constant is not tested.
  */
 pzs_status pzs_selftest_repeat(pzs_selftest *selftest);
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_COMMISSION, thus first in the list) that tests
- * amplifiers, electrodes, cables and sensors before the loop controls the voltages. Tables:
- * pzs_selftest_tables. Memory returned by pzs_loop_find: pzs_selftest.
- *
- * Errors of its initialisation: PZS_E_ARGUMENT (also for other numbers of inputs or sensors than
- * those of the loop, or if sums of voltages are limited), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE,
- * PZS_E_LIMITS (the pulse of input info.where is too high).
+ * amplifiers, electrodes, cables and sensors before the loop controls the voltages.
+ *   tables                             pzs_selftest_tables
+ *   memory returned by pzs_loop_find   pzs_selftest
+ * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and
+ *   PZS_E_ARGUMENT  also for other numbers of inputs or sensors than those of the loop, or if sums
+ *                   of voltages are limited
+ *   PZS_E_LIMITS    the pulse of input info.where is too high
  */
 extern const pzs_block_type pzs_selftest_block;
 #define PZS_SELFTEST_BLOCK_BYTES(inputs, sensors)                                                  \
@@ -1473,9 +1486,11 @@ typedef struct pzs_pulse_detector {
 /*
  * Block (stage of the control tick, in PZS_PHASE_OBSERVE) that finds dead, stuck and reversed
  * electrodes in a loop that damps vibration. Its tick returns PZS_W_ELECTRODE for a faulty
- * electrode, whose present voltage is kept until pzs_release. Tables: heights and duration of the
- * pulses, static readings, scales and delay in pzs_selftest_tables. Memory returned by
- * pzs_loop_find: pzs_pulse_detector. Errors of its initialisation: those of pzs_selftest_block.
+ * electrode, whose present voltage is kept until pzs_release.
+ *   tables                             pzs_selftest_tables: heights and duration of the pulses,
+ *                                      static readings, scales and delay
+ *   memory returned by pzs_loop_find   pzs_pulse_detector
+ * Errors of its initialisation: those of pzs_selftest_block.
  */
 extern const pzs_block_type pzs_pulse_detector_block;
 #define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \

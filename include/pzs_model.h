@@ -312,10 +312,10 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, p
  * each input. If some electrodes are open, pzs_electric_factor and pzs_influence_open must follow.
  *   influence [outputs][inputs] out  influence matrix (m/V), with PREFIX_ALL_OUTPUTS rows and
  *                                    PREFIX_ALL_INPUTS columns of generated tables
- * The controller (pzs_loop_init, pzs_control_init) needs only the upper left part, PREFIX_OUTPUTS
- * target nodes by PREFIX_INPUTS amplifiers. If it is smaller than the matrix, copy it to a matrix
- * of its own. Errors: those of pzs_solve; the columns of the inputs before info.where are then
- * written.
+ * Errors: those of pzs_solve; the columns of the inputs before info.where are then written.
+ *
+ * The controller needs only the upper left part, PREFIX_OUTPUTS target nodes by PREFIX_INPUTS
+ * amplifiers. If it is smaller than the matrix, copy it to a matrix of its own.
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 

@@ -215,21 +215,21 @@ void pzs_solver_reset(pzs_solver *solver);
 
 /*
  * Compute the equilibrium under input values, starting from the present equilibrium, in
- * settings.load_steps load steps.
+ * settings.load_steps load steps, by Newton's method with independent stress resultants (equations
+ * 17-22 of Plotnikova 2013).
  *   value [inputs] in  wanted input values
+ * A load step that does not converge within 40 linear solves is halved, down to 1/64 of the first
+ * one; close to convergence the limit is 80, with fast divergence less. settings.solve_limit bounds
+ * the work.
  *
- * A load step that does not converge within 40 linear solves (80 close to convergence, fewer where
- * it diverges fast) is halved, down to 1/64 of the first one. settings.solve_limit bounds the work.
- *
- * Method: Newton's method with independent stress resultants (equations 17-22 of Plotnikova 2013).
- * Each iteration solves K du = f - L'H, with tangent stiffness K, load f, strain-displacement
- * matrix L and stress resultants H extrapolated along the last increment. At convergence H belongs
- * to the displacement.
- *
- * Warnings: PZS_W_BEHIND (takes precedence), PZS_W_UNSTABLE. Errors: PZS_E_ARGUMENT (also for a
- * setting out of range), PZS_E_STAGE, PZS_E_NONFINITE (info.where = input). After these errors
- * info.displacement is the last converged equilibrium, at info.load_factor: PZS_E_DIVERGED,
- * PZS_E_LIMIT, PZS_E_CONTACT, PZS_E_PENETRATION (info.where = element), PZS_E_SOLVES.
+ * Warnings, errors:
+ *   PZS_W_BEHIND       takes precedence over PZS_W_UNSTABLE
+ *   PZS_E_ARGUMENT     also for a setting out of range
+ *   PZS_E_STAGE
+ *   PZS_E_NONFINITE    info.where = input
+ *   PZS_E_DIVERGED, PZS_E_LIMIT, PZS_E_CONTACT, PZS_E_PENETRATION (info.where = element),
+ *                      PZS_E_SOLVES: info.displacement is the last converged equilibrium, at
+ *                      info.load_factor
  */
 pzs_status pzs_equilibrium(pzs_solver *solver, const pzs_real *value);
 
@@ -238,9 +238,9 @@ pzs_status pzs_equilibrium(pzs_solver *solver, const pzs_real *value);
  * tangent stiffness there. With follower loads, whose tangent stiffness is unsymmetric, each column
  * takes up to 60 linear solves more.
  *   influence [outputs][inputs] out  influence matrix (m/V)
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE (no equilibrium was computed, or the model has been used
- * otherwise since), PZS_E_NONFINITE, PZS_E_RESIDUAL (only the columns of the inputs before
- * info.where are written).
+ * Errors: PZS_E_ARGUMENT, PZS_E_NONFINITE, and
+ *   PZS_E_STAGE     no equilibrium was computed, or the model has been used otherwise since
+ *   PZS_E_RESIDUAL  only the columns of the inputs before info.where are written
  */
 pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
 
@@ -345,8 +345,9 @@ typedef struct pzs_circuit {
  * Attach the open electrodes (equations 49-55 of Plotnikova 2013) to an equilibrium solver in the
  * undeformed state; tables and circuit must outlive the solver. Their voltages become unknowns of
  * the solver and replace their input values in solver.info.input_value. pzs_influence_at gives
- * their columns per unit of charge. Errors: PZS_E_ARGUMENT (also if attached already),
- * PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (solver->info.where = bytes needed).
+ * their columns per unit of charge. Errors: PZS_E_FORMAT, PZS_E_CRC, and
+ *   PZS_E_ARGUMENT   also if attached already
+ *   PZS_E_WORKSPACE  solver->info.where = bytes needed
  */
 pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
                               const pzs_electrodes *tables, void *work, size_t bytes);

@@ -1,66 +1,52 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser: a primal active-set method that works on one symmetric matrix, the
- * tableau. The free set F holds the inputs whose voltages may change. The active set A holds all
- * others: their voltages are kept, most of them at a bound, and some between their bounds. H is the
- * Hessian. The tableau is H after one pivot exchange for each input of F.
+ * tableau.
  *
- * Round. A round is a sequence of iterations. It starts from the gradient and from the search
- * direction to the minimum over the voltages of F. The round makes the full step along this
- * direction if the step violates no bound and leaves no multiplier of the wrong sign. Otherwise it
- * makes iterations of three types:
- *   descent           go along the direction; an input that meets a bound stays there and leaves F;
- *   release together  at a minimum over F, choose those inputs of A each of which would reach its
- *                     other bound if it alone were released; move all of them towards these bounds,
- *                     while F follows so that its gradient stays zero; stop at the minimum along
- *                     this line, or where an input of F meets a bound and leaves F;
- *   release           at a minimum over F, move one input of A while F follows so that its gradient
- *                     stays zero; if the minimum along this line is nearer than the bound of the
- *                     input, the input joins F there.
- * A round ends with the true gradient, computed from H. Rounding errors of the tableau therefore
- * never reach the voltages; they only cost another round.
+ *   H        Hessian
+ *   F        free set: inputs whose voltages may change
+ *   A        active set: all others; their voltages are kept, most at a bound, some between the
+ *            bounds
+ *   tableau  H after one pivot exchange for each input of F
  *
- * Termination. Let n be the number of inputs, f the number of inputs in F, and m the number of
- * inputs of A strictly between their bounds; 2 m + f is at most 2 n. A descent that a bound stops
- * lowers f by one. Inputs of A strictly between their bounds are released first. Such a release
- * ends in one of three ways: the input joins F, it reaches a bound, or an input of F meets a bound
- * and leaves F. Each way lowers 2 m + f. After at most 3 n iterations, therefore, all inputs
- * strictly between their bounds have zero gradient. The point is then the minimum of a face of the
- * feasible box, so that its objective depends only on which inputs are at which bound. An input at
- * a bound is released only at such a point. Iterations of zero length only make F smaller, and the
- * next one of positive length strictly lowers the objective. The objective of successive faces thus
- * falls strictly, no face occurs twice, and the number of faces is finite. Releases together never
- * raise the objective, and their number in a round is limited.
+ * Round. A round is a sequence of iterations. It makes the full step to the minimum over F if that
+ * violates no bound and leaves no multiplier of the wrong sign. Otherwise it makes iterations:
  *
- * Many inputs. This applies from PZS_DUAL_INPUTS inputs on, if no input depends linearly on the
- * others. All inputs are then exchanged once, so that the tableau is the negative inverse of H,
- * whichever inputs are free. The iterations of a round are those of the dual active-set method
- * (boxls_dual.h). Rounds begin and end in the same way.
+ *   descent           Go along the direction to the minimum over F. An input that meets a bound
+ *                     stays there and leaves F.
+ *   release together  At a minimum over F: move all inputs of A, each of which alone would reach
+ *                     its other bound, towards these bounds. F follows so that its gradient stays
+ *                     zero. Stop at the minimum along this line, or where an input of F meets a
+ *                     bound.
+ *   release           At a minimum over F: move one input of A while F follows. If the minimum
+ *                     along this line is nearer than the bound of the input, the input joins F
+ *                     there.
  *
- * Work. Multiply-adds are counted, and nothing is begun that could exceed the work limit together
- * with the product that ends the round. What the limit cuts off is continued in the next tick, from
- * feasible voltages and with the free set reached so far.
+ *   - A round ends with the true gradient, computed from H. Rounding errors of the tableau
+ *     therefore never reach the voltages; they only cost another round.
+ *   - The voltages are feasible after every iteration.
+ *   - A tableau with which a round ended at the optimum counts as verified until the next exchange;
+ *     see take_direct_iteration.
  *
- * Dependent inputs. An input whose pivot is below inputs * epsilon times its diagonal entry (with
- * the machine epsilon) depends linearly on F and is not moved into F. At a minimum over F its
- * gradient is zero up to rounding; if it is released, the objective along its line has no
- * curvature, and the line ends at a bound.
+ * Termination. Let f be the number of inputs in F, and m that of inputs of A strictly between their
+ * bounds, among n inputs.
  *
- * Verified tableau. A tableau with which a round ended at the optimum counts as verified until the
- * next exchange. With a verified tableau, a full step that no bound blocks is made in one
- * iteration. Afterwards the gradient is computed from H for two inputs only, for the next two
- * inputs in the next tick, and so on. If the gradient differs from its prediction, the tableau no
- * longer counts as verified, and the round computes the whole gradient from H. An error of the
- * tableau can thus persist for at most inputs/2 + 1 ticks.
+ *   - 2 m + f is at most 2 n. A descent that a bound stops lowers f. Inputs of A between their
+ *     bounds are released first, and each such release lowers 2 m + f.
+ *   - After at most 3 n iterations all inputs between their bounds therefore have zero gradient.
+ *     The point is then the minimum of a face of the feasible box. Only there an input at a bound
+ *     is released.
+ *   - Iterations of zero length only make F smaller; the next one of positive length lowers the
+ *     objective. No face occurs twice, and the number of faces is finite.
+ *   - Releases together never raise the objective, and their number in a round is limited.
  *
- * Recomputation. At most once in a tick the tableau is computed anew from H. This is done after a
- * round that hardly reduced the KKT violation (violation of the optimality conditions). It is also
- * done after a wrong prediction of the gradient if there were many exchanges.
+ * Many inputs. From PZS_DUAL_INPUTS inputs on, if no input depends linearly on the others, the
+ * iterations of a round are those of the dual active-set method (boxls_dual.h). The tableau is then
+ * the negative inverse of H, whichever inputs are free.
  *
- * Rounding. Only KKT violations above their rounding bound count. A round is undone if it neither
- * ends at the optimum nor lowers the objective; the change of the objective follows from the
- * gradients at both ends. The voltages are feasible after every iteration: a new voltage is clamped
- * to its bounds, or accepted only if it lies between them in floating point.
+ * Work. Multiply-adds are counted. Nothing is begun that could exceed the work limit together with
+ * the product that ends the round. The next tick continues from feasible voltages and the free set
+ * reached.
  */
 #include <string.h>
 #include "boxls.h"
@@ -225,12 +211,13 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
 }
 
 /*
- * Predict a full step along the search direction. The array `move` holds the changes of the free
- * voltages and, for the active inputs (whose voltages are kept), the gradient after the step, as
- * the tableau (pivoted Hessian) predicts it. The function writes the voltages after the step and
- * their differences from the base voltages, around which the gradient is computed. Returns the
- * number of inputs that prevent the step: free inputs that would exceed a bound, and active inputs
- * that would violate the optimality (KKT) conditions by more than `rounding`.
+ * Predict a full step along the search direction. Returns the number of inputs that prevent it:
+ * free ones that would exceed a bound, and active ones that would violate the KKT conditions by
+ * more than `rounding`.
+ *   move   in/out  changes of the free voltages; for active inputs in: product of the tableau with
+ *                  the gradient, out: gradient after the step
+ *   next   out     voltages after the step
+ *   offset out     voltages after the step minus the base voltages
  */
 static size_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                            pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -282,11 +269,10 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether the objective at a point is so near its minimum that the rest of the gradient can be
- * neglected. `size` is the largest entry of the gradient for a free input, an input whose voltage
- * may change (m2/V). The objective exceeds its minimum over the free voltages by at most size^2
- * times the trace of the inverse of the Hessian, restricted to the free inputs. This excess is
- * compared with the machine epsilon times target_energy, the scale of the objective.
+ * Whether a gradient can be neglected, because the objective exceeds its minimum over the free
+ * voltages by at most the machine epsilon times target_energy, the scale of the objective.
+ *   size in  largest entry of the gradient for a free input (m2/V); the excess is at most size^2
+ *            times the trace of the inverse of the Hessian, restricted to the free inputs
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
@@ -339,14 +325,13 @@ static pzs_real largest_active_violation(const pzs_optimiser *optimiser, const p
 }
 
 /*
- * Whether the voltages are optimal. That is so if no violation of the optimality (KKT) conditions
- * exceeds its rounding-error bound. It is also so if only free inputs violate them, not far above
- * the bound, and if this violation hardly raises the objective and is too small to change the sign
- * of a multiplier. A voltage that is not finite is never optimal, because its rounding-error bound
- * is not finite either.
+ * Whether the voltages are optimal: no violation of the KKT conditions exceeds its rounding-error
+ * bound. It may exceed the bound a little if only free inputs violate the conditions, the objective
+ * hardly rises by it, and it is too small to change the sign of a multiplier.
  */
 static bool is_converged(pzs_optimiser *optimiser)
 {
+    // The bound is not finite if a voltage is not finite.
     if (!number_is_finite(optimiser->rounding_bound))
         return 0;
     if (optimiser->kkt_violation <= optimiser->rounding_bound)
@@ -559,6 +544,8 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
     const pzs_real slope = number_absolute(optimiser->direction[k]);
     const pzs_real room = distance_to_bound(-optimiser->direction[k], optimiser->voltage[k],
                                             optimiser->lower[k], optimiser->upper[k]);
+    // The curvature is about 0 where input k depends linearly on the free inputs: the line then
+    // ends at its bound.
     const pzs_real floor = number_is_finite(room) ? PZS_EPSILON : optimiser->pivot_floor;
     const pzs_real least = floor * optimiser->diagonal[k];
     const pzs_real curvature = pivot > least ? pivot : least;
@@ -608,6 +595,7 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
                                         so that its voltage is not changed again, in two cases: the
                                         change has reached the minimum of the objective, or neither
                                         a finite bound nor a curvature has ended it */
+        // An input that depends linearly on the free ones stays active.
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
@@ -804,6 +792,8 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
         return false;
     }
     optimiser->model_rounding = rough;
+    // Each tick compares the next two inputs: an error of the tableau persists for at most inputs/2
+    // + 1 ticks.
     optimiser->checked_next = two + 1u < optimiser->inputs ? two + 1u : 0;
     optimiser->iterations++;
     accept_prediction(optimiser->voltage, optimiser->model_gradient, optimiser->next_voltage,
@@ -951,11 +941,9 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 }
 
 /*
- * Decide what becomes of the last round (sequence of iterations). If it ended at the optimum, the
- * tableau (pivoted Hessian) counts as verified. The new voltages are kept if the objective fell, or
- * if the KKT violation (violation of the optimality conditions) is below the rounding-error bound
- * that held before the round. Otherwise the round is undone. The bound is larger at larger
- * voltages, so that the new bound alone is no proof: a diverging round could satisfy it.
+ * Decide what becomes of the last round (sequence of iterations). The tableau counts as verified if
+ * the round ended at the optimum. The round is undone unless it made no step, the objective fell,
+ * or the voltages are optimal with the rounding-error bound that held before.
  */
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
@@ -966,6 +954,8 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
         optimiser->is_verified = true;
         optimiser->checked_next = 0;
     }
+    // The present rounding-error bound would be no proof: it grows with the voltages, so that a
+    // diverging round could satisfy it.
     if (!moved || (optimiser->is_optimal && optimiser->kkt_violation <= rounding) ||
         pzs_boxls_has_decreased(optimiser)) {
         optimiser->is_predicted = optimiser->is_predicted && !moved;
@@ -1029,6 +1019,7 @@ static bool make_round(pzs_optimiser *optimiser)
     conclude_round(optimiser, moves);
     optimiser->is_fresh = optimiser->is_fresh && !optimiser->is_optimal;
     const bool failed = moves && !blocked && verified;
+    // Many exchanges and a wrong prediction: rounding errors have accumulated in the tableau.
     const bool is_worn = failed && optimiser->exchanges > WORN * optimiser->inputs;
     if (is_worn || (!optimiser->is_optimal && !optimiser->is_cut && is_stuck(optimiser, moves)))
         return renew_tableau(optimiser);

@@ -4,11 +4,12 @@
  *
  *   minimise   (v - base)' H (v - base) / 2 + (r - t)' (v - base)
  *   subject to lower <= v <= upper
+ *   v, base  voltages, constant base voltages
+ *   H        Hessian, which may be singular
+ *   r, t     gradients of the regularisation and of the target
+ *            (pzs_optimiser.regularisation_gradient and target_gradient)
  *
- * for the voltages v, with the Hessian H, which may be singular, constant base voltages, and the
- * gradients r of the regularisation and t of the target (pzs_optimiser.regularisation_gradient and
- * target_gradient). Vectors have an entry for each input and are padded with zeros to the length
- * `width`.
+ * Vectors have an entry for each input and are padded with zeros to the length `width`.
  */
 #ifndef PZS_LIB_BOXLS_H
 #define PZS_LIB_BOXLS_H
@@ -47,9 +48,8 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
  * Compute the search direction from gradient and tableau (pivoted Hessian), and the voltages after
  * a full step along it.
  *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
- * Returns 0 if the full step can be made. Otherwise returns the number of inputs that prevent it:
- * free inputs that would exceed a bound, and active inputs (whose voltages are kept) that would
- * violate the optimality conditions after the step.
+ * Returns how many inputs prevent the full step: free ones that would exceed a bound, and active
+ * ones that would violate the optimality conditions.
  */
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
@@ -91,11 +91,10 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
                              const pzs_real *gradient);
 
 /*
- * Return whether the base voltages, around which the gradient is computed, should be replaced by
- * the present voltages. The gradient contains the product of the Hessian with (voltages - base
- * voltages), whose rounding error grows with this difference. New base voltages are needed if an
- * error of this size in the gradient may raise the objective by more than the machine epsilon times
- * target_energy, the scale of the objective.
+ * Return whether the present voltages should replace the base voltages, around which the gradient
+ * is computed. The rounding error of the gradient grows with the difference between both. It may
+ * raise the objective by at most the machine epsilon times target_energy, the scale of the
+ * objective.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Dual active-set method of the voltage optimiser. P denotes the inverse of the Hessian, A the
- * active set (inputs whose voltages are kept at a bound); all other inputs are free.
+ * Dual active-set method of the voltage optimiser. Active inputs are kept at a bound; all others
+ * are free.
  *
- * An iteration takes the free input that is farthest outside its bounds and changes its multiplier
- * until this input reaches its bound; the multipliers of A follow so that the inputs of A stay at
- * their bounds. If a multiplier of A becomes zero before, its input leaves A, and the next
- * iteration continues with the same free input. The minimum of the objective over the free inputs
- * rises with each iteration of positive length, so that no active set occurs twice and their number
- * is finite. Between iterations voltages may be outside their bounds; these voltages are kept apart
- * from the present ones, which only receive them clamped.
+ *   - An iteration takes the free input that is farthest outside its bounds and changes its
+ *     multiplier until it reaches its bound. The other multipliers follow, so that active inputs
+ *     stay at their bounds.
+ *   - If the multiplier of an active input becomes zero before, this input becomes free, and the
+ *     next iteration continues with the same input.
+ *   - The minimum over the free inputs rises with each iteration of positive length. No active set
+ *     thus occurs twice, and their number is finite.
+ *   - Between iterations voltages may be outside their bounds; the present voltages receive them
+ *     only clamped.
  *
- * Work of an iteration: two triangular solutions with the factor of P restricted to A, and the
- * columns of P that belong to A. Unlike in the primal method, no pivot exchange changes the whole
+ * Work of an iteration: two triangular solutions with the factor of the inverse Hessian restricted
+ * to the active inputs, and its columns of these inputs. No pivot exchange changes the whole
  * matrix, so that a small active set takes little work.
  */
 #include <string.h>
@@ -31,13 +33,11 @@
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
- * Factor in a test for rounding errors of the dual active-set method. A voltage may seem to be
- * outside its bounds by a distance d (V) although it is a linear combination of active voltages.
- * This counts as a rounding error if PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change. The
- * right-hand side estimates the rounding error of a voltage (V). In it, multiplier_change (m2/V) is
- * the size of all changes of multipliers in the round. A change of a multiplier moves a voltage by
- * the change times a pivot (V2/m2), and pivot_rounding (V2/m2) is the estimated rounding error of a
- * pivot.
+ * Factor in a test of the dual active-set method for a distance d (V) by which a voltage seems to
+ * be outside its bounds although it depends linearly on active voltages. It is a rounding error if
+ *   PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change
+ *   pivot_rounding     estimated rounding error of a pivot (V2/m2)
+ *   multiplier_change  size of all changes of multipliers in the round (m2/V)
  */
 #define PIVOT_TO_VALUE 16
 /*
@@ -466,11 +466,10 @@ bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside)
 }
 
 /*
- * Make one iteration of the dual active-set method: change the multiplier of free input i, whose
- * voltage is outside its bounds. The change ends when the voltage reaches its bound and the input
- * becomes active, or when the multiplier of an active input becomes zero and this input becomes
- * free. Returns false if neither happens. The array `side` tells which bound the input reaches; it
- * is set once by choose_outside, so that rounding errors between two iterations do not change it.
+ * Make one iteration of the dual active-set method: change the multiplier of free input i until its
+ * voltage reaches its bound and the input becomes active, or until the multiplier of an active
+ * input becomes zero and that input becomes free. The array `side` tells the bound. Returns
+ * false if neither happens.
  */
 static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 {

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Dual active-set method of the voltage optimiser for many inputs (Goldfarb and Idnani 1983). The
- * tableau (pivoted Hessian) stays the negative inverse of the whole Hessian. An active input is one
- * whose voltage is kept at a bound by its multiplier, which is the gradient of the objective there.
- * The multipliers follow from a Cholesky factor of the inverse of the Hessian restricted to the
- * active inputs.
+ * Dual active-set method of the voltage optimiser for many inputs (Goldfarb and Idnani 1983). An
+ * active input is kept at a bound by its multiplier, the gradient of the objective there. The
+ * tableau stays the negative inverse of the whole Hessian; a Cholesky factor of the inverse
+ * restricted to the active inputs gives the multipliers.
  */
 #ifndef PZS_LIB_BOXLS_DUAL_H
 #define PZS_LIB_BOXLS_DUAL_H
@@ -67,19 +66,16 @@ uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser);
 
 /*
- * Predict the full step to the minimum of the objective over the free voltages, with the voltages
- * of the active inputs at their bounds.
+ * Predict the full step to the minimum of the objective over the free voltages, with active
+ * voltages at their bounds. Returns the number of inputs that would be outside their bounds or have
+ * a multiplier of the wrong sign.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
- * The function uses three arrays [inputs] of the optimiser:
- *   direction    in   product of the tableau, the negative inverse of the Hessian, with the vector
- *                     that holds the gradient for the free inputs and 0 for the others (V)
+ * Arrays [inputs] of the optimiser:
+ *   direction    in   tableau * (gradient for the free inputs, 0 for the others) (V)
  *                out  for a free input the step of its voltage (V), for an active input the
  *                     multiplier of its bound (m2/V)
  *   next_voltage out  voltages after the step (V)
- *   scratch      out  voltages after the step minus the base voltages, around which the gradient is
- *                     computed (V)
- * Returns the number of inputs that would be outside their bounds or have a multiplier of the wrong
- * sign.
+ *   scratch      out  voltages after the step minus the base voltages (V)
  */
 uint32_t pzs_predict_step_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
@@ -106,11 +102,11 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 
 /*
- * Iterate the dual active-set method until no voltage is outside its bounds and no multiplier has
- * the wrong sign. It starts from the array next_voltage that pzs_predict_step_dual has set. The
- * voltages of the optimiser become those reached, clamped to the bounds. Returns false if the
- * iterations ended early, for example at the work limit.
+ * Iterate the dual active-set method, from next_voltage of pzs_predict_step_dual, until no voltage
+ * is outside its bounds and no multiplier has the wrong sign. The optimiser's voltages become those
+ * reached, clamped to the bounds.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
+ * Returns false if the iterations ended early, for example at the work limit.
  */
 bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
 

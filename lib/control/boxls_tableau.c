@@ -66,11 +66,10 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 
 /*
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them to its
- * pivoted Hessian (tableau). The tableau is then read and written less often while it is computed.
- * The exchanges are stored in arrays of the dual active-set method, which is not in use meanwhile.
- * The array `factor` holds their rank-one updates, and behind them two copies of the updates, which
- * apply_wide makes; each of the three takes a third of the array. The arrays `side` and `order`
- * hold the input, sign, scale and pivot of each exchange.
+ * tableau, which is then read and written less often while it is computed. The exchanges are stored
+ * in arrays of the dual active-set method, which is not in use meanwhile:
+ *   factor       in three equal parts their rank-one updates, and two copies that apply_wide makes
+ *   side, order  input, sign, scale and pivot of each exchange
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
@@ -128,19 +127,15 @@ static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t fir
 }
 
 /*
- * Compute row k of the tableau, the pivoted Hessian of the optimiser, including the pivot exchanges
- * that are collected but not yet applied to the matrix. An exchange of input c changes the tableau
- * T as follows. Let r be row c before the exchange, p = r_c the pivot, and u = r / sqrt |p|; i and
- * j are other inputs than c.
- *   T_ij  becomes  T_ij - sign(p) u_i u_j,
- *   T_ic  becomes  r_i / |p|,
- *   T_cc  becomes  -1 / p.
- * The second line is the first one for j = c, with T_ic = 0 and u_c = -sign(p) / sqrt |p|. So row
- * and column c are set to zero, and then both lines are one rank-one update of the matrix. If no
- * collected exchange is one of input k, row k is read from the matrix, and all collected exchanges
- * are applied to it. Otherwise the last exchange of input k gives its row as a multiple of its
- * vector u, and only later exchanges are applied. Earlier ones do not change this row: entry k of
- * their vectors was set to zero.
+ * Compute row k of the tableau T, the pivoted Hessian, including the pivot exchanges that are
+ * collected but not yet applied to the matrix. An exchange of input c changes T, for other inputs i
+ * and j:
+ *   T_ij  becomes  T_ij - sign(p) u_i u_j
+ *   T_ic  becomes  r_i / |p|
+ *   T_cc  becomes  -1 / p
+ *   r, p  row c before the exchange, pivot r_c
+ *   u     r / sqrt |p|, but u_c = -sign(p) / sqrt |p|
+ * With row and column c set to zero before, the first line with this u_c gives the second one, too.
  */
 static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
@@ -149,6 +144,8 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
     while (j > 0 && optimiser->exchange[j - 1u].input != k)
         j--;
     if (j > 0) {
+        // The last exchange of input k gives its row as a multiple of its vector u. Earlier ones do
+        // not change the row, because entry k of their vectors was set to zero.
         const pzs_exchange *own = &optimiser->exchange[j - 1u];
         set_multiple(row, optimiser->pending + (j - 1u) * width, own->scale, span);
         row[k] = own->pivot;
@@ -210,11 +207,10 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 }
 
 /*
- * Prepare some rows of the tableau (the optimiser's pivoted Hessian) for the rank-one updates of
- * the collected pivot exchanges: rows i to i + most - 1, or fewer at the end of the matrix. Entries
- * in the row or column of an exchanged input become zero, because the updates give them their new
- * values. In a row of any other input, columns from i + most on are not set, because the caller
- * does not update them.
+ * Prepare rows i to i + most - 1 of the tableau (fewer at the end of the matrix) for the rank-one
+ * updates of the collected pivot exchanges: set entries in the row or column of an exchanged input
+ * to zero, because the updates give them their new values. Columns from i + most on are only set in
+ * the rows of exchanged inputs, because the caller does not update them otherwise.
  */
 static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
@@ -313,13 +309,9 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
- * On a host with the vector unit AVX2, apply all collected rank-one updates to the lower triangle
- * and the diagonal of the optimiser's pivoted Hessian (tableau), while a tableau with many inputs
- * is computed. pzs_wide_update_rows needs the update vectors in another order, by groups of
- * WIDE_BLOCK entries: once as they are and once multiplied by their signs. Both copies are written
- * behind the vectors, which collect_many has placed in memory of the dual active-set method.
- * Returns false, and changes nothing, on other processors and if the vectors are not in this
- * memory.
+ * Apply all collected rank-one updates to the lower triangle and the diagonal of the tableau, while
+ * a tableau with many inputs is computed on a host with AVX2. Returns false, and changes nothing,
+ * on other processors and if collect_many has not placed the update vectors.
  */
 static bool apply_wide(pzs_optimiser *optimiser)
 {
@@ -328,6 +320,8 @@ static bool apply_wide(pzs_optimiser *optimiser)
         return false;
     pzs_real *groups = optimiser->factor + optimiser->pending_most * width;
     pzs_real *factors = groups + optimiser->pending_most * (width + WIDE_BLOCK);
+    // Copies of the vectors by groups of WIDE_BLOCK entries, as they are and multiplied by their
+    // signs.
     pzs_wide_group(groups, factors, optimiser->pending, width, &optimiser->exchange->sign,
                    sizeof *optimiser->exchange / sizeof(pzs_real), count, optimiser->inputs);
     for (size_t i = 0; i < optimiser->inputs; i += WIDE_BLOCK) {

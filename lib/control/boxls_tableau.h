@@ -1,22 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The tableau (pivoted Hessian) of the voltage optimiser: one symmetric matrix that replaces the
- * Hessian H. F is the free set (inputs whose voltages may change), A the active set (inputs whose
- * voltages are kept). With H_FA for the rows of F and the columns of A in H, and so on, the tableau
- * is
+ * Hessian H. With the columns of F on the left and those of A on the right, it is
  *
  *   rows F:  -H_FF^-1        H_FF^-1 H_FA
  *   rows A:  H_AF H_FF^-1    H_AA - H_AF H_FF^-1 H_FA
+ *   F     free set: inputs whose voltages may change
+ *   A     active set: inputs whose voltages are kept
+ *   H_FA  rows of F and columns of A in H, and so on
  *
- * with the columns of F on the left and those of A on the right.
- *
- * A pivot exchange moves one input between F and A by a symmetric rank-one update. Up to
- * PZS_PENDING updates are stored as vectors before all of them are applied to the matrix together,
- * which reads and writes it only once; a row that is read before is corrected for them. The result
- * has the same bits as if the updates were applied one by one.
- *
- * One product of the tableau with the gradient of F gives the search direction: for F the step to
- * the minimum over F, for A the change of the gradient by this step.
+ *   - A pivot exchange moves one input between F and A by a symmetric rank-one update.
+ *   - Up to PZS_PENDING updates are collected before all are applied together, which reads and
+ *     writes the matrix only once. The result has the same bits as if they were applied one by one.
+ *   - One product of the tableau with the gradient of F gives the search direction: for F the step
+ *     to the minimum over F, for A the change of the gradient by this step.
  */
 #ifndef PZS_LIB_BOXLS_TABLEAU_H
 #define PZS_LIB_BOXLS_TABLEAU_H
@@ -65,11 +62,9 @@ void pzs_tableau_apply(pzs_optimiser *optimiser);
 void pzs_tableau_complete(pzs_optimiser *optimiser);
 
 /*
- * Begin to recompute the tableau (the optimiser's pivoted Hessian): copy the Hessian into it. This
- * is the tableau without any pivot exchange, in which the voltages of all inputs are kept. The
- * inputs whose voltages were free, or all inputs if the optimiser used the dual active-set method,
- * are marked. pzs_tableau_rebuild makes a pivot exchange for each of them, which makes its voltage
- * free again.
+ * Begin to recompute the tableau (pivoted Hessian): copy the Hessian into it, which is the tableau
+ * without any free input. The inputs that were free (with the dual active-set method: all) are
+ * marked, so that pzs_tableau_rebuild makes them free again.
  */
 void pzs_tableau_reset(pzs_optimiser *optimiser);
 
@@ -89,11 +84,9 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending);
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /*
- * Return the trace of the inverse of the Hessian, restricted to the inputs whose voltages are free
- * (V2/m2). With this trace the optimiser bounds by how much a small gradient can raise the
- * objective. An input whose voltage is kept, and whose pivot is smaller than the smallest accepted
- * one because it depends linearly on the free inputs, cannot be made free. It counts as a free
- * input with the smallest accepted pivot, and adds the reciprocal of this pivot to the trace.
+ * Return the trace of the inverse of the Hessian, restricted to the free inputs (V2/m2), with which
+ * the optimiser bounds by how much a small gradient can raise the objective. An active input that
+ * depends linearly on the free ones counts as free, with the smallest accepted pivot.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser (boxls.c) and its tableau (boxls_tableau.c), compiled a second time for
- * hosts with the vector unit AVX2 (option PZS_WIDE): the compiler turns their loops over the inputs
- * into loops over vectors, without branches. It uses no fused multiply-add instructions, which
- * round differently from a multiplication and an addition, so that the voltages have the bits of
- * the first compilation. pzs_boxls_optimise calls the function compiled here if the processor has
- * AVX2.
+ * hosts with the vector unit AVX2 (option PZS_WIDE). The voltages have the bits of the first
+ * compilation, because fused multiply-add instructions, which round differently, are not used.
+ * pzs_boxls_optimise calls the function compiled here if the processor has AVX2.
  */
 #include "pzs_control.h"
 

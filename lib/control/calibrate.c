@@ -390,9 +390,9 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 /*
  * Rotate the rows of the triangular factor R of the information matrix until only its first row
  * contributes to v'R'R v, with the voltages v of a new record. The caller can then forget
- * information in this direction by scaling that row. R'R is unchanged; every other row has one
- * nonzero entry to the left of the diagonal afterwards.
+ * information in this direction by scaling that row. R'R is unchanged.
  *   direction [inputs] in/out  in: R v (V2); out: overwritten
+ * Every other row of R has one nonzero entry to the left of the diagonal afterwards.
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 {
@@ -540,11 +540,10 @@ static void solve_row(const pzs_calibration *calibration, size_t output, const p
 
 /*
  * Return the square root of diagonal entry `input` of the inverse information matrix (1/V). Times
- * the standard deviation of the noise, it is the standard error of the influence of this input. The
- * root is |x| with T' x = unit vector; infinite if x needs an input that the records do not
- * determine.
+ * the standard deviation of the noise, it is the standard error of the influence of this input.
  *   inverse  [inputs] in   reciprocals of the diagonal entries of the triangular factor T (1/V)
- *   solution [inputs] out  work array for x
+ *   solution [inputs] out  work array for x, where T' x = unit vector; the result is |x|, infinite
+ *                          if x needs an input that the records do not determine
  */
 static pzs_real spread_of(const pzs_calibration *calibration, size_t input, const pzs_real *inverse,
                           pzs_real *solution)

@@ -130,12 +130,11 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
 
 /*
  * Compute the target part of the gradient, B'W^2 (wanted - shown), with the influence matrix B and
- * the output weights W.
+ * the output weights W. Returns |W (wanted - shown)|^2 (m2), and stores the scale of the objective
+ * |W (wanted - shape without voltages)|^2 (m2) in optimiser->target_energy.
  *   wanted [outputs] in  target shape (m)
  *   shown  [outputs] in  shape of the base voltages plus the disturbance (m)
- * Returns |W (wanted - shown)|^2 (m2) and stores optimiser->target_energy, the scale of the
- * objective: |W (wanted - shape without voltages)|^2, at least its rounding error (m2). Both
- * numbers are finite only if the gradient is.
+ * Both numbers are finite only if the gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -316,8 +315,8 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
  * damping gradient.
  *   damping [inputs] in  damping gradient, which takes energy out of the vibration (m2/V)
  *   missed           in  weighted squared norm of the target error (m2)
- * Returns `missed` plus a squared norm of the damping gradient (m2), for the rounding-error bound
- * of the whole gradient.
+ * Returns `missed` plus a squared norm of `damping` (m2), for the rounding-error bound of the
+ * gradient.
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)

@@ -422,10 +422,11 @@ static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_
 }
 
 /*
- * Return the rank of electrode j among those suspected of a fault (V2), of which the largest is
- * tested first; 0: not suspected. The rank is the squared voltage that seems to be lost since the
- * last shape, if this is about its whole voltage. If it hardly responds, the rank is the sum of its
- * squared commanded voltage changes.
+ * Return the rank of electrode j among those suspected of a fault (V2); the largest is tested
+ * first.
+ *   0                                             not suspected
+ *   squared voltage that seems to be lost         if it is about the whole voltage
+ *   sum of the squared commanded voltage changes  otherwise, if the electrode hardly responds
  */
 static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                           pzs_real deviation2)

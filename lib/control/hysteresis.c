@@ -413,8 +413,8 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /*
  * Search for the voltage at which an electrode has a wanted effect, upwards or downwards from the
  * present voltage along the piecewise linear characteristic. Positions are relative to the middle
- * of the voltage range and, except in `play`, multiplied by `sign`, so that the search always runs
- * towards larger numbers.
+ * of the voltage range. Except in `play` they are multiplied by `sign`, so that the search runs
+ * upwards.
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's

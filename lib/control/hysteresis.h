@@ -34,8 +34,9 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
                          pzs_real voltage);
 
 /*
- * Update the memory of the hysteresis model of electrode `input` after a voltage has been applied
- * for `ticks` >= 1 ticks. A damaged memory becomes the nearest state that voltages can cause.
+ * Update the memory of the hysteresis model of an electrode after a voltage has been applied. A
+ * damaged memory becomes the nearest state that voltages can cause.
+ *   ticks in  number of ticks with this voltage, at least 1
  * Returns the effect of the voltage in the first of these ticks (V): the voltage that would move
  * the structure as far without hysteresis and creep.
  */

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Check and checksum of the tables of limit rows (limits of weighted sums of voltages), and
- * corrections of voltages that violate such a limit.
- *
- * Every correction moves all voltages along the straight line between two vectors of voltages, one
- * value for each input. The vectors that obey a limit form a convex set, and so do those that
- * violate it by at most a given amount. Hence no point of the line violates a limit more than both
- * ends of the line do, except by rounding errors, which are checked.
+ * corrections of voltages that violate such a limit. Every correction moves the voltages along a
+ * straight line. No point of the line violates a limit more than both ends do, because limit rows
+ * are convex; rounding errors are checked.
  */
 #include "limit_rows.h"
 #include "scrub.h"

@@ -62,11 +62,11 @@ struct pzs_limit_row_calls {
      */
     pzs_real (*violation)(pzs_control *control, const pzs_real *gradient, uint16_t *active);
     /*
-     * Move voltages back along the straight line towards the voltages `inside` if they violate a
-     * limit row (limit of a sum of voltages) more than `inside` does. They stop at a point where
-     * they violate no row more than `inside` does; if no such point is found, `inside` replaces
-     * them.
-     *   inside  [inputs] in      voltages at the end of the line (V)
+     * Move voltages that violate a limit row (limit of a sum of voltages) more than `inside` does
+     * back along the straight line towards `inside`, until they violate no row more than `inside`
+     * does.
+     *   inside  [inputs] in      voltages at the end of the line (V), which replace `voltage` if no
+     *                            such point is found
      *   voltage [inputs] in/out  voltages to correct (V)
      * Returns the first input of the first row that was violated, or -1 if nothing has changed.
      */
@@ -103,11 +103,10 @@ struct pzs_absolute_row_calls {
      */
     void (*follow_signs)(pzs_control *control);
     /*
-     * Return the largest violation of the optimality (KKT) conditions (m2/V) by a voltage at 0 V
-     * that is part of a limited sum of absolute values. Each such voltage may move from 0 V to one
-     * side only, that of the sign chosen for it. It violates the conditions if the objective falls
-     * when it moves to the other side. For each violation a bound of this fall is added to the
-     * duality gap, solver->gap (m2).
+     * Return the largest violation of the optimality (KKT) conditions (m2/V) by a voltage at 0 V in
+     * a limited sum of absolute values: the objective falls if the voltage moves to the side of the
+     * sign not chosen for it. A bound of each such fall is added to the duality gap, solver->gap
+     * (m2).
      *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);

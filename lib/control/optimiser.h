@@ -37,9 +37,9 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 
 /*
  * Return whether the work limit of the optimiser allows `cost` more multiply-adds now. One product
- * of the Hessian with a vector is kept in reserve for the gradient at the end of the round
- * (sequence of iterations). A second one is reserved if the gradient at its start was only
- * predicted, to compute that gradient should the round be undone.
+ * of the Hessian with a vector stays in reserve for the gradient at the end of the round (sequence
+ * of iterations); a second one if the gradient at its start was only predicted, in case the round
+ * is undone.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

@@ -24,14 +24,14 @@ uint32_t pzs_output_limit_sum(const pzs_problem *problem);
 
 /*
  * Correct voltages that may not be applied to the amplifiers, and fill gate->frame with all
- * voltages. A voltage is clamped to the step limit around the last voltage (not if pzs_hold keeps
- * it fixed) and to the voltage limits, which take precedence. One that is not finite becomes the
- * last voltage.
+ * voltages. A voltage is clamped to the step limit (not if pzs_hold keeps it fixed) and to the
+ * voltage limits, which take precedence. One that is not finite becomes the last voltage.
  *   voltage [inputs] in/out  voltages of the controller (V)
  *   limit_sum        in      checksum of the limits while the tables were last known to be intact
  *   where            out     first corrected input, or -1
- * Returns PZS_OK, PZS_W_OUTPUT (a voltage was corrected) or PZS_E_CRC (limits are damaged: the last
- * voltages are unchanged, and gate->frame must not be used).
+ * Returns PZS_OK, or
+ *   PZS_W_OUTPUT  a voltage was corrected
+ *   PZS_E_CRC     limits are damaged: the last voltages are unchanged, gate->frame must not be used
  */
 pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t limit_sum,
                            int32_t *where);

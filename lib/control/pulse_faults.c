@@ -66,9 +66,10 @@
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
  * Effective number of readings from which on LEAST_SHARE and LEAST_MOVING_SHARE hold as they are.
- * For a smaller number t both thresholds are multiplied by (2 + MANY_READINGS / t) / 3, because
- * with few readings some electrode explains a large part of any change by chance. t is the trace of
- * the resolution matrix (LEAST_RESOLUTION).
+ * With fewer readings some electrode explains a large part of any change by chance; both thresholds
+ * are then multiplied by
+ *   (2 + MANY_READINGS / t) / 3
+ *   t  effective number of readings: trace of the resolution matrix (LEAST_RESOLUTION)
  */
 #define MANY_READINGS PZS_R(24)
 /*

@@ -11,9 +11,9 @@
 
 /*
  * Threshold above which the suspected and the reference electrode can be tested together; otherwise
- * the pulse measures nothing (is_measured is false). It limits the part, as a sum of squares
- * (dimensionless), of the modelled response to the reference electrode that is orthogonal to the
- * response to the suspected electrode.
+ * is_measured is false. It applies to the part of the modelled response to the reference electrode
+ * that is orthogonal to the response to the suspected one (ratio of sums of squares,
+ * dimensionless).
  */
 #define PZS_PULSE_DEPENDENT PZS_R(0.05)
 

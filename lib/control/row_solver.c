@@ -5,43 +5,43 @@
  *
  *   minimise   (v - base)' H (v - base) / 2 + (r - t)' (v - base)
  *   subject to lower <= v <= upper,  row_lower <= A v <= row_upper
- *
- * for the voltages v. H is the Hessian, `base` are the voltages around which the gradient is
- * computed, r is the gradient of the regularisation there, t that of the target, and A is the
- * matrix of the limit rows.
+ *   v, base  voltages; voltages around which the gradient is computed
+ *   H        Hessian
+ *   r, t     gradients of the regularisation and of the target at the base voltages
+ *   A        matrix of the limit rows
  *
  * Quantities. A quantity is the voltage of an input or the scaled sum of a limit row, which is its
  * sum divided by its largest absolute coefficient. A quantity is either free, or active: kept at a
  * bound by its multiplier, the derivative of the objective with respect to the quantity.
  *
- * Responses. The quantities are q = C v, where C is the identity matrix with the scaled rows of A
- * below it. They respond to their multipliers by the response matrix C P C', where P is the inverse
- * of the Hessian. The tableau is the negative of this matrix; it does not depend on the active set.
- * The dual active-set method (boxls_dual.h) reads nothing but the tableau, the bounds and the
- * present values of the quantities. It treats limit rows like further inputs. There are as many
- * linearly independent quantities as inputs, so that the active set never holds more.
+ * Tableau. It does not depend on the active set. Changes dm of the multipliers change the
+ * quantities by -T dm, with the tableau
+ *   T = -C P C'
+ *   C  identity matrix with the scaled rows of A below it; the quantities are C v
+ *   P  inverse of the Hessian
  *
- * Round. A round is a sequence of iterations. At its start the gradient is computed from H and the
- * sums of the limit rows from A. Then follow
+ * The dual active-set method (boxls_dual.h) reads only the tableau, the bounds and the quantities,
+ * and treats limit rows like further inputs. The active set never holds more quantities than
+ * inputs, because no more are linearly independent.
+ *
+ * Round. A round is a sequence of iterations. It begins with the gradient computed from H and the
+ * sums computed from A, and ends with voltages inside all bounds and limit rows:
  *
  *   step        to the minimum over the free quantities, with the active ones at their bounds;
- *   iterations  of the dual active-set method, until all quantities are inside their bounds and
- *               all multipliers have the right sign;
- *   correction  of the voltages for rounding errors. If a sum is outside its limits nevertheless,
- *               the step of the round is shortened. If the work limit has stopped the iterations,
- *               the round ends at the minimum of the objective on that part of its step which is
- *               inside all limits. A round that raises the objective is undone.
+ *   iterations  of the dual active-set method, until all quantities are inside their bounds and all
+ *               multipliers have the right sign;
+ *   correction  for rounding errors: the step is shortened if a sum is outside its limits. If the
+ *               work limit has stopped the iterations, the round ends at the minimum on the part of
+ *               its step that is inside all limits. A round that raises the objective is undone.
  *
- * Rounds are repeated until the multipliers prove the voltages optimal up to rounding errors. At
- * the end of each round the voltages are inside all bounds and limit rows.
+ * Rounds are repeated until the multipliers prove the voltages optimal up to rounding errors.
  *
- * Singular Hessian. If the Hessian is singular, or nearly so, P is the inverse of the Hessian with
- * a shift of its diagonal. As each round starts from the true gradient, a round is then a proximal-
- * point step: the shift changes the iterates but not the optimum. After rounds that fail because of
- * rounding errors, the shift is raised.
+ * Singular Hessian. P is the inverse of the Hessian with a shift of its diagonal. A round
+ * becomes a proximal-point step, whose optimum the shift does not change. After rounds that fail
+ * because of rounding errors, the shift is raised.
  *
- * Rounding. The optimiser narrows the limits of each row by a margin for rounding errors, so that a
- * sum at a narrowed limit is inside the true limit.
+ * Rounding. The limits of each row are narrowed by a margin, so that a sum at a narrowed limit is
+ * inside the true limit.
  */
 #include <string.h>
 #include "row_solver.h"
@@ -208,11 +208,10 @@ static void set_scales(const rows_run *run)
 
 /*
  * Begin to compute the optimiser's tableau anew: set its start matrix and mark all voltages and
- * limited sums as active. The upper left part of the start matrix is the Hessian with the shift of
- * its diagonal. The parts below and to the right of it are the negative scaled coefficients of the
- * limited sums. The rest is zero. A pivot exchange (elimination step) for each input, which
- * complete_tableau makes, then gives the tableau T: if the multipliers change by dm, voltages and
- * limited sums change by -T dm.
+ * limited sums as active. Pivot exchanges of all inputs (complete_tableau) then give the tableau.
+ *   upper left              Hessian with the shift of its diagonal
+ *   lower left, upper right negative scaled coefficients of the limited sums
+ *   lower right             zero
  */
 static void reset_tableau(const rows_run *run)
 {
@@ -326,11 +325,10 @@ static bool complete_tableau(const rows_run *run)
 /* ---- start of a round ------------------------------------------------------ */
 
 /*
- * Compute bounds and margin of all voltages and scaled limit rows (limits of sums of voltages). The
- * margin of a row is the distance by which both its limits are narrowed, for rounding errors. The
- * margin of a voltage is the distance from a bound up to which the voltage counts as at this bound.
- * It is the largest margin of a row, but at most an eighth of the distance between the bounds of
- * the voltage.
+ * Compute bounds and margin of all voltages and scaled limit rows.
+ *   margin of a row      distance by which both its limits are narrowed, for rounding errors
+ *   margin of a voltage  distance from a bound up to which it counts as at this bound: the largest
+ *                        margin of a row, at most an eighth of the distance between its bounds
  */
 static void load_bounds(const rows_run *run)
 {
@@ -395,11 +393,13 @@ pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient)
 }
 
 /*
- * Return by how much a multiplier (m2/V) of quantity k violates the optimality (KKT) conditions;
- * zero or less means no violation. A quantity is a voltage, or a sum of voltages with limits. At
- * its lower bound the multiplier may be positive, at its upper bound negative, and at both bounds
- * anything. Between its bounds the multiplier must be zero. A quantity counts as at a bound up to
- * its margin from this bound (solver->margin).
+ * Return by how much a multiplier (m2/V) of quantity k, a voltage or a limited sum, violates the
+ * optimality (KKT) conditions; zero or less: not at all. A quantity is at a bound up to its margin
+ * (solver->margin). Permitted multipliers:
+ *   lower bound  positive or zero
+ *   upper bound  negative or zero
+ *   both bounds  any
+ *   between      zero
  */
 static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 {
@@ -456,10 +456,8 @@ static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
 
 /*
  * Compute the violation of the optimality (KKT) conditions at the start of a round (sequence of
- * iterations), and its rounding-error bound. The bound is at least that of the first round in the
- * tick. Without this rule the bound could be nearly zero where the gradient is, and a violation by
- * rounding errors alone would count. The array `scratch` of the optimiser receives the gradient
- * minus the contributions of the active limits of sums of voltages.
+ * iterations), and its rounding-error bound. The array `scratch` of the optimiser receives the
+ * gradient minus the contributions of the active limits of sums of voltages.
  */
 static void measure_violation(const rows_run *run)
 {
@@ -470,6 +468,8 @@ static void measure_violation(const rows_run *run)
     optimiser->kkt_violation = total_violation(run, reduced);
     const pzs_real bound = ROUNDING_FACTOR * (optimiser->target_rounding +
                                               optimiser->model_rounding + 4 * PZS_EPSILON * forces);
+    // At least the bound of the first round in the tick: where the gradient is nearly zero, the
+    // bound would be too, and a violation by rounding errors alone would count.
     run->solver->least_rounding =
         run->solver->least_rounding > 0 ? run->solver->least_rounding : bound;
     optimiser->rounding_bound =
@@ -486,13 +486,13 @@ static pzs_real largest_of(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Predict the step to the minimum of the objective over the free voltages and limited sums of
- * voltages, while the active ones are kept at their bounds. The results are in arrays of
- * run->tableau: next_voltage receives the voltages and sums after the step, `direction` the
- * multipliers of the active ones. The function starts from the present voltages and multipliers and
- * solves for their changes. Rounding errors of the tableau then affect only the changes, and decay
- * with repeated steps. On entry run->optimiser->scratch [inputs] must hold the gradient minus the
- * contributions of the active limits of sums (measure_violation); it is overwritten.
+ * Predict the step to the minimum of the objective over the free voltages and limited sums, while
+ * the active ones are kept at their bounds. Rounding errors of the tableau affect only the changes
+ * from the present values, and decay with repeated steps.
+ *   scratch [inputs]        in   of run->optimiser: gradient minus the contributions of the active
+ *                                limits of sums (measure_violation); overwritten
+ *   next_voltage, direction out  of run->tableau: voltages and sums after the step; multipliers of
+ *                                the active ones
  */
 static void predict_step(const rows_run *run)
 {

@@ -575,9 +575,7 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 /*
  * Return how much the measured responses of two amplifiers (or sensors) differ from two modelled
  * responses: the sum of the squared sines of the angles between measured and modelled vectors. With
- * axis->has_gains the responses of both are joined to one long vector, and the result is the
- * squared sine of one angle: exchanged cables of sensors that see similar shapes show only in the
- * sizes.
+ * axis->has_gains it is the squared sine of one angle, between the joined vectors of both.
  *   one   in  comparison of the measured response of the first amplifier (or sensor) with a
  *             modelled response: its own or, to find exchanged cables, that of the second
  *   other in  the same for the second, with its own modelled response or that of the first
@@ -588,6 +586,8 @@ static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *o
     const pzs_selftest_sums both = {one->product + other->product, one->size + other->size,
                                     one->measured + other->measured,
                                     one->modelled + other->modelled, one->noise + other->noise};
+    // Two sensors may see nearly the same shape: exchanged cables then show only in the sizes of
+    // their responses.
     if (axis->has_gains)
         return direction_error(&both);
     return direction_error(one) + direction_error(other);

@@ -368,10 +368,10 @@ static pzs_real low_pass(pzs_real *restrict filtered, const pzs_real *restrict p
 
 /*
  * Whether info.innovation reports only the part of the innovations (readings minus predicted
- * readings) that the vibration modes explain. True if the target has free motions (shapes, such as
- * rigid motions, that may be added to it), every target node is measured, and vibration modes are
- * observed. The part is measured by its RMS, not by modal coordinates: without the free motions
- * the shapes of modes may resemble each other, and opposite coordinates then hardly move anything.
+ * readings) that the vibration modes explain: if the target has free motions (shapes that may be
+ * added to it, as rigid motions), every target node is measured, and vibration modes are observed.
+ * The part is measured by its RMS, because modes may resemble each other without the free motions:
+ * opposite modal coordinates then hardly move anything.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {

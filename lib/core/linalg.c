@@ -374,8 +374,8 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 /*
  * Return the first column that the factorisation has to eliminate before it can factor the diagonal
  * tile of a panel. Before the first panel of a group of GROUP panels, all columns left of it are
- * eliminated in the whole group; before any other panel, only those of the diagonal tile of the
- * last panel are left.
+ * eliminated in the whole group. Before any other panel, only those of the preceding diagonal tile
+ * are left.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -602,10 +602,9 @@ static void fill_alternating(pzs_real *vector, uint32_t count)
 }
 
 /*
- * Estimate the condition number in the 1-norm by Hager's method. It maximises |A^-1 x| over the
- * unit ball, whose corners are the unit vectors, in at most five corners. Every vector x gives a
- * lower bound; the gradient A^-1 sign(A^-1 x) shows the next corner. The solve for the first x is
- * combined with that for the vector of alternating signs.
+ * Estimate the condition number in the 1-norm by Hager's method, which maximises |A^-1 x| over the
+ * unit ball with at most five of its corners, the unit vectors. Every vector x gives a lower bound;
+ * the gradient A^-1 sign(A^-1 x) shows the next corner.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {
@@ -620,6 +619,7 @@ pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_r
         vector[i] = 1 / (pzs_real)rows;
         sign[i] = 0;
     }
+    // Further lower bound, from the vector of alternating signs, solved together with the first x.
     fill_alternating(alternating, rows);
     const pzs_real size = norm1(alternating, rows);
     pzs_linalg_solve_many(matrix, work, 2, rows);

@@ -10,10 +10,8 @@
 #include <string.h>
 
 /*
- * Base vectors at a corner of a shell element, from which strains are measured. Members as in
- * shell_corner; in the undeformed state beta is the normal and q is 0.
- *   mean [2][3]
- *   diff [2][3]
+ * Base vectors at a corner of a shell element, from which strains are measured. Shapes and units
+ * are those of shell_corner. In the undeformed state the director beta is the normal, and q is 0.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -102,11 +100,10 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Compute the change of the strains [10] at a corner of an element, to first order, when the
  * derivatives of the displacement change by `change`. The strains are 11, 22, 33 and 12, each as
- * mean and difference of the two faces, 13 and 23.
- *
- * The strain of a face in direction a is g.l + l.l/2 and changes by (g + l).dl:
- *   g, l  base vector, derivative of the displacement in this direction
- * Mean and difference of the change are computed from those of g + l and dl. Subtracting the nearly
+ * mean and difference of the two faces, 13 and 23. On a face
+ *   strain = g.l + l.l/2,  change = (g + l).dl
+ *   g, l  base vector and derivative of the displacement in the direction of the strain
+ * Mean and difference of the change come from those of g + l and dl, because subtracting the nearly
  * equal results of both faces would cost digits.
  */
 static void corner_strains(const shape *base, const shell_corner *change,

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Contact with a rigid convex body (pzs_nonlinear.h): a primal-dual active-set method with a
- * proximal multiplier, inside Newton's method.
+ * proximal multiplier, inside Newton's method. A node in contact carries the force f and the
+ * stiffness -df/du:
  *
- * Each node of the face that can touch the body has an area w, a gap g with the gradient n at the
- * deformed position, a contact pressure p (the negative multiplier) and a penalty stiffness e. A
- * node in contact carries the force and the stiffness
  *   f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)
- * with the displacement u, the matrix Hess g of the second derivatives of the gap, and the pressure
- * p that the last linear solve has predicted. A linear solve with the displacement increment d
- * predicts the next pressure p - e (g + n . d). At convergence g = 0, so the result does not depend
- * on e.
+ *   w, u    area of the node, its displacement
+ *   g, n    gap, gradient of the gap at the deformed position; Hess g: second derivatives
+ *   p       contact pressure (negative multiplier) that the last linear solve has predicted
+ *   e       penalty stiffness
+ *
+ * A linear solve with the displacement increment d predicts the next pressure p - e (g + n . d). At
+ * convergence g = 0, so the result does not depend on e.
  */
 #include "contact_check.h"
 #include "face.h"
@@ -56,11 +57,10 @@ static pzs_contact *contact_of(pzs_solver_option *option)
 /* ---- bodies ----------------------------------------------------------- */
 
 /*
- * Compute the signed distance of a point from a sphere or a cylinder of a given radius, with its
- * gradient (the normal) and its second derivatives.
+ * Compute the signed distance of a point from a sphere or a cylinder, with its gradient (the
+ * normal) and its second derivatives, which are 0 at the centre, where they are undefined.
  *   from  [3] in  vector to the point from the centre or, at right angles, from the axis (m)
  *   along [3] in  unit vector along the axis of a cylinder; NULL: sphere
- * At the centre, where the normal is undefined, normal and second derivatives are 0.
  */
 static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_real *along,
                           pzs_real normal[3], pzs_real hessian[3][3])
@@ -520,11 +520,9 @@ static void axis_of_dof(const pzs_structure *structure, const pzs_real triad[3][
 }
 
 /*
- * Add one constrained degree of freedom to a Gram matrix, which shows whether the supports prevent
- * all rigid motions of the shell. The matrix [6][6] is the sum of r'r over the constrained degrees
- * of freedom. The row r [6] holds the values of the degree of freedom under six rigid motions of
- * the shell: three unit translations and three rotations. Displacements by rotation are divided by
- * the size of the mesh, so that all entries are about 1.
+ * Add one constrained degree of freedom to the Gram matrix [6][6], which shows whether the supports
+ * prevent all rigid motions of the shell. The matrix is the sum of r'r, where r [6] holds the
+ * values of the degree of freedom under three unit translations and three rotations.
  *   height in  height of the contact face above the middle between both faces (m)
  *   k      in  number of the degree of freedom at its node (0 to 5)
  */
@@ -534,6 +532,8 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
     const pzs_real(*triad)[3] = contact->state.face->triad[node];
     pzs_real unit[3], arm[3], row[6];
     axis_of_dof(solver->state.model->state.structure, triad, node, k, unit);
+    // Displacements by rotation are divided by the size of the mesh, so that all entries are about
+    // 1.
     for (int i = 0; i < 3; i++)
         arm[i] = k < 3 ? (contact->state.face->place[node][i] - height * triad[2][i] -
                           contact->state.face->place[0][i]) /

@@ -216,12 +216,10 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 }
 
 /*
- * For a point on a flat facet (element of the shell), compute the derivatives of its distance from
- * the contact body with respect to its two facet coordinates (m), into search->slope. The distance
- * is measured along the normal of the body.
+ * Compute the derivatives of the distance from the contact body, along its normal, with respect to
+ * the two coordinates of a flat facet (element of the shell), into search->slope (m).
  *   along, across in  facet coordinates of the point (0 to 1)
- *   time          in  time within the load step (0 to 1), at which the positions are
- *                     interpolated
+ *   time          in  time within the load step (0 to 1), at which the positions are interpolated
  *   normal [3]    in  normal of the body (dimensionless)
  */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
@@ -237,14 +235,15 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 
 /*
  * Return the depth (m) to which a point of a facet may lie in the contact body although the nodes
- * of the facet lie outside. Such a depth is an error of the mesh: a flat facet whose corners touch
- * a body of radius R enters the body. At a point it enters by about the sum over the corners of N *
- * d^2 / (2 R), with the distance d from the point to the corner, and the shape function N of the
- * corner at the point. In the middle of a side of length l this is l^2 / (8 R). Twice this depth is
- * allowed, because the distance function of a body may return more than the distance. Two limits
- * hold. The result is at most R/5, which is enough for diagonals up to the length R: a facet with
- * such diagonals enters the body by R (1 - sqrt(3/4)). If a diagonal is longer and no corner is in
- * contact, the result is 0: a body may not pass between the nodes.
+ * of the facet lie outside. A flat facet whose corners touch a body of radius R enters it by about
+ *   sum over the corners of N d^2 / (2 R)
+ *   d  distance from the point to the corner
+ *   N  shape function of the corner at the point
+ *   - Twice this depth is allowed, because the distance function of a body may return more than the
+ *     distance.
+ *   - At most R/5 is allowed, enough for diagonals up to the length R.
+ *   - 0 is allowed if a diagonal is longer and no corner is in contact: no body may pass between
+ *     nodes.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
                             const pzs_real position[3], const body_point *at)
@@ -371,11 +370,9 @@ static bool search_line(facet_search *search, pzs_real along)
 }
 
 /*
- * Search a facet of the shell for its smallest gap to the contact body. Bisection over the first
- * facet coordinate finds the point where the derivative of the gap is zero; each step searches the
- * line on which this coordinate is constant. On a flat facet this is the smallest gap of all
- * points, because the gap is a convex function. Returns whether a point has penetrated or passed
- * through the body.
+ * Search a facet of the shell for its smallest gap to the contact body, by bisection over the first
+ * facet coordinate (search_line). On a flat facet the gap is a convex function, so that this is the
+ * smallest gap of all points. Returns whether a point has penetrated or passed through the body.
  */
 static bool search_facet_points(facet_search *search)
 {

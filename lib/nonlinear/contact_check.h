@@ -2,10 +2,8 @@
 /*
  * Checks of a contact beyond the nodes that are held on the body: points between the nodes, the
  * other face of the shell, and the motion of both faces relative to the body during a load step.
- *
- * All bodies are convex: a body lies behind each of its tangent planes, and its distance is a
- * convex function of the position, also along a straight line. Smallest distances are therefore
- * found by bisection of the slope.
+ * Smallest distances are found by bisection of the slope, because all bodies are convex: their
+ * distance is a convex function of the position.
  */
 #ifndef PZS_CONTACT_CHECK_H
 #define PZS_CONTACT_CHECK_H

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Open electrodes at a deformed shape (pzs_nonlinear.h). Their voltages V are additional unknowns
- * of Newton's method, whose increments du of the displacement and dV of the voltages satisfy
+ * Open electrodes at a deformed shape (pzs_nonlinear.h). Their voltages are additional unknowns of
+ * Newton's method, which a Schur complement on the factors of K eliminates:
  *   K du - f dV = force imbalance,  f' du + C dV = prescribed charge - present charge
- * with the tangent matrix K, the capacitance C while the shell cannot deform, and the force f per
- * volt, which turns with the shell; f' is the transpose of f. A Schur complement on the factors of
- * K eliminates dV.
+ *   du, dV  increments of displacement and voltages
+ *   K       tangent matrix
+ *   C       capacitance while the shell cannot deform
+ *   f       force per volt, which turns with the shell; f' is its transpose
  */
 #include "../model/electrode.h"
 #include "../core/guard.h"
@@ -104,11 +105,10 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /*
-     * info.negative_pivots is to count the negative eigenvalues of the tangent matrix with open
-     * electrodes, which keep their charges. So far it counts those of the tangent matrix at fixed
-     * voltages. Those of the matrix of charges per volt, which has just been factored, are
-     * subtracted. The result is exact: the inertia (numbers of positive and negative eigenvalues)
-     * of a block matrix is the sum of the inertias of a block and of its Schur complement.
+     * Turns the number of negative eigenvalues at fixed voltages into that of the tangent matrix
+     * with open electrodes, which keep their charges. This is exact: the inertia of a block matrix
+     * is the sum of the inertias of a block and of its Schur complement (the matrix of charges per
+     * volt)
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
                                         ? inertia.negative
@@ -117,13 +117,11 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
 }
 
 /*
- * Return the charge that electrode k must gain in a linear solve. `input` tells the purpose of the
- * solve:
- *   NEWTON         step of Newton's method: prescribed minus present charge (C)
- *   input index    response to one unit of this input: minus the charge that the input causes
- *                  directly at fixed displacement (C per unit); plus 1 if the input belongs to
- *                  electrode k, because the value of such an input is the prescribed charge of
- *                  the electrode
+ * Return the charge that electrode k must gain in a linear solve (C, or C per unit of an input).
+ *   input in  purpose of the solve: NEWTON: step of Newton's method; prescribed minus present
+ *             charge input index: response to one unit of this input; minus the charge that it
+ *             causes directly at fixed displacement, plus 1 if the input is the prescribed charge
+ *             of electrode k
  */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A face of the shell (0 inner, 1 outer), on which loads and contact act. The height of a face
- * above the middle between both faces is half the thickness, with negative sign for the inner face.
- * In the local axes of a node the displacement of a face is mean + height * difference. Here `mean`
- * is the mean displacement of both faces, and `difference` is the displacement of the outer face
- * minus that of the inner face, divided by the thickness.
+ * A face of the shell (0 inner, 1 outer), on which loads and contact act. Its displacement in the
+ * local axes of a node is
+ *   mean + height * difference
+ *   mean        mean displacement of both faces (m)
+ *   height      height above the middle between both faces: half the thickness, negative for the
+ *               inner face (m)
+ *   difference  displacement of the outer minus the inner face, divided by the thickness
  */
 #ifndef PZS_LIB_FACE_H
 #define PZS_LIB_FACE_H
@@ -19,7 +21,7 @@
 pzs_real pzs_face_height(const pzs_structure *structure, unsigned face);
 
 /*
- * Compute the displacement of the outer or inner face of the shell at some of its nodes.
+ * Compute the displacement of a face of the shell at some of its nodes.
  *   height                  in   height of the face above the mean of the two faces (m)
  *   vector       [free_dof] in   displacement over the free degrees of freedom
  *                                (m, or 1 for differences over the thickness)

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h).
+ * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h). At a corner of an
+ * element the pressure acts on the loaded face in the direction n, and on the middle surface in the
+ * direction `side`:
  *
- * At a corner of an element let g_a be the undeformed and G_a the deformed base vectors of the
- * face, for the two surface directions a = 1 and 2. e3 is the normal and t the director of the
- * shell. The pressure on the loaded face acts in the direction
- *   n = U_1 x U_2  with  U_a = G_a - (g_a . e3) t.
- * A flat element only approximates a curved shell: the base vector of its middle surface has a
- * component lean_a (pzs_follower.lean) along e3. This causes an additional force on the middle
- * surface, in the direction
- *   side = lean_1 t x U_2 + lean_2 U_1 x t.
+ *   n = U_1 x U_2  with  U_a = G_a - (g_a . e3) t
+ *   side = lean_1 t x U_2 + lean_2 U_1 x t
+ *   g_a, G_a  undeformed and deformed base vectors of the face in the surface direction a
+ *   e3, t     normal and director of the shell
+ *   lean_a    pzs_follower.lean, component along e3 of the base vector of the middle surface,
+ *             because a flat element only approximates a curved shell
+ *
  * Both directions are polynomials in the displacement. Where the pressure counts per undeformed
  * area, they are divided by |n|, which is not a polynomial.
  */
@@ -116,14 +117,13 @@ typedef struct pressed_element {
 
 /*
  * Compute the directions of the two forces of a follower pressure at one corner of an element, with
- * their derivatives. Where the pressure counts per deformed area, both directions are multiplied by
- * the ratio of deformed to undeformed area. The second force is zero on a flat shell. Where flat
- * elements approximate a curved shell, the edges of the element are not at right angles to the
- * director of the shell; the second force accounts for this.
+ * their derivatives. Where the pressure counts per deformed area, both are multiplied by the ratio
+ * of deformed to undeformed area.
  *   displacement [4][3] in   displacement of the face at the corners (m)
  *   director_at  [3]    in   director of the corner
  *   normal              out  direction of the force on the loaded face: its normal
- *   side                out  direction of the force on the middle surface
+ *   side                out  direction of the force on the middle surface; zero on a flat shell,
+ *                            where the edges are at right angles to the director
  */
 static void pressure_force(const pzs_follower *load, const pressed_element *element,
                            const pzs_real director_at[3], unsigned corner, vector_slope *normal,

@@ -25,10 +25,8 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 
 /*
  * Compute the force that replaces a prescribed motion of some degrees of freedom, per unit of the
- * input that prescribes the motion. The function assembles the tangent matrix anew. Rows and
- * columns of these degrees of freedom are then set to zero apart from the diagonal, and their
- * products with the prescribed displacements become the force. The factors of the changed matrix
- * stay in the model.
+ * input that prescribes the motion. The tangent matrix is assembled anew, with the rows and columns
+ * of these degrees of freedom zero apart from the diagonal; its factors stay in the model.
  *   force [free_dof] in/out  in: zero; out: force (N and N m)
  */
 static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
@@ -84,18 +82,18 @@ static void add_skew(pzs_solver *solver, const pzs_real *x, pzs_real factor, pzs
 
 /*
  * Correct the column of one input in the influence matrix for the skew-symmetric part W of the
- * tangent, by the generalised conjugate gradients of Concus, Golub and Widlund. With the symmetric
- * tangent K, the residual force r and the step d of the displacement, an iteration is
+ * tangent, by the generalised conjugate gradients of Concus, Golub and Widlund. They converge for
+ * every W if the symmetric tangent K has no negative pivot. An iteration is
  *   z = K^-1 r
  *   e = z'r
  *   omega = 1 / (1 + e / (e_before omega_before)), 1 in the first iteration
  *   d = omega z + (omega - 1) d_before
  *   r_next = (1 - omega) r_before + omega W z
- * where the suffix `before` means the iteration before. The outputs under each d are added to the
- * column in `influence`. Where K has no negative pivot, the iteration converges for every W.
+ *   r, d    residual force, step of the displacement
+ *   before  suffix: of the iteration before
  *   d         [free_dof]        in/out  in: displacement per unit of the input, from K alone; out:
  *                                       overwritten
- *   influence [outputs][inputs] in/out  influence matrix
+ *   influence [outputs][inputs] in/out  influence matrix; the outputs under each d are added
  */
 static pzs_status correct_column(pzs_solver *solver, uint32_t input, pzs_real *d,
                                  pzs_real *influence)

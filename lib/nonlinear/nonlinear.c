@@ -532,21 +532,16 @@ static void set_input_values(pzs_solver *solver, const pzs_real *value, pzs_real
 
 /*
  * Iterate by Newton's method towards the equilibrium at `part` (above 0, at most 1) of the
- * remaining way to the wanted input values.
+ * remaining way to the wanted input values. Returns whether the iteration has converged;
+ * state.pending_error holds the status of an option of the solver (such as a contact) that has not.
  *
- * The first settings.ramp_solves linear solves raise the input values in equal parts. Without this
- * the first displacement could lie far beyond the validity of linear kinematics, which would cost
- * more solves later.
- *
- * The iteration has converged when two conditions hold. The last increment and the predicted next
- * one are below the tolerance, relative to the displacement of the load step. The force imbalance
- * is not larger than the applied force, or is a rounding error. A load step may move so little that
- * rounding errors of the whole displacement exceed the tolerance. Therefore the increments are
- * compared with sqrt(s^2 + (c w)^2), where s is the norm of the displacement of the load step, w
- * that of the whole displacement, and c is 1/1000 (1/10 in float).
- *
- * Returns whether the iteration has converged. state.pending_error holds the status of an option of
- * the solver (such as a contact) that has not converged.
+ *   - The first settings.ramp_solves linear solves raise the input values in equal parts. Otherwise
+ *     the first displacement could lie far beyond linear kinematics and cost more solves.
+ *   - Converged: the last increment and the predicted next one are below the tolerance, and the
+ *     force imbalance is not larger than the applied force, or is a rounding error.
+ *   - Increments are compared with sqrt(s^2 + (c w)^2): norms s and w of the displacement of the
+ *     load step and of the whole displacement, c = 1/1000 (1/10 in float). Without w, rounding
+ *     errors could exceed the tolerance in a very short load step.
  */
 static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
@@ -737,11 +732,9 @@ static uint32_t next_step_units(const pzs_solver *solver, load_progress *progres
 }
 
 /*
- * Run all load steps. The way to the input values is divided into equal units, so that the last
- * load step ends exactly at the input values. The units are so short that the first load step can
- * be halved as often as permitted (STEP_HALVINGS times). A load step that does not converge is
- * halved. After one that converges, the length of the next one is doubled, up to the size of the
- * first.
+ * Run all load steps. One that does not converge is halved; after one that converges, the next
+ * length is doubled, up to that of the first. The way is counted in equal units, so that the last
+ * load step ends exactly at the input values. The first load step has 2^STEP_HALVINGS units.
  */
 static pzs_status run_load_steps(pzs_solver *solver, const pzs_real *value)
 {

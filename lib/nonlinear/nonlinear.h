@@ -2,9 +2,8 @@
 /*
  * Interface between the equilibrium solver and its options (follower loads, contacts, open
  * electrodes), and the internals of the solver that they use. An option is a struct that begins
- * with a pzs_solver_option, with a table of functions (pzs_solver_option_calls) and a function that
- * attaches the option to a solver. A NULL in the table means that the option has nothing to do
- * there.
+ * with a pzs_solver_option; its table of functions is pzs_solver_option_calls, with NULL where the
+ * option has nothing to do. A function pzs_attach_... attaches it.
  */
 #ifndef PZS_LIB_NONLINEAR_H
 #define PZS_LIB_NONLINEAR_H
@@ -79,12 +78,12 @@ struct pzs_solver_option_calls {
                            pzs_real *force);
     /*
      * For a solver option with unknowns of its own, such as the voltages of open electrodes: add
-     * the displacement that these unknowns cause to du [free_dof], a displacement that was computed
-     * without them.
-     *   input in  load that has caused du: the index of an input for a unit of this input; the
-     *             constant NEWTON for the force imbalance; NO_INPUT for another force
-     * Returns false if the unknowns cannot be solved for. This function may use the third and
-     * fourth vector of the work array of the model.
+     * the displacement that these unknowns cause to one that was computed without them. May use the
+     * third and fourth vector of the work array of the model.
+     *   input         in      load that has caused du: an input index for a unit of this input;
+     *                         NEWTON for the force imbalance; NO_INPUT for another force
+     *   du [free_dof] in/out  displacement
+     * Returns false if the unknowns cannot be solved for.
      */
     bool (*condense)(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *du);
     /*
@@ -151,9 +150,9 @@ void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *forc
 /*
  * Assemble the tangent matrix, and compute the force imbalance at the present displacement and the
  * applied load state.load.
- *   uses_true_resultants in   true: the geometric part of the matrix comes from the stress
- *                             resultants of the present displacement; false: from those that
- *                             Newton's method has extrapolated along its last increment
+ *   uses_true_resultants in   true: the geometric part of the matrix uses the stress resultants of
+ *                             the present displacement; false: those extrapolated by Newton's
+ *                             method
  *   imbalance [free_dof] out  load minus internal force (N and N m)
  */
 void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real *imbalance);

@@ -2,19 +2,21 @@
 /*
  * Tangent stiffness of the four-node shell element at a deformed shape (shell.h), in closed form.
  *
- * Strain mode ab of an element, with ab = 00, 01, 10 or 11, varies over the element as xi1^a xi2^b
- * with the element coordinates xi1 and xi2. Let s_m(p) be the value (1 or -1) of mode m at node p.
- * Apart from this sign, all modes depend on the displacements of the nodes in the same way. One
- * array A of nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every
- * mode. Let A_r be its columns for node r, and D_m the stiffness of mode m. The strains of mode m
- * per unit of each degree of freedom of node r are s_m(r) A_r. The stresses at node p, per unit of
- * the same degrees of freedom, are
- *   Y_pr = sum over m of s_m(p) s_m(r) D_m A_r.
- * The rows of node p and the columns of node r in the tangent stiffness are
- *   K_pr = A_p^T Y_pr + geometric part,  p, r = 0 to 3.
- * The columns are the six degrees of freedom of each of the four nodes (mean, difference over the
- * thickness), followed by the seventh degree of freedom of the four nodes. The seventh, q, is the
- * excess of the middle surface over the faces; it contributes to five of the ten strains only.
+ * All strain modes depend on the nodal displacements in the same way, apart from a sign. One array
+ * A of nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every mode:
+ *   strains of mode m            s_m(r) A_r              per unit of each degree of freedom of node
+ *                                                        r
+ *   stresses at node p           Y_pr = sum over m of s_m(p) s_m(r) D_m A_r
+ *   block of the tangent         K_pr = A_p^T Y_pr + geometric part,  p, r = 0 to 3
+ *   m       strain mode ab = 00, 01, 10 or 11, which varies as xi1^a xi2^b with the element
+ *           coordinates
+ *   s_m(p)  value (1 or -1) of mode m at node p
+ *   D_m     stiffness of mode m
+ *   A_r     columns of A for node r
+ *
+ * Columns: the six degrees of freedom of each of the four nodes (mean, difference over the
+ * thickness), then the seventh one of the four nodes. The seventh, q, is the excess of the middle
+ * surface over the faces, and contributes to five of the ten strains only.
  */
 #include "../model/shell.h"
 #include "../model/shell_corner.h"
@@ -36,22 +38,18 @@ enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows of the array of nodal strains to which the seventh degree of freedom q of a node
- * contributes. Nodal strains are strains per unit of each nodal degree of freedom. q is the
- * transverse displacement u3 of the middle surface minus the mean of both faces, divided by the
- * thickness. The row of strain 12, mean of both faces, is one of them because the correction for
- * warp adds transverse shear strains to it.
+ * Rows of the array of nodal strains (strains per unit of each nodal degree of freedom) to which
+ * the seventh degree of freedom q of a node contributes. Row A12M is one of them because the
+ * correction for warp adds transverse shear strains to it.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Strains that the element takes into account in one strain mode (constant, linear or bilinear over
- * the element), in the order in which this file uses them. The array stress_row_of has one row for
- * the stress of each, per unit of each nodal degree of freedom.
+ * Strains that the element takes into account in one strain mode, in the order of this file.
  *   count   number of strains of the mode
  *   with_q  number of these strains that depend on the seventh degree of freedom q of a node
- *           (displacement of the middle surface minus the mean of both faces)
- *   start   index in stress_row_of of the row for the first strain; the others follow
+ *   start   row of stress_row_of (stresses per unit of each nodal degree of freedom) for the first
+ *           strain; the others follow
  *   strain  for each strain its index in the array of nodal strains (A33M to A12D)
  *   kept    for each strain its place in the packed stiffness of the mode (pzs_element_type.d)
  */
@@ -70,13 +68,12 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Two rows of the array stress_row_of that modes_to_nodes combines. Each row holds a stress per
- * unit of each nodal degree of freedom, from one strain mode of an element (constant, linear or
- * bilinear over the element). Their modes differ by the factor `mode`, a linear strain mode. Let
- * s_p be the value (1 or -1) of this mode at node p. In the columns of node r, the stress at node p
- * contains first + s_p s_r second. The row `second` is replaced by this sum for s_p = 1, and the
- * row `first` by this sum for s_p = -1. The last four of the 14 pairs (PAIRS - PAIRS_WITH_Q) are
- * zero in the columns of the seventh degree of freedom of a node.
+ * Two rows of stress_row_of (stresses per unit of each nodal degree of freedom) that modes_to_nodes
+ * combines, of two strain modes that differ by the factor `mode`, a linear mode. The stress at node
+ * p contains, in the columns of node r,
+ *   first + s_p s_r second,  which replaces `second` for s_p = 1 and `first` for s_p = -1
+ *   s_p  value (1 or -1) of `mode` at node p
+ * In the columns of q, the seventh degree of freedom, the last PAIRS - PAIRS_WITH_Q pairs are zero.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -89,11 +86,9 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: index of the row of stress_row_of [22][COLUMNS] that holds the stress at node p
- * which belongs to strain k, per unit of each nodal degree of freedom. This holds after
- * modes_to_nodes has turned the stresses of the strain modes into stresses at the nodes. The order
- * of the strains k is: 33 mean, 33 difference, 13, 23, then 11, 22 and 12, each mean and difference
- * of the two faces.
+ * stress_row[p][k]: row of stress_row_of [22][COLUMNS] that holds, after modes_to_nodes, the stress
+ * at node p for strain k, per unit of each nodal degree of freedom. Strains k: 33 mean, 33
+ * difference, 13, 23, then 11, 22 and 12, each mean and difference of the two faces.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -113,12 +108,11 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 
 /*
  * Compute the derivative of a sum over the corners of an element by the displacement of one node.
- * The term of a corner is b . w, with a given vector b at the corner and the derivative w of the
- * displacement there along the surface, in the direction `direction`. The displacement of the node
- * enters w at two corners: at its own corner with the matrix s of the element type, and at the
- * neighbouring corner in this direction with the matrix t.
+ * The term of a corner is b . w, with a given vector b and the derivative w of the displacement in
+ * the direction `direction`. The displacement of the node enters w at its own and at one other
+ * corner.
  *   own   [3] in   vector b at the corner of the node
- *   other [3] in   vector b at the neighbouring corner
+ *   other [3] in   vector b at the neighbouring corner in this direction
  *   row   [3] out  derivative of the sum
  */
 static void transpose_derivative(const pzs_element_type *type, int node, int direction,
@@ -133,9 +127,8 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
 
 /*
  * Write two rows of the array of nodal strains (strains per unit of each nodal degree of freedom)
- * for one node: the mean of an in-plane strain over both faces of the shell, and its difference
- * between the faces. An in-plane strain is the scalar product b . w of a base vector b and the
- * derivative w of the displacement along the surface.
+ * for one node: mean and difference over both faces of an in-plane strain b . w, with a base vector
+ * b and the derivative w of the displacement along the surface.
  *   strain   in  0 for strain 11, 1 for strain 22, 2 for strain 12
  *   mean [3] in  derivative of b . w by the displacement of the node, if b is the mean of the base
  *                vectors of both faces (1/m)
@@ -223,18 +216,15 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 }
 
 /*
- * Correct the mean strain 12 of one node (mean of both faces of the shell) for the warp of the
- * element, its distance from a plane. The strain is a row of the array of nodal strains, which are
- * strains per unit of each nodal degree of freedom. Five other strains of the node, each times a
- * factor, are added to it: 13, 23, and the differences of 12, 11 and 22. A factor is a sum of up to
- * two entries of pzs_element_type.warp: that for the strain in the constant mode 00, and that for
- * the strain in a linear mode. The latter is multiplied by the value (1 or -1) of this mode at the
- * node, because nodal strains do not contain this sign. The element uses strain 12 only in mode 00,
- * to which the correction belongs.
+ * Correct the mean strain 12 of one node for the warp of the element, its distance from a plane, in
+ * the array of nodal strains (strains per unit of each nodal degree of freedom). Five other strains
+ * of the node, each times a factor, are added: 13, 23, and the differences of 12, 11 and 22.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
     const pzs_real *w = type->warp, xi2 = mode_sign[1][node], xi1 = mode_sign[2][node];
+    // Factors of warp for strains in a linear mode get the sign of this mode at the node, because
+    // nodal strains do not contain it.
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
     for (int i = NODE_DOF * node; i < NODE_DOF * (node + 1); i++)
@@ -283,14 +273,12 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Compute a weighted sum of rows in four columns: the sum over i of factor[i * stride] times
- * row[i]. The columns are those of the seventh degree of freedom q of the four nodes, the
- * displacement of the middle surface minus the mean of both faces. Only rows that q contributes to
- * are added.
+ * Compute the sum over i of factor[i * stride] times row[i] in the four columns of q, the seventh
+ * degree of freedom of each node (displacement of the middle surface minus the mean of both faces).
  *   to    [4] out  result
  *   row       in   rows of strains or stresses per unit of each nodal degree of freedom
- *   count     in   number of rows that q contributes to. These are the first rows; if the number is
- *                  WITH_Q (5), they are the first four and row A12M, the mean strain 12
+ *   count     in   number of rows that q contributes to: the first ones; for WITH_Q (5) the first
+ *                  four and row A12M, the mean strain 12
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -318,8 +306,7 @@ static bool has_q(const mode_rows *mode, int row)
 
 /*
  * Compute the stresses of an element per unit of each nodal degree of freedom: the stiffness of
- * each strain mode (constant, linear or bilinear over the element) times the nodal strains. The
- * strain modes have ten, five, five and two stresses, together 22.
+ * each strain mode times the nodal strains.
  *   nodal         [10][28] in   ten strains per unit of each of the 28 nodal degrees of freedom
  *   stress_row_of [22][28] out  stresses, one strain mode after the other (rows_of_mode)
  */
@@ -350,13 +337,11 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 
 /*
  * Collect the strains that a unit displacement of one degree of freedom causes in the four strain
- * modes of an element (constant, linear and bilinear over the element). They come from one column
- * of the array of nodal strains. In a column of the seventh degree of freedom q (displacement of
- * the middle surface minus the mean of both faces) the strains that do not depend on q are set to
- * zero.
+ * modes of an element, from its column of the array of nodal strains.
  *   column  in   index of the degree of freedom, the column in the array of nodal strains
  *   node    in   node to which the degree of freedom belongs
- *   strains out  strains of each mode, in the order of pzs_element_type.d
+ *   strains out  strains of each mode, in the order of pzs_element_type.d; those that do not depend
+ *                on the seventh degree of freedom q are zero in its columns
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -371,12 +356,9 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 }
 
 /*
- * Write one column of the array stress_row_of [22][COLUMNS], from which modes_to_nodes computes the
- * stresses at the nodes: the stress resultants that a unit displacement of one degree of freedom of
- * `node` causes. They are conjugate to the strain modes of the element (constant, linear or
- * bilinear over the element). The given resultants contain the sign (1 or -1) of their mode at the
- * node. In the array they must be without it, because modes_to_nodes multiplies them by this sign.
- * A multiplication by the sign here removes it.
+ * Write one column of stress_row_of [22][COLUMNS]: the stress resultants that a unit displacement
+ * of one degree of freedom of `node` causes in the four strain modes, without the sign of the mode
+ * at the node, by which modes_to_nodes multiplies.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
@@ -421,12 +403,11 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 }
 
 /*
- * Turn the stresses of the four strain modes of an element (constant, linear and bilinear over the
- * element) in place into the stresses at its four nodes. All are per unit of each of the 28 nodal
- * degrees of freedom. Let s_m(p) be the value (1 or -1) of mode m at node p. In the columns of node
- * r, a stress at node p is the sum over the modes m of s_m(p) s_m(r) times the row of mode m.
- * Instead of one sum for each p, 14 pairs of rows (row_pairs) are replaced by their sum and
- * difference, one pair after the other. Each sum or difference serves all nodes p with the same
+ * Turn the stresses of the four strain modes of an element in place into the stresses at its four
+ * nodes, all per unit of each of the 28 nodal degrees of freedom. In the columns of node r,
+ *   stress at node p = sum over the modes m of s_m(p) s_m(r) row of mode m
+ *   s_m(p)  value (1 or -1) of mode m at node p
+ * Pairs of rows (row_pairs) are replaced by sum and difference, which serve all nodes p of equal
  * sign.
  *   stress_row_of [22][28] in/out  in: rows of the four modes, one mode after the other
  *                                  (rows_of_mode); out: rows of the nodes, listed in stress_row
@@ -462,11 +443,12 @@ typedef struct block {
 } block;
 
 /*
- * Factors with which one in-plane stress at a corner of an element enters the geometric stiffness.
- * The strain to which the stress belongs contains a product of two displacement derivatives. Each
- * derivative has a mean over the two faces of the shell, and a difference between them, divided by
- * the thickness. `mean` is the factor of mean times mean (N m), `cross` that of mean times
- * difference (N m2), and `diff` that of difference times difference (N m3).
+ * Factors with which one in-plane stress at a corner enters the geometric stiffness. Its strain
+ * contains a product of two displacement derivatives, each with a mean over both faces and a
+ * difference divided by the thickness.
+ *   mean   factor of mean times mean (N m)
+ *   cross  factor of mean times difference (N m2)
+ *   diff   factor of difference times difference (N m3)
  */
 typedef struct conjugate {
     pzs_real mean, cross, diff;
@@ -483,10 +465,10 @@ static int pair_of(int node, int other)
 
 /*
  * Add the contribution of one in-plane stress to the geometric stiffness between two nodes of an
- * element. The 3 x 3 matrices left_map and right_map turn the displacements of the two nodes into
- * the two displacement derivatives whose products belong to this stress. With P = left_map'
- * right_map the function adds stress.mean * P to pair->mean, stress.cross * P to pair->cross, and
- * stress.diff * P to pair->diff.
+ * element: left_map' right_map, times stress.mean to pair->mean, times stress.cross to pair->cross,
+ * and times stress.diff to pair->diff.
+ *   left_map, right_map [3][3] in  turn the displacements of the two nodes into the two
+ *                                  displacement derivatives whose products belong to this stress
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, conjugate stress)
@@ -502,10 +484,10 @@ static void add_product(block *restrict pair, const pzs_real *restrict left_map,
 }
 
 /*
- * Add the geometric stiffness of the in-plane stresses at one corner of an element. It is the
- * second derivative of the sum over the directions a and b of stress_ab * (w_a . w_b) / 2, where
- * w_a is the derivative of the displacement in direction a. At the corner, w_a depends on the
- * displacements of the corner and of its neighbour in direction a.
+ * Add the geometric stiffness of the in-plane stresses at one corner of an element, the second
+ * derivative of
+ *   sum over the directions a and b of stress_ab * (w_a . w_b) / 2
+ *   w_a  derivative of the displacement in direction a, from the corner and its neighbour there
  *   stress [10]  in      stresses at the corner, in the strain order of pzs_element_type.d
  *   pair   [10]  in/out  geometric stiffness between two nodes, for each pair (pair_of)
  */
@@ -599,13 +581,12 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], unsign
 
 /*
  * Write the first six rows of one node into the packed tangent stiffness of an element: products of
- * strains and stresses, plus the geometric stiffness. The seventh row, that of the displacement q
- * of the middle surface relative to both faces, is not written.
+ * strains and stresses, plus the geometric stiffness. The row of q, the seventh degree of freedom,
+ * is not written.
  *   nodal  [ROWS][COLUMNS] in  strains per unit of each nodal degree of freedom
  *   stress [ROWS + 1]      in  for each of these strains the address of its stress at the node, per
  *                              unit of each nodal degree of freedom [COLUMNS]; then NULL
- *   pair   [10]            in  geometric stiffness between the nodes p and r, for p >= r with the
- *                              index p (p + 1) / 2 + r
+ *   pair   [10]            in  geometric stiffness between two nodes, for each pair (pair_of)
  */
 static void write_node(unsigned dof_per_node, int node, pzs_real nodal[ROWS][COLUMNS],
                        const pzs_real *const *stress, const block pair[10], pzs_real *stiffness)
