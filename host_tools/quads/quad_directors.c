@@ -160,13 +160,15 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
 /* ---- fits of a quadric -------------------------------------------------- */
 
 /*
- * Normal equations of the least-squares fit of a quadric surface around a node.
+ * Normal equations of the least-squares fit of a quadric surface around a node, which corrects the
+ * slope of its director (mean of the corner normals) to second order in the element size.
  *
- * With tangential coordinates u and v, the neighbours of the node have heights above the plane
- * normal to its director. These heights are fitted by s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2,
- * each neighbour weighted with 1/distance^2. The five coefficients are the slopes s, r and the
- * curvatures k1, k12, k2. The director is first the mean of the corner normals, whose error is of
- * first order in the size of the elements; turned by the slopes, its error is of second order.
+ * Fitted height of the neighbours above the plane normal to the director, weighted with
+ * 1/distance^2:
+ *   s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2
+ *   u, v         tangential coordinates
+ *   s, r         slopes of the surface
+ *   k1, k12, k2  curvatures of the surface
  */
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {

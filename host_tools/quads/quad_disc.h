@@ -30,12 +30,14 @@ typedef struct quad_disc {
 } quad_disc;
 
 /*
- * Make the mesh of a disc around the z axis. A flat disc lies in the plane z = 0, a dome has its
- * rim there, a paraboloid its lowest point; the outer face looks along +z.
- * Sets: nodes `centre`; edges `rim`; elements `ring1` inside the first circle, then `ring2` and so
- * on to the rim, or with sectors `ring2-1`, `ring2-2` and so on, the first of which begins at the x
- * axis. The numbers in `disc` must be in their ranges. Returns 0, or -1 with the mesh empty when
- * memory runs out.
+ * Make the mesh of a disc around the z axis, with the outer face towards +z. The plane z = 0
+ * contains a flat disc, the rim of a dome, or the lowest point of a paraboloid. The numbers in
+ * `disc` must be in their ranges. Named sets:
+ *   nodes     centre
+ *   edges     rim
+ *   elements  ring1 inside the first circle, ring2 and so on to the rim; with sectors ring2-1,
+ *             ring2-2 and so on, the first beginning at the x axis
+ * Returns 0, or -1 with the mesh empty when memory runs out.
  */
 int quad_disc_make(quad_mesh *mesh, const quad_disc *disc);
 

@@ -36,10 +36,9 @@ void quad_graph_free(quad_graph *graph);
 uint64_t quad_envelope(const quad_graph *graph, const uint32_t *order, uint32_t *place);
 
 /*
- * Order the nodes by Sloan's algorithm. The front consists of the nodes without a number that have
- * a neighbour with a number. The next number goes to the node with the highest priority: its
- * distance from the end of the mesh, less `growth_weight` times the number of nodes by which the
- * front would grow.
+ * Order the nodes by Sloan's algorithm. The next number goes to the node with the highest priority:
+ * its distance from the end of the mesh, less growth_weight times the growth of the front (nodes
+ * without a number beside numbered ones).
  *   distance [nodes]   in   number of elements between each node and the end of the mesh
  *   first              in   node that gets the first number
  *   growth_weight      in   weight of the growth of the front against the distance

@@ -33,10 +33,10 @@ static void sift(const quad_graph *graph, uint32_t *list, size_t count)
 }
 
 /*
- * List all nodes of the mesh by levels. Level 0 consists of the first `count` nodes of `order`.
- * Each further level consists of the neighbours of the previous level that are not listed yet.
- * Among the neighbours of a node, those with fewer neighbours come first.
- *   order [nodes] in/out  first `count` nodes in, all nodes out
+ * List all nodes of the mesh by levels: level 0 is given, and each further level consists of the
+ * new neighbours of the previous one. Among the neighbours of a node, those with fewer neighbours
+ * come first.
+ *   order [nodes] in/out  in: nodes of level 0, `count` in number; out: all nodes
  *   level [nodes] out     level of each node
  * Returns the number of levels.
  */
@@ -214,11 +214,9 @@ static void try_levels(search *search, const quad_mesh *mesh)
 }
 
 /*
- * Try node orders of Sloan's algorithm from the node `first` to the opposite end of the mesh, and
- * keep the best order found so far (fewest stored entries of the stiffness matrix). Each order
- * gives another weight to the growth of the front, the set of nodes without a number beside
- * numbered ones. The member search->level holds the distance of each node from the opposite end.
- * Returns 0, or -1 when memory runs out.
+ * Try node orders of Sloan's algorithm from the node `first` to the opposite end of the mesh, with
+ * several weights of the growth of the front. Keep the best order found so far (fewest stored
+ * entries of the stiffness matrix). Returns 0, or -1 when memory runs out.
  */
 static int try_sloan(search *search, uint32_t first)
 {

@@ -20,13 +20,12 @@ typedef struct quad_panel {
 } quad_panel;
 
 /*
- * Make the mesh of a panel around the origin. A flat panel lies in the plane z = 0; on a cylinder
- * the middle of the panel is its highest line, at z = 0. The outer face looks along +z there. Every
- * inner node lies at the mean of its neighbours, measured along the surface, so that the mesh is as
- * regular as its blocks permit; towards the hole the elements become smaller.
- * Sets: edges `left` and `right` (ends along x), `bottom` and `top` (ends along y) and `hole`;
- * elements `around_hole`. The numbers in `panel` must be in their ranges. Returns 0, or -1 with the
- * mesh empty when memory runs out.
+ * Make the mesh of a panel around the origin. A flat panel lies in the plane z = 0; the middle of a
+ * panel on a cylinder is its highest line, at z = 0. There the outer face looks along +z. The
+ * numbers in `panel` must be in their ranges. Named sets:
+ *   edges     left and right (ends along x), bottom and top (ends along y), hole
+ *   elements  around_hole
+ * Returns 0, or -1 with the mesh empty when memory runs out.
  */
 int quad_panel_make(quad_mesh *mesh, const quad_panel *panel);
 

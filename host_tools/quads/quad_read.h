@@ -8,12 +8,9 @@
 #include "quad_options.h"
 
 /*
- * Read a mesh file, check it, give its elements a common orientation, and determine the directors
- * (unit normals) and axes of the nodes, the sets and the order of the nodes. A director inside the
- * mesh is the mean of the normals of the elements at the node, weighted with their angles there and
- * corrected by the fit of a quadric. On a free edge the director is extrapolated from the directors
- * inside, so that spheres and cylinders keep their exact normals. The first local axis of a node is
- * the projection of a global axis. All elements belong to one region.
+ * Read a mesh file and check it. Elements get a common orientation; nodes get directors (unit
+ * normals, on free edges extrapolated from the inside), axes and an order. All elements belong to
+ * one region.
  *   error [QUAD_ERROR] out  message
  * Returns 0, or -1 with error filled and the mesh empty.
  */

@@ -8,20 +8,22 @@
 #include <stdio.h>
 
 /*
- * Write a format with the directives below; all other characters are copied unchanged.
- *   %t  const char *          plain text; characters special to XML are escaped
- *   %s  const char *          markup, copied unchanged
- *   %d  int
- *   %f  double                coordinate in a picture, with one decimal
- *   %n  double                number with four significant digits; a dash for NaN
- *   %r  double                condition number or residual, with two digits; a dash if it is
- *                             negative, which stands for a check that was not made
- *   %p  double                fraction, written in percent
- *   %b  double, double        fraction in percent, with a bar; fraction at which the bar is full
- *   %q  double, const char *  quantity and its unit; lengths in the most readable unit
- *   %a  double, double, const char *  quantity, largest of its table column, unit; the largest
- *                             decides the unit for the whole column
- *   %u  const char *          unit
+ * Write a format with the directives below, and all other characters unchanged. Arguments in order,
+ * separated by commas:
+ *   %t  const char *                  plain text; characters special to XML are escaped
+ *   %s  const char *                  markup, copied unchanged
+ *   %d  int                           integer
+ *   %f  double                        coordinate in a picture, with one decimal
+ *   %n  double                        number with four significant digits; a dash for NaN
+ *   %r  double                        condition number or residual, with two digits; a dash if
+ *       negative (not checked)
+ *   %p  double                        fraction, written in percent
+ *   %b  double, double                fraction in percent, with a bar; fraction at which the bar is
+ *       full
+ *   %q  double, const char *          quantity and unit; lengths in the most readable unit
+ *   %a  double, double, const char *  quantity, largest quantity of the table column (decides the
+ *       written unit), unit
+ *   %u  const char *                  unit
  *   %l  const double *, const char *  lower and upper limit [2], unit; a dash for no limits
  */
 void put(FILE *file, const char *format, ...);

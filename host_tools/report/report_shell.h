@@ -22,12 +22,14 @@ typedef struct view {
 } view;
 
 /*
- * Begin a view that includes no points yet: a view in space of the outer side of a shell, or a map.
+ * Begin a view without points: a map, or a view in space of the outer side of a shell, from 30
+ * degrees above the horizon.
  *
- * The map of a mesh along lines of curvature shows theta1 downwards and theta2 to the right, like
- * the rows and columns of a printed table of voltages (view_has_parameters). A polar plate and a
- * mesh of points are seen with x to the right and y upwards. A mesh from a file is seen along its
- * mean normal; a closed surface, which has no mean normal, from above.
+ * Orientation of the map:
+ *   mesh along lines of curvature  theta1 downwards and theta2 to the right, like a printed table
+ *                                  of voltages (view_has_parameters)
+ *   mesh from a file               along its mean normal; a closed surface as in space
+ *   polar plate, mesh of points    x to the right and y upwards
  */
 void view_begin(view *view, const mesh *mesh, bool is_map);
 bool view_has_parameters(const mesh *mesh);
@@ -57,12 +59,9 @@ typedef struct shell_point {
 } shell_point;
 
 /*
- * A mesh as it is drawn: points, and cells (quadrilaterals) between them. They are the nodes and
- * elements of the mesh, but on the map of a closed surface the first and the last mesh line are
- * separate points of the same nodes. A part of a mesh is a copy with fewer cells.
- *
- * The patches of the actuators are drawn on several maps if they overlap: `plan` is the index of
- * the map of each actuator, -1 for actuators without patches or stacks.
+ * A mesh as it is drawn: points, and cells (quadrilaterals) between them. On the map of a closed
+ * surface, the first and the last mesh line are separate points of the same nodes. A part of a mesh
+ * is a copy with fewer cells.
  */
 typedef struct shell {
     FILE *file;
@@ -74,7 +73,8 @@ typedef struct shell {
     shell_point *point;   /* [points] */
     int (*cell)[4];       /* [2 cells] points at the corners; the second half is work memory for
                              the cells of one electrode */
-    int *plan;            /* [actuators] */
+    int *plan;            /* [actuators] index of the map on which each actuator is drawn (several
+                             maps if patches overlap); -1: it has no patches or stacks */
     void *work;           /* memory to sort cells or their sides */
     const double *vector; /* [nodes][3] displacement along x, y and z; NULL: none */
     double factor;        /* factor by which the drawn displacement is magnified */

@@ -40,10 +40,10 @@ typedef struct bicubic_jet {
 /*
  * Fit a bicubic spline function to values at scattered points.
  *   point [count][3] in  x, y and value of each point, finite
- *   cells [2]        in  number of cells along x and y; 0 stands for the number that gives about
- *                        four points to a cell
- * Returns 0, or -1 with the function empty if memory runs out or if the points determine no plane,
- * because they are fewer than three or lie on a line.
+ *   cells [2]        in  number of cells along x and y; 0: as many as give about four points to a
+ *                        cell
+ * Returns 0, or -1 with the function empty: memory runs out, or the points are fewer than three or
+ * on a line.
  */
 int bicubic_fit(bicubic *function, size_t count, const double (*point)[3], const int cells[2]);
 void bicubic_free(bicubic *function);

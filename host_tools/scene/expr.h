@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Functions of coordinates in scenes: formulas, interpolation between values at scattered points,
- * and lists of values in the order of the rows of a target.
+ * and lists of values in the order of a target's rows.
  *
- * A formula consists of numbers, the variables x, y, z (in space), theta1, theta2 (surface
- * coordinates), the constant pi, the operators + - * / ^, parentheses and common functions. The
- * function zernike(j, rho, phi) is the Zernike polynomial of Noll index j with root mean square 1
- * over the unit disc; it is NaN unless j is an integer from 1 to 1000.
+ * Formulas: numbers, pi, the variables x, y, z (in space) and theta1, theta2 (surface coordinates),
+ * the operators + - * / ^, parentheses and common functions. The function zernike(j, rho, phi) is
+ * the Zernike polynomial of Noll index j (1 to 1000, else NaN), with RMS 1 over the unit disc.
  */
 #ifndef EXPR_H
 #define EXPR_H
@@ -36,12 +35,11 @@ enum { EXPR_AXES = 5 };
 /*
  * Build a function that interpolates values given at scattered points (scatter.h in
  * host_tools/data).
- *   text   in                 description for reports
- *   axes   in                 number of coordinates of a point, 1 to 3
- *   axis [axes] in index of each coordinate among x, y, z (in space), theta1, theta2 (on the
- *   surface)
- *   point  [count][axes]  in  coordinates of the points, finite
- *   value  [count]        in  values at the points, finite
+ *   text                 in  description for reports
+ *   axes                 in  number of coordinates of a point, 1 to 3
+ *   axis  [axes]         in  index of each coordinate among x, y, z (in space), theta1, theta2
+ *   point [count][axes]  in  coordinates of the points, finite
+ *   value [count]        in  values at the points, finite
  * Returns NULL when memory runs out.
  */
 expr *expr_from_points(const char *text, int axes, const int *axis, size_t count,

@@ -64,14 +64,12 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
                        const double high[2], outline_cell *part);
 
 /*
- * The surface coordinates theta1 and theta2 may be periodic (full turn 2 pi). An electrode outline
- * that goes beyond the end of such a coordinate meets elements a full turn away. Find the
- * displacement by which a cell (element or part of one) is moved to compare it with the outline.
- *   k  in  which of OUTLINE_MOVES displacements, from 0: none; the others are all combinations of
- *       0, +1 or -1 turn of the two coordinates
+ * Find the displacement, by full turns, with which a cell (element or part of one) is moved to
+ * compare it with an electrode outline. A move is needed where the outline passes the end of a
+ * periodic surface coordinate (theta1 or theta2, period 2 pi). k      in       number of the
+ * displacement, below OUTLINE_MOVES: 0, or a combination of 0, +1 and -1 turns of both coordinates
  *   shift  [2] out  displacement in the plane of the electrode outlines
- * Returns false if a coordinate that is moved is not periodic on the surface of the scene, else
- * true.
+ * Returns whether all coordinates that are moved are periodic on the surface of the scene.
  */
 enum { OUTLINE_MOVES = 9 };
 bool outline_cell_move(const scene *scene, outline_plane plane, int k, double shift[2]);

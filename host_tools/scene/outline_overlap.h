@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Check that the electrodes of one layer do not overlap.
+ * Check that the electrodes of one layer do not overlap, beyond a tolerance of a thousandth for
+ * rounding and for arcs drawn by straight sides.
  *
- * Of two electrodes bounded by polygons, the common area is computed exactly. It may be up to a
- * thousandth of the smaller electrode, for rounding and for arcs that are drawn by straight sides.
- *
- * If an electrode is given by a formula, the check is done in each element. Two electrodes overlap
- * if their areas in the element add up to more than the area of the element. They also overlap if
- * both of them cover one and the same of the 8 x 8 equal squares into which the element is divided.
+ * Between polygons, the common area is exact. Where an electrode is given by a formula, each
+ * element is checked: two electrodes overlap if their areas add up to more than that of the
+ * element, or if both cover one of its 8 x 8 equal squares.
  */
 #ifndef OUTLINE_OVERLAP_H
 #define OUTLINE_OVERLAP_H

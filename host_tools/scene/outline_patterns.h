@@ -59,11 +59,10 @@ typedef struct ring_pattern {
 } ring_pattern;
 
 /*
- * outline_circle, outline_hexagons, outline_grid and outline_rings append the electrodes of a
- * circle or of a pattern of cells to a list of electrodes. Each returns 0, or -1 where memory runs
- * out. The gap of a pattern must be so small that every electrode has a positive width; the caller
- * checks this before: outline_hexagon_size, outline_grid_size and outline_ring_size return the
- * smallest width of an electrode (length), which is 0 or negative if the gap is too large.
+ * Append the electrodes of a circle or of a pattern of cells to a list of electrodes. Each function
+ * returns 0, or -1 where memory runs out. The caller checks before, with outline_hexagon_size,
+ * outline_grid_size or outline_ring_size, that the smallest width of an electrode (length) is
+ * positive despite the gap.
  */
 int outline_circle(scene_outlines *outlines, const double centre[2], double radius, scene_at at);
 int outline_hexagons(scene_outlines *outlines, const hexagon_pattern *pattern, scene_at at);

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Area fraction of each element that an electrode covers: covered area divided by the area of the
- * element, from 0 to 1. The outline of the electrode may have any shape.
+ * Area fraction of each element that an electrode of any outline covers, from 0 to 1. Electrodes
+ * that together cover an element have fractions with the sum 1.
  *
- * Outlines are drawn in a plane, either of two coordinates in space or of the surface coordinates
- * theta1 and theta2. Polygons are clipped to the element, whose sides are straight in this plane.
- * The ratio of the areas on the surface and in the plane is taken as linear over an element. The
- * area fractions are therefore exact on plates and on polar meshes; elsewhere their error is of
- * second order in the size of the elements. An electrode may also be the region in which a formula
- * is positive. The formula is then taken as linear on each triangle of a 16 x 16 grid in the
- * element. Where electrodes together cover the whole of an element, their area fractions add up to
- * 1.
+ * Outlines are drawn in a plane of two coordinates in space, or of the surface coordinates theta1
+ * and theta2:
+ *   polygon  clipped to the element, with straight sides in this plane; the ratio of areas on
+ *            surface and plane is taken as linear over the element. Exact on plates and polar
+ *            meshes, elsewhere with an error of second order in the element size
+ *   formula  region in which it is positive; taken as linear on each triangle of a 16 x 16 grid in
+ *            the element
  */
 #ifndef OUTLINE_SHARES_H
 #define OUTLINE_SHARES_H

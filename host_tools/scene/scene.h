@@ -382,11 +382,12 @@ typedef struct scene_mass {
 } scene_mass;
 
 /*
- * An actuator has one amplifier for each position in its grids of patches; the patches at one
- * position are connected to its amplifier, each with a signed factor. Positions are numbered along
- * the surface coordinates theta1 and theta2, fastest along theta2. An actuator may instead be one
- * uniform temperature, heaters on its patches, or a number of stacks with one amplifier each. A
- * sensor is described by the same C struct: it has electrodes but no amplifiers.
+ * An actuator, with one amplifier for each position in its grids of patches; the patches at a
+ * position are connected to its amplifier with signed factors. An actuator may also be one uniform
+ * temperature, heaters on patches, or stacks with one amplifier each. The same struct describes a
+ * sensor, which has electrodes but no amplifiers.
+ *
+ * Positions are numbered along the surface coordinates theta1 and theta2, fastest along theta2.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
@@ -797,16 +798,19 @@ typedef struct scene_imperfections {
                             the first with the second, the third with the fourth, and so on */
 } scene_imperfections;
 
-/*
- * State of the structure in which the controller's tables are computed. INFLUENCE_UNDEFORMED: the
- * influence matrix and the vibration modes of the reference state, without loads; INFLUENCE_LOADED:
- * both about the nonlinear equilibrium under the scene's loads at 0 V, whose prestress changes
- * them; INFLUENCE_TARGET: the influence matrix at the nonlinear equilibrium with the optimal
- * voltages, and the vibration modes of the reference state.
- */
+/* State of the structure in which the controller's tables are computed. */
 typedef enum scene_influence_at {
+    /* Influence matrix and vibration modes of the reference state, without loads. */
     INFLUENCE_UNDEFORMED,
+    /*
+     * Influence matrix at the nonlinear equilibrium with the optimal voltages; vibration modes of
+     * the reference state.
+     */
     INFLUENCE_TARGET,
+    /*
+     * Influence matrix and vibration modes about the nonlinear equilibrium under the scene's loads
+     * at 0 V, with its prestress.
+     */
     INFLUENCE_LOADED
 } scene_influence_at;
 
@@ -971,10 +975,9 @@ typedef struct scene_short_list {
 
 /*
  * Identified hysteresis and creep of the piezoelectric ceramic, which the control loop compensates.
- * The model (Prandtl-Ishlinskii) is a sum of three parts: a piecewise linear function of the
- * voltage without memory; play operators, each multiplied by a weight; and creep terms. The output
- * of a play operator follows the voltage only after the voltage has changed direction by more than
- * the slack of the operator.
+ * The model (Prandtl-Ishlinskii) is a sum of a piecewise linear function of the voltage, weighted
+ * play operators, and creep terms. A play operator follows the voltage only after the voltage has
+ * reversed by more than the operator's slack.
  */
 typedef struct scene_hysteresis {
     bool given;
@@ -1053,9 +1056,9 @@ typedef struct scene {
 /*
  * Read and check a scene.
  *   path   in                 YAML file
- *   set    [sets] in          changes of the form a.b.c=value that are applied before checking; an
- *                             item of a list is selected by its index from 0 or by its name; the
- *                             value is YAML; the last key may be a new one
+ *   set    [sets] in          changes a.b.c=value (value in YAML), applied before the checks; an
+ *                             item of a list is selected by its name or index from 0; the last key
+ *                             may be new
  *   error  [SCENE_ERROR] out  one line "file:line:column: what is wrong and the cure"
  * Returns 0, or -1 with error filled and *scene empty.
  */

@@ -106,12 +106,11 @@ int require_kind(reader *reader, int node, tree_kind kind)
 
 /*
  * Search for a key at a given depth below a mapping, in the tables of keys of the scene file.
- *   form   in  table of the mapping, or of a list of mappings
- *   depth  in  1: keys of the mapping itself, 2: keys of the mappings in it, and so on
+ *   form   in               table of the mapping, or of a list of mappings
+ *   depth  in               1: keys of the mapping itself, 2: keys of the mappings in it, and so on
  *   path   [LIST_ROOM] out  names of the enclosing keys, joined by points, such as simulate.sensors
- *   length in  number of characters that the path has already
- *   left   in/out  the key may occur in several places: number of places to skip before one is
- *       reported
+ *   length in               number of characters that the path has already
+ *   left   in/out           number of places with the key that are skipped before one is reported
  * Returns whether there is such a key.
  */
 static bool find_key(const form *form, const char *key, int depth, char *path, int length,
@@ -141,10 +140,9 @@ static bool find_key(const form *form, const char *key, int depth, char *path, i
 }
 
 /*
- * For a key that is not valid in the mapping where the user wrote it, write a hint at another place
- * of a scene file where it is valid, such as "it is a key of simulate.sensors; ".
- *   section  in  name of the mapping with the key. No hint is written if the key is valid in a
- *       mapping or list of this name: the user has the right section then
+ * Write a hint at the section in which a key is valid, for a key in the wrong mapping, such as "it
+ * is a key of simulate.sensors; ".
+ *   section             in   name of the mapping with the key
  *   advice  [LIST_ROOM] out  the hint; empty where there is none
  */
 static void point_to_section(const char *key, const char *section, char advice[LIST_ROOM])
@@ -156,6 +154,7 @@ static void point_to_section(const char *key, const char *section, char advice[L
         for (int k = 0; find_key(&scene_form, key, depth, path, 0, &(int){k}); k++) {
             const char *last = strrchr(path, '.');
             if (strcmp(last ? last + 1 : path, section) == 0)
+                /* A mapping of this name takes the key: the user has the right section. */
                 return;
             if (!*first)
                 memcpy(first, path, sizeof path);

@@ -217,10 +217,9 @@ static int take_named(reader *reader, const function_text *text, const number_ta
 }
 
 /*
- * Multiply the factor `scale` by the one that converts a column of values with a stated unit, such
- * as "u3 [um]", to the units of the scene.
- *   node  in  YAML node of the key that the values belong to, whose physical dimension the reader
- *         knows
+ * Multiply the scale of a file's function by the factor that converts its column to the units of
+ * the scene, if the column names a unit, such as "u3 [um]".
+ *   node  in      YAML node of the key that the values belong to
  *   text  in/out  in: scale as the scene file states it; out: scale to the units of the scene
  * Returns 0, or -1 after writing an error message about the scene file: the unit has another
  * dimension than the key, or both the unit and `scale` convert the numbers.

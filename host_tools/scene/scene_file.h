@@ -34,10 +34,9 @@ int scene_file_axis(const char *name);
 
 /*
  * Readers of a function: a formula, or a mapping {file: FILE, columns: [x, y, value], column: NAME,
- * scale: 1}. A file with coordinates becomes a function that interpolates between its points; a
- * file without coordinates becomes a list of values in the order of its rows. read_row_function
- * also accepts a list of values in the scene file, in the order of the rows of a target;
- * read_place_function refuses lists.
+ * scale: 1}. A file with coordinates is interpolated between its points; a file without is a list
+ * of values by rows. read_row_function also accepts a list in the scene file, in the order of a
+ * target's rows.
  */
 field_read read_row_function, read_place_function;
 extern const form row_function_form, place_function_form, list_form, list_file_form;

@@ -89,11 +89,9 @@ static const field hysteresis_fields[] = {
 const form hysteresis_form = {.type = FORM_MAP, .fields = hysteresis_fields};
 
 /*
- * Check relations between numbers of the section `hysteresis`. The two voltages of the range must
- * ascend, and so must the slacks of the play operators (change of the voltage after a reversal
- * before an operator follows). The lists for the play operators must have equal lengths, and so
- * must the two lists for creep. Returns 0, or -1 after writing an error message about the scene
- * file.
+ * Check relations between numbers of the section `hysteresis`: an ascending voltage range,
+ * ascending slacks of the play operators, and lists of equal lengths. Returns 0, or -1 after
+ * writing an error message about the scene file.
  */
 static int check_hysteresis(reader *reader, int node, const scene_hysteresis *hysteresis)
 {

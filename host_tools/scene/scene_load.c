@@ -233,11 +233,9 @@ static const form support_form = {
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
 
 /*
- * Check the keys of a support that concern directions. The words `along` and `across` of the key
- * `fix` make it an oblique support, which needs the key `direction`. Words of `fix` that use a
- * direction in another way (simple, symmetric, x, y, z) are refused beside them. Formulas as
- * `direction` are allowed for oblique supports only. Returns 0, or -1 after an error message about
- * the scene.
+ * Check the keys of a support that concern directions: `along` and `across` in the key `fix` need
+ * the key `direction`, and exclude other words of `fix` with directions. Only they accept formulas
+ * as `direction`. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_oblique(reader *reader, int node, const scene_support *support)
 {
@@ -262,12 +260,8 @@ static int check_oblique(reader *reader, int node, const scene_support *support)
 
 /*
  * Replace the word `rotation` in the key `fix` of a support by bits of the dof that the support
- * holds. A rotation of a node is the difference of both faces' displacements over the thickness:
- * the difference along its local axis e1 is the rotation about e2, and minus that along e2 is the
- * rotation about e1. For an axis in any other direction, the nodes get local axes whose e1 is this
- * direction. If an angle is prescribed, the difference of the normal displacements is prescribed
- * too, because a rotated director would otherwise become longer. Returns 0, or -1 after an error
- * message about the scene.
+ * holds: the difference of both faces' displacements along e1 for a rotation about e2, along e2 for
+ * one about e1. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int find_rotation(reader *reader, int node, scene_support *support)
 {
@@ -294,12 +288,18 @@ static int find_rotation(reader *reader, int node, scene_support *support)
     if (!reader->s->element.cartesian && (is_vector || axis >= COMPONENT_X))
         return tree_fault(reader->t, node,
                           "this axis needs element: improved; choose u1 or u2 with published");
+    /* An axis in another direction becomes the local axis e1 of the nodes. */
     if (is_vector)
         memcpy(support->direction, support->about.vector, sizeof support->direction);
     else if (axis >= COMPONENT_X)
         support->direction[axis - COMPONENT_X] = 1;
+    /*
+     * A prescribed angle also prescribes the difference of the normal displacements, so that the
+     * rotated director keeps its length.
+     */
     support->move = support->value ? bit | DIFFERENCE_3 : 0;
     support->fix = (support->fix & ~(unsigned)FIX_ROTATION) | bit | support->move;
+    /* The difference along e2 is minus the angle about e1. */
     support->turn = is_second ? 1 : -1;
     return 0;
 }

@@ -9,12 +9,11 @@
 #include <stddef.h>
 
 /*
- * Rewrite the text of the scene file at a path. A step limit (V a tick) under its old name slew
- * becomes the rate limit (V/s) that is its product with the tick rate. It keeps the form of a step
- * limit if the scene file gives no tick rate, or if rounding would change it (rate limit/tick rate
- * is not exactly the step limit).
- *   text, bytes  out                new text and its length, to be released with free; NULL after
- *       an error
+ * Rewrite the text of a scene file with the present names of keys and words. The retired step limit
+ * `slew` (V a tick) becomes a rate limit (V/s); it remains a step limit without a tick rate, or if
+ * rounding would change it.
+ *   text, bytes                out  new text and its length, to be released with free; NULL after
+ *                                   an error
  *   error        [SCENE_ERROR] out  one line with the position of the fault
  * Returns 0, or -1 with error filled: the file cannot be read, a name cannot be replaced in the
  * text, or the new text is no valid scene.

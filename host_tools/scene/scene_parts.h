@@ -15,16 +15,15 @@
 field_read read_surface, read_mesh;
 
 /*
- * Functions that read keys of scenes with a mesh from a file (scene_quads.c) or of blocks
- * (scene_disc.c, scene_panel.c). The C object at `to`, which receives the value, is
- *   read_mesh_file, read_mesh_disc,
- *   read_mesh_panel                     the scene
- *   read_layer_sets                     a scene_layer, which gets the elements of the named sets
- *   read_patch_sets                     a scene_patches, which gets the elements of the named sets
- *   read_set                            a scene_where (place on the mesh), which gets the name of a
- *       set
- *   read_set_pattern                    the same; a * in the name stands for any text
- *   read_vector, read_unit              double[3]: a vector, and a vector scaled to length 1
+ * Readers of keys of scenes with a mesh from a file or of blocks (scene_quads.c, scene_disc.c,
+ * scene_panel.c), with the C object that each fills:
+ *   read_mesh_file    the scene; also read_mesh_disc, read_mesh_panel
+ *   read_layer_sets   scene_layer, with the elements of the named sets
+ *   read_patch_sets   scene_patches, with the elements of the named sets
+ *   read_set          scene_where (place on the mesh), with the name of a set
+ *   read_set_pattern  scene_where, with a name in which a * stands for any text
+ *   read_vector       double[3]
+ *   read_unit         double[3], a vector scaled to length 1
  */
 field_read read_mesh_file, read_mesh_disc, read_mesh_panel, read_layer_sets, read_patch_sets,
     read_set, read_set_pattern, read_vector, read_unit;
@@ -229,12 +228,11 @@ extern const int place_components[];
 
 /*
  * Macros that expand to rows of a table of keys (array of `field`, scene_fields.h).
- *   DIRECTIONS        six keys for directions: u1, u2, u3 (along the local axes), x, y, z (in
- *       space). `read` is the function that reads their values; its argument `rule` tells the
- *       direction
- *   PLACE             keys by which a user names a place on the mesh (set, edge, nodes). `offset`
- *       is the position (bytes) of the scene_where in the C struct that the table fills
- *   PLACE_ON_SURFACE  the same keys without `set`, the name of a set of a mesh file
+ *   DIRECTIONS        keys u1, u2, u3 (local axes), x, y, z (in space), read by the function
+ *                     `read`, whose argument `rule` tells the direction
+ *   PLACE             keys for a place on the mesh (set, edge, at); `offset` is the position
+ *                     (bytes) of the scene_where in the C struct that the table fills
+ *   PLACE_ON_SURFACE  the keys of PLACE without `set`, the name of a set of a mesh file
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \

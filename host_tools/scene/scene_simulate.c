@@ -772,11 +772,9 @@ static int check_motion(reader *reader, int node)
 }
 
 /*
- * Check the key `influence` of the simulation, which tells in which state of the structure the
- * influence matrix is computed. `target` (nonlinear equilibrium with the optimal voltages) and
- * `loaded` (nonlinear equilibrium under the loads) need a scene with nonlinear kinematics; `loaded`
- * also needs a simulated structure (plant) with nonlinear kinematics. Returns 0, or -1 after
- * writing an error message about the scene file.
+ * Check the key `influence` of the simulation, the state of the structure in which the influence
+ * matrix is computed. Deformed states need a scene with nonlinear kinematics, `loaded` also a
+ * nonlinear plant. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_influence(reader *reader, int node)
 {

@@ -160,19 +160,17 @@ static const form spring_form = {.type = FORM_MAP, .fields = spring_fields, .cas
 const form springs_form = {.type = FORM_LIST, .item = &spring_form};
 
 /*
- * Check the keys of an item of springs or stack actuators. It is attached either to nodes of the
- * mesh, by one of the keys `at`, `edge` and `set`, or to points, by `points`. At least one of
- * `along` (direction), `to` (node at the other end) and `about` (axis of a torsional spring) is
- * required. `about` excludes `along`, `to` and `on`. A stiffness per length or area (key `per`)
- * excludes `to`, `about` and `points`. Returns 0, or -1 after writing an error message about the
- * scene file.
+ * Check which keys an item of springs or stack actuators combines. Returns 0, or -1 after writing
+ * an error message about the scene file.
  */
 static int check_ends(reader *reader, int node, const scene_spring *spring)
 {
     const int has_place = spring->where.at.column != 0, has_other = spring->to.at.column != 0;
+    /* The item is attached to nodes of the mesh (at, edge or set) or to points, not to both. */
     if (has_place == (spring->points > 0))
         return tree_fault(reader->t, node,
                           "a spring or stack needs one of at, edge, set and points; give one");
+    /* A direction, the node at the other end, or the axis of a torsional spring is required. */
     if (!spring->along.given && !spring->about.given && !has_other)
         return tree_fault(reader->t, node,
                           "no direction in this item of %.60s; add along: z, along: [x, y, z], or "

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Cubic splines (spline.h).
- * A coordinate of the curve is described by its values y_i and its second derivatives m_i at the
- * knots. They minimise sum (p_i - y_i)^2 + lambda integral m^2, with p_i the given points, under
- * one condition for each knot: a continuous slope at inner knots, and the end conditions at the
- * outer knots. The values, second derivatives and Lagrange multipliers of the knots, interleaved,
- * are the variables of one banded linear system.
+ * Cubic splines (spline.h): least squares under linear conditions, solved for each coordinate as
+ * one banded linear system.
+ *
+ * The values y_i and second derivatives m_i at the knots minimise
+ *   sum (p_i - y_i)^2 + lambda integral m^2
+ * with p_i the given points and lambda the smoothing. Each knot has one condition with a Lagrange
+ * multiplier: a continuous slope, or the end condition.
  */
 #include "spline.h"
 #include <math.h>

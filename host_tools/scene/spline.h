@@ -9,16 +9,17 @@
 typedef struct spline spline;
 
 /*
- * Fit a cubic spline curve s(t) to the points p_i, where t is the chord length from the first
- * point.
- *   point      [knots][2] in  points in order, neighbours distinct; at least 4, or 2 with tangents
- *   tangent    [2][2]     in  directions at the first and the last point, of any length; NULL: the
- *                             third derivative is continuous at the second and the last but one
- *                             point (not-a-knot)
- *   smoothing  in             weight lambda >= 0 (length^3); 0: the curve interpolates the points
- * The curve minimises sum |p_i - s(t_i)|^2 + lambda integral |s''|^2 dt. Returns NULL when memory
- * runs out, two neighbours coincide or the numbers leave the range of a double. spline_free
- * releases the result.
+ * Fit a cubic spline curve s(t) to points p_i, with t the chord length from the first point. The
+ * curve minimises
+ *   sum |p_i - s(t_i)|^2 + lambda integral |s''|^2 dt
+ *   point      [knots][2] in  points p_i in order, neighbours distinct; at least 4, or 2 with
+ *                             tangents
+ *   tangent    [2][2]     in  directions at the first and the last point, of any length; NULL:
+ *                             not-a-knot (third derivative continuous at the second and the last
+ *                             but one point)
+ *   smoothing             in  lambda >= 0 (length^3); 0: the curve interpolates the points
+ * Returns the curve, to be released with spline_free, or NULL when memory runs out, two neighbours
+ * coincide or the numbers leave the range of a double.
  */
 spline *spline_fit(int knots, const double (*point)[2], const double (*tangent)[2],
                    double smoothing);

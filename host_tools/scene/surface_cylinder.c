@@ -14,13 +14,11 @@ static void set(double vector[3], double x, double y, double z)
 }
 
 /*
- * Return the point of a cylinder whose cross-section is a curve in the plane normal to its axis.
- * The curve is given by its radius as a function of the polar angle phi.
- *   axis   in  0: the axis is x and its coordinate theta1; 1: the axis is z and its coordinate
- *       theta2
+ * Return the point of a cylinder whose cross-section is given by its radius as a function of the
+ * polar angle phi.
+ *   axis   in  0: axis x, with the coordinate theta1; 1: axis z, with the coordinate theta2
  *   along  in  coordinate along the axis
- *   phi    in  polar angle (rad), counted from +z towards +y if the axis is x, and from +x towards
- *       +y if it is z
+ *   phi    in  polar angle (rad), from +z towards +y for axis x, from +x towards +y for axis z
  *   radius in  radius of the curve at phi
  *   rise   in  derivative of the radius with respect to phi
  */

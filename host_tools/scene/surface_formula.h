@@ -10,13 +10,12 @@
 #include "surface_point.h"
 
 /*
- * Return whether a surface is given by formulas or fitted to points; the other functions of this
- * file are for such surfaces only.
+ * Return whether a surface is given by formulas or fitted to points, for which alone the functions
+ * of this file are made.
  *
- * At a point of such a surface, e1 is tangent to the line along which the surface coordinate theta1
- * varies. The unit normal e3 is along the cross product of the tangents, and e2 = e3 x e1. In
- * surface_point, `lame` contains the lengths of the tangents, `curvature` the normal curvatures of
- * the coordinate lines, and `geodesic` is 0.
+ * At a point of such a surface, e1 is along the theta1 line, e3 is the unit normal along the cross
+ * product of the tangents, and e2 = e3 x e1. In surface_point, `lame` holds the lengths of the
+ * tangents, `curvature` the normal curvatures of the coordinate lines; `geodesic` is 0.
  */
 int surface_is_general(const scene_surface *surface);
 

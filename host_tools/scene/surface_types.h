@@ -41,18 +41,17 @@ typedef double surface_area_function(const scene_surface *surface, const double 
                                      const double t2[2]);
 
 /*
- * Table of surface types. A row holds, in this order:
- *   1. the value of scene_surface_type;
- *   2. the word for it in a scene file;
- *   3. its keys in a scene file (?a is optional; SURFACE_NUMBERS defines the keys that are
- *       numbers);
- *   4. the function that computes a point of the surface; revolution_at for surfaces of revolution;
- *   5. the function of the meridian of a surface of revolution; 0 for other surfaces;
- *   6. the function that computes an area; 0: the area is integrated numerically;
- *   7. the surface coordinates with the period 2 pi (bits);
- *   8. the surface coordinates that are angles (bits);
- *   9. the advice for a mesh that reaches a pole;
- *   10. a sentence of help.
+ * Table of surface types. Columns:
+ *   1. value of scene_surface_type
+ *   2. word in a scene file
+ *   3. keys in a scene file (?a: optional a; numbers are defined by SURFACE_NUMBERS)
+ *   4. function that computes a point; revolution_at for surfaces of revolution
+ *   5. function of the meridian of a surface of revolution; 0 for other surfaces
+ *   6. function that computes an area; 0: numerical integration
+ *   7. surface coordinates with the period 2 pi (bits)
+ *   8. surface coordinates that are angles (bits)
+ *   9. advice for a mesh that reaches a pole
+ *   10. sentence of help
  */
 #define SURFACE_TYPES(ROW)                                                                         \
     ROW(SURFACE_PLATE, "plate", "", plate_at, 0, plate_area, 0, 0, "",                             \

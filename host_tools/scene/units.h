@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Units of measurement: conversion of a text such as "mm", "N/m2", "C/(m2 K)" or "1/K" to powers of
- * six base units and a power of ten.
- *
- * Base units: m, N, V, K, s, rad. Derived units: Pa = N/m2, C = N m/V, F = C/V, Hz = 1/s, kg = N
- * s2/m, t = 1000 kg.
- *
- * Grammar: factors joined by a blank, '*' or '.', followed by any number of divisors, each a '/'
- * and a factor or a product in parentheses. A factor is a unit with an optional SI prefix (f p n u
- * m c d k M G T) and an optional integer power, as m2, m^2, m^-1; 1 may stand before '/'.
+ * Units of measurement: conversion of a text such as "mm", "N/m2" or "C/(m2 K)" to powers of six
+ * base units and a power of ten.
+ *   base     m, N, V, K, s, rad
+ *   derived  Pa = N/m2, C = N m/V, F = C/V, Hz = 1/s, kg = N s2/m, t = 1000 kg
+ *   text     factors joined by a blank, '*' or '.', then divisors: each a '/' and a factor or a
+ *            product in parentheses; 1 may stand before '/'
+ *   factor   unit with an optional SI prefix (f p n u m c d k M G T) and an optional integer power,
+ *            as m2, m^2, m^-1
  */
 #ifndef UNITS_H
 #define UNITS_H

@@ -1,18 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The plant of a simulation: the structure of the scene with other material constants, loads of any
- * size and a temperature change. The controller does not know these differences.
+ * The plant of a simulation: the structure of the scene with material constants, loads and a
+ * temperature change that the controller does not know.
  *
- * Each row of a table in plant.c is one way in which a plant moves (plant_motion.h):
+ * Ways in which a plant moves, each a row of a table in plant.c (plant_motion.h):
  *   quasi-static  every shape is the static equilibrium
- *   modal         vibration about the static equilibrium in the vibration modes of the undeformed
- *                 state (inertia.h); the part of the shape in vibration modes that are not computed
- *                 follows the inputs without delay. The equilibrium may be that of a nonlinear
- *                 structure, whose vibration modes are then still those of the undeformed state:
- *                 this is valid as long as the deformation changes the natural frequencies only
- *                 slightly
- *   nonlinear     all degrees of freedom of the mesh move with their mass at large rotation
- *                 (shell_motion.h)
+ *   modal         vibration about the static equilibrium in the modes of the undeformed state
+ *                 (inertia.h); modes that are not computed follow the inputs without delay. About a
+ *                 nonlinear equilibrium this is valid while the deformation hardly changes the
+ *                 natural frequencies
+ *   nonlinear     all degrees of freedom move with their mass at large rotation (shell_motion.h)
  */
 #ifndef PLANT_H
 #define PLANT_H
@@ -110,12 +107,11 @@ double plant_vibration(const plant *plant);
 double plant_period(const plant *plant);
 
 /*
- * Compute the present shape of the plant. A plant without inertia has the static equilibrium under
- * the given voltages. A plant that moves in its vibration modes has this equilibrium plus its
- * present vibration. A plant whose nonlinear motion is computed has the shape to which plant_elapse
- * has moved it.
- *   voltage  [amplifiers] in  present voltages of the amplifiers (V)
- *   shape    [targets] out  displacements
+ * Compute the present shape of the plant: the static equilibrium under the given voltages, plus the
+ * present vibration of a plant that moves in modes. A plant with nonlinear motion has the shape to
+ * which plant_elapse has moved it, whatever the voltages.
+ *   voltage [amplifiers] in   present voltages of the amplifiers (V)
+ *   shape   [targets]    out  displacements
  * Returns 0, or -1 with error filled.
  */
 int plant_shape(plant *plant, const double *voltage, double *shape, char *error);
@@ -132,8 +128,8 @@ int plant_readings(plant *plant, double *reading, char *error);
 int plant_displacement(plant *plant, double *displacement, char *error);
 
 /*
- * Optimal voltages on the ceramic for a target on this structure under the present loads and
- * temperature, without the step limit.
+ * Compute the optimal voltages on the ceramic for a target on this plant under the present loads
+ * and temperature, without the step limit.
  *   target          [targets]    in   wanted displacements
  *   lowest, highest [amplifiers] in   voltages that can act on the ceramic of each electrode (V)
  *   best                         out  optimal voltages; release them with voltages_free

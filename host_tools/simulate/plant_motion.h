@@ -58,11 +58,10 @@ extern const plant_motion plant_quasi_static, plant_modal, plant_nonlinear;
 int plant_input(const struct plant *plant, int load);
 
 /*
- * Functions for the static equilibrium of a plant under its present inputs. plant_static_shape
- * computes the equilibrium and the displacements of the target rows (controlled displacements) in
- * it, shape [targets]. The other two functions use this equilibrium: plant_static_outputs stores
- * the values of all outputs in the member `value` of the plant, and plant_static_displacement
- * returns the displacement vector [free_dof].
+ * plant_static_shape computes the static equilibrium of a plant under its present inputs, with the
+ * displacements of the target rows, shape [targets]. In this equilibrium, plant_static_outputs
+ * stores all outputs in the plant's member `value`; plant_static_displacement returns the
+ * displacement vector [free_dof].
  */
 int plant_static_shape(struct plant *plant, double *shape, char *error);
 int plant_static_outputs(struct plant *plant, char *error);

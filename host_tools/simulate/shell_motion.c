@@ -30,11 +30,12 @@ enum { SOLVES_MOST = 16 };
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * balanced: size of the last Newton increment in a time step (relative to the change of the
- * displacement in half the step) below which no further linear solve is needed. The remaining force
- * imbalance would change the energy slightly, which balance_energy corrects: it adds a small
- * multiple of the last increment to the displacement. largest_correction: largest absolute value of
- * the factor of this increment; if a larger one is necessary, another linear solve follows.
+ * Tolerances of a time step.
+ *   balanced            size of the last Newton increment, relative to the change of the
+ *                       displacement in half the step, below which no further linear solve is
+ *                       needed
+ *   largest_correction  largest factor of this increment that balance_energy may add to correct the
+ *                       energy; a larger one requires another linear solve
  */
 static const double balanced = 1e-6, largest_correction = 0.1;
 
@@ -181,13 +182,12 @@ double shell_motion_step(const vibration *vibration, double interval)
 /* ---- forces and tangents of elements ---------------------------------- */
 
 /*
- * Compute the stress resultants of one element at a displacement, without the prescribed stress
- * resultants of voltages and temperature. With an increment, their first-order change along the
- * increment is added (linear extrapolation).
+ * Compute the stress resultants of one element at a displacement, without the prescribed ones of
+ * voltages and temperature. They are linearly extrapolated along an increment if one is given.
  *   displacement [4 dof_per_node] in   nodal displacement: translations (m) and dimensionless dof
  *   increment    [4 dof_per_node] in   increment of the displacement; NULL: none
- *   resultant    [22]             out  stress resultants times the area of the element (N m): those
- *                of its strains that are constant, linear and bilinear over the element
+ *   resultant    [22]             out  stress resultants times the area of the element (N m), of
+ *       its constant, linear and bilinear strains
  */
 static void elastic_resultants(const shell_motion *motion, uint32_t element,
                                const double *displacement, const double *increment,
@@ -237,11 +237,10 @@ static double mass_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Stress resultants of an element that act at half a time step. They are the sum of three: the mean
- * of the resultants at the start and at the end of the step; viscosity times their rate; and the
- * prescribed resultants of voltages and temperature.
- *   resultant  [22] out  these stress resultants times the area of the element (N m): those of its
- *              strains that are constant, linear and bilinear over the element
+ * Compute the stress resultants of an element that act at half a time step, with viscosity and with
+ * the prescribed resultants of voltages and temperature.
+ *   resultant  [22] out  stress resultants times the area of the element (N m), of its constant,
+ *                        linear and bilinear strains
  */
 static void acting_resultants(const shell_motion *motion, uint32_t element, double step,
                               double resultant[22])
@@ -251,6 +250,7 @@ static void acting_resultants(const shell_motion *motion, uint32_t element, doub
     gather(motion, element, motion->end, displacement);
     elastic_resultants(motion, element, displacement, NULL, at_end);
     for (int i = 0; i < 22; i++)
+        /* Mean of the resultants at both ends of the step, plus viscosity times their rate. */
         resultant[i] = (at_start[i] + at_end[i]) / 2 +
                        motion->viscosity / (2 * step) * (at_end[i] - at_start[i]);
     for (int i = 0; i < SHELL_STRAINS; i++)
@@ -509,12 +509,10 @@ static double relative_increment(const shell_motion *motion)
 }
 
 /*
- * Remove the error of the energy that Newton's method leaves in a time step because its last force
- * imbalance is not zero. The error is the work of the imbalance along the displacement change of
- * the step. A multiple of the last Newton increment, with which this work becomes zero, is added to
- * the change. A Newton increment has no linear momentum, so that the momentum of the shell is
- * conserved. Returns false if the factor of the increment exceeds largest_correction in size; the
- * displacement is then unchanged.
+ * Remove the energy error that the last force imbalance of Newton's method leaves in a time step. A
+ * multiple of the last Newton increment is added to the displacement change; momentum is conserved,
+ * because an increment has none. Returns false, with the displacement unchanged, if this multiple
+ * exceeds largest_correction.
  */
 static bool balance_energy(shell_motion *motion, double step)
 {
@@ -522,6 +520,10 @@ static bool balance_energy(shell_motion *motion, double step)
     double *const imbalance = motion->solver.state.load;
     memcpy(motion->last_increment, motion->increment, dof * sizeof *motion->increment);
     compute_imbalance(motion, step, imbalance);
+    /*
+     * The error is the work of the imbalance along the change; the added multiple makes this work
+     * zero.
+     */
     const double left = pzs_linalg_inner(imbalance, motion->half_change, dof);
     const double part = left / motion->work;
     if (!(fabs(part) <= largest_correction))

@@ -1,33 +1,33 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Motion of a shell with mass at large rotation. All free dof of the mesh are advanced by time
- * steps of an energy-momentum method, solved by Newton's method. Its linear solves use stress
- * resultants that are linearly extrapolated along the last increment, not those of the present
- * displacement.
+ * Motion of a shell with mass at large rotation: time steps of an energy-momentum method for all
+ * free dof of the mesh, solved by Newton's method.
  *
- * A step of length h leads from the displacement u0 with the velocity v0 to u1 with v1. With the
- * displacement at half the step, m = (u0 + u1)/2, the step solves
+ * A step of length h leads from displacement u0 and velocity v0 to u1 and v1:
  *   M (v1 - v0)/h + L(m)' S + damping = F(m),     (u1 - u0)/h = (v0 + v1)/2
- * with the mass matrix M, the strain-displacement matrix L at m, and the loads F at m. S is the
- * mean of the stress resultants at u0 and at u1. Because the strains are quadratic in the
- * displacement, L(m) (u1 - u0) is exactly the change of the strains. Without damping and loads the
- * step therefore keeps the energy, and on a free structure the linear and the angular momentum, for
- * any h. Newton's method stops early, when its increments are small. The remaining force imbalance
- * would then change the energy by its work over the step. A multiple of the last increment is added
- * that makes this work zero. The error of the motion is of second order. The period of a mode
- * of angular frequency w is too long by about (w h)^2/12.
+ *   m  displacement at half the step, (u0 + u1)/2
+ *   M  mass matrix
+ *   L  strain-displacement matrix at m
+ *   S  mean of the stress resultants at u0 and u1
+ *   F  loads at m
  *
- * Damping has three parts, none of which can add energy, whatever the step:
- *   - a damping force proportional to the mass matrix, a M (u1 - u0)/h
- *   - viscosity b (s), which damps a vibration mode of angular frequency w by the ratio b w/2. Half
- *     of this damping is viscosity of the material: b/2 times the rate of the stress resultants is
- *     added to them. It hardly damps motions that are much faster than a step. The other half is
- *     therefore a term b/2 (v1 - v0)/h that is added to the mean velocity (v0 + v1)/2 of the step
- *   - damping of each vibration mode that the time steps resolve (followed mode), with its shape in
- *     the undeformed state, which brings its damping ratio to the one that the scene file states
- * Rayleigh's coefficients of the scene are a and b. Where the scene file states damping ratios, a
- * is zero and b is the largest viscosity that gives no followed mode more than its ratio. Faster
- * motions are thus damped more than the followed ones.
+ * Properties:
+ *   - without damping and loads the step keeps the energy, and on a free structure both momenta,
+ *     for any h: the strains are quadratic in u, so that L(m) (u1 - u0) is exactly their change
+ *   - the energy error of Newton's last force imbalance is removed (balance_energy)
+ *   - the error is of second order: the period of a mode of angular frequency w is too long by
+ *     about (w h)^2/12
+ *   - the linear solves use stress resultants extrapolated along the last increment
+ *
+ * Damping has three parts, none of which can add energy:
+ *   - mass-proportional force a M (u1 - u0)/h, with the coefficient a of the scene (1/s)
+ *   - viscosity b (s): damping ratio b w/2 for a mode of angular frequency w. Half of it adds b/2
+ *     times the rate of the stress resultants to them. The other half adds b/2 (v1 - v0)/h to the
+ *     mean velocity, because the first half hardly damps motions much faster than a step
+ *   - damping of each mode that the steps resolve, up to the damping ratio that the scene file
+ *     states
+ * If the scene file states damping ratios, a is zero and b is the largest viscosity that gives no
+ * resolved mode more than its ratio.
  */
 #ifndef SHELL_MOTION_H
 #define SHELL_MOTION_H
@@ -48,15 +48,12 @@ typedef struct shell_motion {
                           the stress resultants for the geometric stiffness: those before the last
                           Newton increment, plus their first-order change by this increment. */
     double step_most;  /* longest time step of the motion of the shell (s) */
-    double mass_damping,
-        viscosity; /* mass_damping: coefficient a of the damping force a M v, with mass matrix M and
-                      velocity v (1/s). viscosity: coefficient b (s) of a damping that grows with
-                      frequency: it damps a vibration mode of angular frequency w with the damping
-                      ratio b w/2. Half of it is applied to the stress resultants (b/2 times their
-                      rate is added), the other half to the motion (b/2 times the acceleration is
-                      added to the mean velocity of a time step). */
-    size_t modes;  /* number of vibration modes that the time steps resolve, each of which is damped
-                      individually */
+    double mass_damping, viscosity; /* mass_damping: coefficient a of the damping force a M v, with
+                                       mass matrix M and velocity v (1/s). viscosity: coefficient b
+                                       of a damping that grows with frequency: damping ratio b w/2
+                                       for a mode of angular frequency w (s) */
+    size_t modes; /* number of vibration modes that the time steps resolve, each of which is damped
+                     individually */
     double *mode_damping; /* [modes] twice the damping ratio times the angular frequency of each
                              individually damped mode, minus the part that viscosity contributes
                              (1/s) */
@@ -95,9 +92,9 @@ typedef struct shell_motion {
 
 /*
  * Prepare the motion of a structure, which starts undeformed and at rest.
- *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. Motion and
- *                    equilibrium factor their matrices in the same memory: each must factor its
- *                    matrix again after the other has been used
+ *   equilibrium in   nonlinear equilibrium of the structure, which must outlive the motion. Both
+ *                    factor their matrices in the same memory: each must factor again after the
+ *                    other
  *   vibration   in   vibration modes to damp; NULL: the motion is not damped
  *   step_most   in   longest time step (s)
  * Returns 0, or -1 with error filled; call shell_motion_close in either case.
@@ -107,10 +104,10 @@ int shell_motion_open(shell_motion *motion, const equilibrium *equilibrium,
 void shell_motion_close(shell_motion *motion);
 
 /*
- * Return the longest time step (s) that divides the tick interval into equal parts and in which the
- * phase of the fastest controllable mode advances by at most half a radian. Its computed period is
- * then at most 2 % too long. A vibration mode counts as controllable if its phase advances by at
- * most two radians in a tick interval. If all modes are faster, the first mode is taken.
+ * Return the longest time step (s) that divides the tick interval into equal parts and resolves all
+ * controllable modes: their phases advance by at most 0.5 rad in a step, so that their periods are
+ * at most 2 % too long. A mode is controllable if its phase advances by at most 2 rad in a tick, or
+ * if it is the first one.
  *   interval in  time between two ticks (s)
  */
 double shell_motion_step(const vibration *vibration, double interval);

@@ -34,10 +34,8 @@ typedef struct disturbance {
 
 /*
  * Tables of the block (stage of the control tick) with which the simulation replaces the library's
- * step block, which computes the voltages. The first member is the least-squares problem for the
- * voltages, to which the library keeps a pointer. Because it is the first member, loop_of can
- * convert this pointer to a pointer to the whole structure. The second member is the simulated loop
- * in which the block runs.
+ * step block, which computes the voltages. The problem must be the first member: the library keeps
+ * a pointer to it, which loop_of converts to the whole structure.
  */
 typedef struct law_tables {
     pzs_problem problem;

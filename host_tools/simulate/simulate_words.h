@@ -28,10 +28,10 @@ void simulate_words_phase(const simulation *simulation, const simulate_phase *ph
                           char text[SIMULATE_PHASE_TEXT]);
 
 /*
- * Write texts of several lines, indented by two spaces but for the first. simulate_words_inertia
- * says whether the plant vibrates, with the number of its vibration modes and the time steps of a
- * nonlinear motion, or the reason why it does not; simulate_words_plant describes plant, sensors,
- * amplifiers and controller; simulate_words_columns explains the columns of the table of phases.
+ * Write texts of several lines, indented by two spaces but for the first.
+ *   simulate_words_inertia  whether the plant vibrates, with its modes and time steps, or why not
+ *   simulate_words_plant    plant, sensors, amplifiers and controller
+ *   simulate_words_columns  columns of the table of phases
  */
 void simulate_words_inertia(const plant *plant, char text[SIMULATE_TEXT]);
 void simulate_words_plant(const simulation *simulation, char text[SIMULATE_TEXT]);

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Simulation of a closed loop on the host: the library's controller with the tables of the scene, a
- * plant that differs from the controller's model, sensors and amplifiers with faults, and the
- * schedule of the scene. The plant vibrates where the densities of the scene are known, and is
- * quasi-static otherwise or where the scene file says so (plant.h). Each tick runs in this order:
+ * Simulation of a closed loop on the host: the library's controller, a plant that differs from its
+ * model (plant.h), faulty sensors and amplifiers, and the events of the scene. Every run of a scene
+ * gives bit-identical results.
  *
- *   time since the last tick, events, shape under the voltages of the previous tick, measurement,
- *       controller, amplifiers
+ * Order of a tick:
+ *   1. time since the last tick, and events
+ *   2. shape under the voltages of the previous tick, and its measurement
+ *   3. controller, on the host or as firmware on a board (simulate_device)
+ *   4. amplifiers
  *
- * The controller runs on the host, or as a firmware with the tables of the scene on a board
- * (simulate_device). Every run of a scene gives bit-identical results. For comparison, the loop
- * also runs with two common alternatives to the controller: unconstrained least squares whose
- * voltages are clipped to the voltage limits and the step limit, and such least squares with
- * regularisation. The regularisation parameter is the best one for the scene's target and limits on
- * the controller's own model.
+ * For comparison the loop also runs with unconstrained least squares, clipped to the voltage and
+ * step limits, without and with regularisation. The regularisation parameter is the best one for
+ * the scene's target and limits on the controller's model.
  */
 #ifndef SIMULATION_H
 #define SIMULATION_H
@@ -181,11 +180,11 @@ typedef struct simulation {
 } simulation;
 
 /*
- * Build the simulated structure and set up the phases of the simulation, each from one tick with
- * events to the next.
- *   nominal in  analysis of a scene with a `simulate` section, whose influence matrix is computed;
- *               must outlive the simulation. For a quasi-static plant, its member quasi_static is
- *               set: the controller's tables then contain no vibration model
+ * Build the simulated structure and the phases of the simulation, each from one tick with events to
+ * the next.
+ *   nominal in/out  analysis of a scene with a `simulate` section and a computed influence matrix;
+ *                   must outlive the simulation. For a quasi-static plant its member quasi_static
+ *                   is set: the controller then has no vibration model
  * Returns 0, or -1 with error filled and the simulation empty.
  */
 int simulate_open(simulation *simulation, analysis *nominal, char *error);

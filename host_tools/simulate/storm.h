@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Storms. A storm is a simulation of a control loop with a structure with mass that differs from
- * its model, while the target jumps so fast that the voltage and step limits are always active. A
- * loop that is stable without limits may end such a storm in a limit cycle.
+ * Storm: simulation of a control loop on a structure with mass that differs from its model, with
+ * target jumps so fast that the voltage and step limits are always active. Such jumps can drive a
+ * loop that is stable without limits into a limit cycle.
  *
- * A storm sets 10 targets, one every 0.6 periods of the first vibration mode: the scene's target,
- * its negative, or the shape under random voltages of up to twice the limits. Then the scene's
- * target stays for 12 periods. A storm settles where the shape ends within 5 % (of the norm of the
- * target) of the best shape that the limits allow on that structure.
+ * Targets: one every 0.6 periods of the first vibration mode, 10 in all, then the scene's target
+ * for 12 periods. Each is the scene's target, its negative, or the shape under random voltages of
+ * up to twice the limits. The storm settles if the shape ends within 5 % (of the target's norm) of
+ * the best shape that the limits allow.
  */
 #ifndef STORM_H
 #define STORM_H

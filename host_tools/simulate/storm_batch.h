@@ -22,10 +22,9 @@ typedef struct storm_task {
 typedef bool storm_visit(void *context, const storm_task *task, const storm_result *result);
 
 /*
- * Run the simulations of a batch in several threads. The results do not depend on the number of
- * threads. The simulations run at the same time with the same tables of the loop's blocks (stages
- * of the control tick). A block that keeps memory in its tables, as the control laws for comparison
- * of laws.h do, must therefore not be among the blocks of the loop.
+ * Run the simulations of a batch in several threads, all with the same tables of the loop's blocks
+ * (stages of the control tick). The loop must not have blocks that keep memory in their tables,
+ * such as those of laws.h. The results do not depend on the number of threads.
  *   count in  number of simulations, at most STORM_BATCH_LIMIT
  * Returns 0, or -1 with the error of the first simulation that failed; the results of those before
  * it have been visited.

@@ -34,11 +34,10 @@ void storm_compute_rest(storm *storm, const double *voltage)
 
 /*
  * Find the voltages at which a control loop comes to rest on a structure whose influence matrix
- * differs from the controller's. Static control steps are repeated, each of which corrects half of
- * the shape error. The result differs from the best voltages for the structure, because the
- * controller computes voltages with its own influence matrix.
- *   control  in/out  with the controller's influence matrix, and with the voltages that can act on
- *            the ceramic as voltage limits
+ * differs from the controller's. They are not the best ones for the structure, because the
+ * controller uses its own matrix.
+ *   control  in/out  controller with its own influence matrix; its voltage limits are those of the
+ *                    voltages that can act on the ceramic
  */
 static pzs_status find_rest(storm *storm, pzs_control *control)
 {
@@ -49,6 +48,7 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
         storm_compute_rest(storm, control->info.voltage);
         pzs_product_matrix(storm->part, tables, control->info.voltage, targets, amplifiers);
         for (size_t i = 0; i < targets; i++)
+            /* Each static control step corrects half of the shape error. */
             storm->part[i] += (storm->last_target[i] - storm->best_shape[i]) / 2;
         status = pzs_step(control, storm->part);
     }
@@ -56,9 +56,9 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 }
 
 /*
- * Compute the influence matrix of the simulated structure in the form that the voltage optimisation
- * needs: with all entries, small ones included, and without the part of its columns along the free
- * functions of the target (shapes that may be added at no cost).
+ * Compute the influence matrix of the simulated structure for the voltage optimisation: without the
+ * part of its columns along the free functions of the target (shapes that cost nothing). Small
+ * entries, which the controller may leave out, are included.
  *   column    [targets]             out  work array
  *   influence [targets][amplifiers] out  displacement per volt (length unit/V)
  */

@@ -119,9 +119,8 @@ bool storm_deform(storm_rig *rig, const deformed *deformed);
  * Set the control loop of the next storms (simulations with fast target jumps).
  *   rig            in/out  data that all storms share
  *   block [blocks] in      blocks (stages) of the control tick, copied; their tables must outlive
- *       the rig. The supervisor is left out: this block detects a diverging loop and then sets the
- *       voltages itself. Targets beyond all limits, or vibrations without a cause, would make it do
- *       so
+ *                          the rig. The supervisor is left out: it would take storms for a
+ *                          diverging loop and set the voltages itself
  *   delay          in      age of the readings that the scene file states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);

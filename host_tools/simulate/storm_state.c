@@ -90,11 +90,8 @@ static void set_limits(storm *storm)
 }
 
 /*
- * Append a block (stage of the control tick) to those that the simulation runs. The block that
- * computes the voltages (step block) solves a least-squares problem, whose voltage and step limits
- * are replaced by those of the simulation. The library's step block gets a pointer to the changed
- * problem. A control law for comparison (laws.h) has the problem as the first member of its tables;
- * there it is overwritten.
+ * Append a block (stage of the control tick) to those that the simulation runs. The voltage and
+ * step limits of the block that computes the voltages are replaced by those of the simulation.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -104,6 +101,10 @@ static void append_block(storm *storm, const pzs_block *given)
         return;
     storm->problem = *(const pzs_problem *)block->tables;
     set_limits(storm);
+    /*
+     * The library's step block gets a pointer to the changed problem. In a control law for
+     * comparison (laws.h), whose tables begin with the problem, it is overwritten.
+     */
     if (block->type == &pzs_step_block)
         block->tables = &storm->problem;
     else

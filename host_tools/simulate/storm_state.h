@@ -120,11 +120,9 @@ double storm_offset(const storm *storm, size_t row);
 void storm_compute_rest(storm *storm, const double *voltage);
 
 /*
- * Compute the best shape that the voltage limits allow for the last target on the simulated
- * structure. The voltages on the ceramic are between the lowest and the highest that can act there.
- * The influence matrix is that of the structure, of which the controller may leave out small
- * entries. On a structure linearised about a deformed state, compute the shape at which the loop
- * comes to rest instead, with the influence matrix of the controller.
+ * Compute the best shape for the last target that the voltages on the ceramic allow on the
+ * simulated structure, with its own influence matrix. On a structure linearised about a deformed
+ * state, compute the shape at which the loop comes to rest instead, with the controller's matrix.
  *   voltage [amplifiers] out  voltages of this shape (V)
  */
 pzs_status storm_find_best(storm *storm, double *voltage);

@@ -9,12 +9,11 @@
 enum { SHIPPED_PATH = 4096 };
 
 /*
- * Return the folder of the shipped scenes, the first one available of:
- *   1. the value of the environment variable PZS_SCENES, without a check;
- *   2. share/piezoshape/scenes beside the folder of this program, for an installed program;
- *   3. the scenes of the source tree that contains the build folder of this program;
- *   4. the scenes of the source tree at the time of the build, without a check.
- * The text is valid until the next call.
+ * Return the folder of the shipped scenes, valid until the next call: the first one available of
+ *   1. the value of the environment variable PZS_SCENES, without a check
+ *   2. share/piezoshape/scenes beside the folder of this program, for an installed program
+ *   3. the scenes of the source tree that contains the build folder of this program
+ *   4. the scenes of the source tree at the time of the build, without a check
  */
 const char *shipped_folder(void);
 

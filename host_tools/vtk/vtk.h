@@ -12,14 +12,16 @@
 #include "../model/vibration.h"
 
 /*
- * Write a VTK file for ParaView with the results of one solution. At the nodes: displacement of the
- * middle surface, potentials of bare faces (without electrodes), forces and moments of the
- * supports, forces of a contact body. For each layer and height: stress and strain in material
- * axes, at element centres and averaged at nodes. For the elements: reserve factors, resultants and
- * electric fields. With stresses, a node on the border of a patch is two points in the file, one
- * for each side.
+ * Write a VTK file for ParaView with the results of one solution. With stresses, a node on the
+ * border of a patch is two points in the file, one for each side.
  *   u [dof]  in  displacement vector
  *   stress   in  recovered stresses; NULL: without
+ * Contents:
+ *   nodes               displacement of the middle surface, potentials of bare faces (without
+ *                       electrodes), forces and moments of the supports, forces of a contact body
+ *   layers and heights  stress and strain in material axes, at element centres and averaged at
+ *                       nodes
+ *   elements            reserve factors, resultants and electric fields
  */
 int vtk_write_solution(FILE *file, const analysis *analysis, const double *u,
                        const stress_field *stress);
