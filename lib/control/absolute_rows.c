@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits of weighted sums of absolute values of voltages, for example of the current that a common
- * supply gives:
+ * Limits of weighted sums of absolute values of voltages, for example of the current of a common
+ * supply:
  *
- *   sum over the inputs of (weight * |voltage|) <= upper limit.
+ *   sum over the inputs of (weight * |voltage|) <= upper limit
  *
- * While no voltage changes its sign, such a limit is a limit of a weighted sum of voltages, whose
- * coefficients are the weights with the signs of the voltages. Therefore each input has a chosen
- * sign, and its voltage is bounded at 0 V as well. The iterations of the optimiser
- * (absolute_dual.c) reverse signs where the optimum demands it.
- *
- * The tableau of row_solver.c has a row for each input and a row for each limited sum. When signs
- * change, only the rows of the sums of absolute values must be computed again. Such a row is the
- * sum of the rows of the inputs, each times its weight with the chosen sign.
+ *   - While no voltage changes its sign, such a limit is one of a weighted sum of voltages, with
+ *     the signs in the coefficients. Each input therefore has a chosen sign, and its voltage is
+ *     bounded at 0 V as well.
+ *   - The iterations of the optimiser (absolute_dual.c) reverse signs where the optimum demands it.
+ *   - When signs change, only the tableau rows of these sums are computed again: each is the sum of
+ *     the rows of its inputs times their signed weights.
  */
 #include <string.h>
 #include "absolute_rows.h"
@@ -142,10 +140,9 @@ void pzs_absolute_renew(const rows_run *run)
 
 /*
  * Choose the signs of the voltages in limited sums of absolute values at the start of a round
- * (sequence of iterations): those of the present voltages. Also set the bounds for these signs. The
- * limited sums, formed with the chosen signs, are then never negative. Their lower bound is set to
- * the negative upper bound. It never limits the sums; it is needed because the duality gap would be
- * infinite with an infinite bound. Signs that damaged memory has changed become 1 or -1 again.
+ * (sequence of iterations), those of the present voltages, and set the bounds for these signs.
+ * Signs that damaged memory has changed become 1 or -1 again. The sums are then never negative;
+ * their lower bound, minus the upper one, only keeps the duality gap finite.
  */
 static void follow_signs(pzs_control *control)
 {

@@ -157,9 +157,9 @@ uint32_t pzs_dual_choose_outside(const pzs_optimiser *optimiser);
 bool pzs_dual_may_iterate(pzs_optimiser *optimiser, uint64_t extra);
 
 /*
- * Prepare the step in which free input i becomes active (its voltage is kept at a bound). Compute
- * the changes of the other multipliers and of all voltages when the multiplier of input i changes
- * by 1 m2/V, while the active voltages stay at their bounds. The results are in work arrays:
+ * Prepare the step in which free input i becomes active: compute the changes of the other
+ * multipliers and of all voltages when its multiplier changes by 1 m2/V, while active voltages stay
+ * at their bounds. Results in work arrays:
  *   DUAL_SOLUTION [active_count] out  row that the input would have in the Cholesky factor of the
  *                                     inverse Hessian restricted to the active inputs
  *   DUAL_CHANGE   [active_count] out  change of the multipliers of the active inputs
@@ -184,14 +184,14 @@ bool pzs_dual_may_join(const pzs_optimiser *optimiser, uint32_t i, pzs_real pivo
 bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside);
 
 /*
- * Find the active input (voltage at a bound) whose multiplier becomes zero first in the present
- * iteration, so that it must become free. In the iteration the multiplier of one free input changes
- * until its voltage reaches a bound. The multipliers of the active inputs change in proportion.
+ * Find the active input whose multiplier becomes zero first in the present iteration, so that it
+ * must become free. The multiplier of one free input changes, and those of active inputs in
+ * proportion.
  *   sense in      sign of the change of the multiplier of the free input: 1 or -1
  *   part  in/out  in: size of this change in the whole iteration (m2/V); out: its size when the
  *                 multiplier of the found input becomes zero, unchanged if none is found
- * Returns the place of the found input in the list optimiser->order of the active inputs. If no
- * multiplier becomes zero, returns the length active_count of the list.
+ * Returns the place of the found input in the list optimiser->order, or active_count if there is
+ * none.
  */
 uint32_t pzs_dual_first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part);
 

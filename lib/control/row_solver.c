@@ -36,9 +36,9 @@
  *
  * Rounds are repeated until the multipliers prove the voltages optimal up to rounding errors.
  *
- * Singular Hessian. P is the inverse of the Hessian with a shift of its diagonal. A round
- * becomes a proximal-point step, whose optimum the shift does not change. After rounds that fail
- * because of rounding errors, the shift is raised.
+ * Singular Hessian. If the Hessian is singular, or nearly so, P is the inverse of the Hessian with
+ * a shift of its diagonal. A round is then a proximal-point step, whose optimum the shift does not
+ * change. After rounds that fail because of rounding errors, the shift is raised.
  *
  * Rounding. The limits of each row are narrowed by a margin, so that a sum at a narrowed limit is
  * inside the true limit.
@@ -676,11 +676,10 @@ static void undo_round(const rows_run *run)
 /* ---- rounds ------------------------------------------------------------------ */
 
 /*
- * Make a fresh start after iterations that no longer reduce the duality gap. All voltages and
- * limited sums are freed from their bounds. At every second call in a tick, the optimiser's tableau
- * (matrix that gives changes of voltages and sums from changes of multipliers) is computed anew
- * instead, with a larger shift of the diagonal of the Hessian. Where sums of absolute values are
- * limited, this is done at each call. Returns whether further iterations may help.
+ * Make a fresh start after iterations that no longer reduce the duality gap: free all voltages and
+ * limited sums from their bounds, or compute the tableau anew with a larger shift of the diagonal
+ * of the Hessian. The latter is done at every second call in a tick, and at each call where sums of
+ * absolute values are limited. Returns whether further iterations may help.
  */
 static bool start_anew(const rows_run *run)
 {
@@ -797,11 +796,11 @@ static pzs_real change_by_rounding(const rows_run *run)
 }
 
 /*
- * After a round (sequence of iterations), undo it if it raised the objective by more than rounding
- * errors explain. If the round made no progress, store its duality gap. Where sums of absolute
- * values are limited, a round whose voltages had to be moved back made progress only if it lowered
- * the objective by more than rounding errors explain.
- *   is_whole in  whether the voltages of the round were taken as they are
+ * Undo the last round (sequence of iterations) if it raised the objective by more than rounding
+ * errors explain. If it made no progress, store its duality gap.
+ *   is_whole in  whether the voltages of the round were taken as they are; where sums of absolute
+ *                values are limited, progress must exceed rounding errors if they had to be moved
+ *                back
  */
 static void judge_round(const rows_run *run, bool is_whole)
 {

@@ -117,11 +117,10 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
 }
 
 /*
- * Return the charge that electrode k must gain in a linear solve (C, or C per unit of an input).
- *   input in  purpose of the solve: NEWTON: step of Newton's method; prescribed minus present
- *             charge input index: response to one unit of this input; minus the charge that it
- *             causes directly at fixed displacement, plus 1 if the input is the prescribed charge
- *             of electrode k
+ * Return the charge that electrode k must gain in a linear solve (C, or C per unit of an input):
+ *   input NEWTON  step of Newton's method: prescribed minus present charge
+ *   input index   response to one unit of this input: minus the charge that it causes directly at
+ *                 fixed displacement, plus 1 if the input is the prescribed charge of electrode k
  */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)

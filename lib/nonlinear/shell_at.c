@@ -4,8 +4,7 @@
  *
  * All strain modes depend on the nodal displacements in the same way, apart from a sign. One array
  * A of nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every mode:
- *   strains of mode m            s_m(r) A_r              per unit of each degree of freedom of node
- *                                                        r
+ *   strains of mode m            s_m(r) A_r, per unit of each degree of freedom of node r
  *   stresses at node p           Y_pr = sum over m of s_m(p) s_m(r) D_m A_r
  *   block of the tangent         K_pr = A_p^T Y_pr + geometric part,  p, r = 0 to 3
  *   m       strain mode ab = 00, 01, 10 or 11, which varies as xi1^a xi2^b with the element
