@@ -476,6 +476,30 @@ static int command_shape(const options *options, analysis *analysis)
 /* ---- simulate --------------------------------------------------------- */
 
 /*
+ * Write the ticks that were simulated before the run ended with an error, for example because the
+ * supervisor has parked the amplifiers: the file of --csv, and those of --npz and --csv-dir. Prints
+ * how many ticks there are, or which options write them.
+ *   csv in/out  open file of --csv; it is closed, and removed where no tick was simulated
+ */
+static void write_first_ticks(const simulation *run, const options *options, outfile *csv,
+                              const history *history)
+{
+    const long ticks = simulate_ran(&run->count[LAW_CONTROLLER]);
+    const bool is_wanted = options->csv || export_is_wanted(options);
+    if (options->csv && ticks == 0)
+        outfile_drop(csv);
+    if (ticks == 0)
+        return;
+    const int failed = options->csv ? outfile_end(csv, 0) : 0;
+    if (failed || export_simulation(options, run, history))
+        return;
+    fprintf(stderr,
+            is_wanted ? "pzs: the %ld ticks before are written\n"
+                      : "pzs: --csv FILE.csv or --npz FILE.npz writes the %ld ticks before\n",
+            ticks);
+}
+
+/*
  * Run all ticks of a simulation, with a CSV file where the options request one, then compute the
  * optimal voltages of each phase (interval between events of the scene).
  *   history out  results of every tick of the controller
@@ -492,11 +516,11 @@ static int run_simulation(simulation *run, const options *options, simulate_reco
     const simulate_sinks sinks = {record, csv.file, history->room > 0 ? history : NULL};
     if (print_run(run, &sinks, error) == 0)
         return options->csv ? outfile_end(&csv, 0) : 0;
-    if (options->csv)
-        outfile_drop(&csv);
     if (options->as_json)
         print_refusal_json(run);
-    return complain(error, 1);
+    const int status_of_run = complain(error, 1);
+    write_first_ticks(run, options, &csv, history);
+    return status_of_run;
 }
 
 /*

@@ -611,7 +611,8 @@ static const char *latch_cause(const loop *loop)
         [PZS_EVENT_ALARM] =
             "; cause: the readings stayed too far from the shapes that the tables predict; name "
             "expected loads in loads, bring plant, delay and noise of simulate nearer to what the "
-            "tables hold, or write a rate that pzs check calls stable",
+            "tables hold, write a rate that pzs check calls stable, or let safety.selftest find "
+            "reversed and swapped amplifiers",
         [PZS_EVENT_ERROR] =
             "; cause: a block of the loop returned an error, as for a target that is not finite; "
             "safety: none shows the error"};

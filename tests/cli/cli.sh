@@ -576,6 +576,11 @@ for fault in 'amplifiers.reversed=[v_1_3]:v_1_3 is reversed' 'amplifiers.swapped
 done
 run 1 simulate plate-closed-loop $quick --set 'safety={}' --set 'simulate.amplifiers={reversed: [v]}' && grep -q 'control was taken away' "$dir/err"
 check 'safety: reversed amplifiers end parked' $?
+grep -q 'npz FILE.npz writes the [1-9][0-9]* ticks before' "$dir/err" && rm -rf "$dir/parked"* &&
+    run 1 simulate plate-closed-loop $quick --set 'safety={}' --set 'simulate.amplifiers={reversed: [v]}' --csv "$dir/parked.csv" --csv-dir "$dir/parked" &&
+    ticks=$(sed -n 's/.*the \([1-9][0-9]*\) ticks before are written/\1/p' "$dir/err") &&
+    [ "$(wc -l <"$dir/parked.csv")" -eq $((ticks + 1)) ] && [ "$(wc -l <"$dir/parked/time.csv")" -ge "$ticks" ]
+check 'safety: the ticks before the amplifiers were parked are written' $?
 says 'cause: the readings stayed too far from the shapes that the tables predict' &&
     run 1 simulate plate-closed-loop $quick --set 'safety={timeout: 5, ramp_ticks: 5}' --set simulate.ticks=30 --set 'simulate.events=[{at: 5, missing_sensors: 1, ticks: 20}]' &&
     says 'tick 13: control was taken away' && says 'cause: no usable readings, or no finite target, for safety.timeout ticks'
