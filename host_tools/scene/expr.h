@@ -3,9 +3,11 @@
  * Functions of coordinates in scenes: formulas, interpolation between values at scattered points,
  * and lists of values in the order of a target's rows.
  *
- * Formulas: numbers, pi, the variables x, y, z (in space) and theta1, theta2 (surface coordinates),
- * the operators + - * / ^, parentheses and common functions. The function zernike(j, rho, phi) is
- * the Zernike polynomial of Noll index j (1 to 1000, else NaN), with RMS 1 over the unit disc.
+ * Formulas consist of numbers, pi, the operators + - * / ^, parentheses, common functions, and
+ *   x, y, z               variables, coordinates in space
+ *   theta1, theta2        variables, surface coordinates
+ *   zernike(j, rho, phi)  Zernike polynomial of Noll index j, from 1 to 1000 (else NaN), with root
+ *                         mean square 1 over the unit disc
  */
 #ifndef EXPR_H
 #define EXPR_H

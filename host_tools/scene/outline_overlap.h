@@ -3,9 +3,10 @@
  * Check that the electrodes of one layer do not overlap, beyond a tolerance of a thousandth for
  * rounding and for arcs drawn by straight sides.
  *
- * Between polygons, the common area is exact. Where an electrode is given by a formula, each
- * element is checked: two electrodes overlap if their areas add up to more than that of the
- * element, or if both cover one of its 8 x 8 equal squares.
+ * Method, by the way in which the electrodes are given:
+ *   polygons   the common area of two electrodes is computed exactly
+ *   a formula  in each element, two electrodes overlap if their areas add up to more than that of
+ *              the element, or if both cover one of its 8 x 8 equal squares
  */
 #ifndef OUTLINE_OVERLAP_H
 #define OUTLINE_OVERLAP_H

@@ -386,8 +386,6 @@ typedef struct scene_mass {
  * position are connected to its amplifier with signed factors. An actuator may also be one uniform
  * temperature, heaters on patches, or stacks with one amplifier each. The same struct describes a
  * sensor, which has electrodes but no amplifiers.
- *
- * Positions are numbered along the surface coordinates theta1 and theta2, fastest along theta2.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
@@ -409,7 +407,7 @@ typedef struct scene_actuator {
     int first, grid[2]; /* first: number of the first amplifier of an actuator among those of all
                            actuators, or of the first electrode of a sensor among those of all
                            sensors; grid: number of patches along the surface coordinates theta1 and
-                           theta2 */
+                           theta2; amplifiers are numbered fastest along theta2 */
     scene_at at;
 } scene_actuator;
 

@@ -3,9 +3,8 @@
  * Vibration of a structure about its static equilibrium, computed for each vibration mode
  * separately by an exact propagator over time intervals with constant inputs.
  *
- * The state of a mode is the deviation of its modal coordinate from equilibrium, and its velocity
- * divided by the angular frequency. A jump of an input moves the equilibrium, so that the deviation
- * jumps by the opposite amount.
+ * State of a mode: deviation of its modal coordinate from equilibrium, and its velocity divided by
+ * the angular frequency. A jump of an input moves the equilibrium, not the coordinate.
  */
 #ifndef INERTIA_H
 #define INERTIA_H

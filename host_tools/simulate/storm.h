@@ -4,10 +4,11 @@
  * target jumps so fast that the voltage and step limits are always active. Such jumps can drive a
  * loop that is stable without limits into a limit cycle.
  *
- * Targets: one every 0.6 periods of the first vibration mode, 10 in all, then the scene's target
- * for 12 periods. Each is the scene's target, its negative, or the shape under random voltages of
- * up to twice the limits. The storm settles if the shape ends within 5 % (of the target's norm) of
- * the best shape that the limits allow.
+ * Course of a storm, with times in periods of the first vibration mode:
+ *   jumps  10 targets, one every 0.6 periods: the scene's target, its negative, or the shape under
+ *          random voltages of up to twice the limits
+ *   rest   the scene's target for 12 periods. The storm settles if the shape ends within 5 % (of
+ *          the target's norm) of the best shape that the limits allow
  */
 #ifndef STORM_H
 #define STORM_H
