@@ -838,28 +838,64 @@ static void warn_of_loop(analysis *analysis)
 }
 
 /*
+ * Write the advice of the error message about an unstable control loop that concerns its tick rate.
+ *   text [SCENE_ERROR] out  advice; empty where no other rate may be stable
+ */
+static void rate_advice(const certificate_loop *loop, char text[SCENE_ERROR])
+{
+    *text = '\0';
+    if (!loop->has_rates)
+        snprintf(text, SCENE_ERROR, "try another rate (`pzs check` searches some), or ");
+    else if (loop->rate_to > 0)
+        snprintf(text, SCENE_ERROR,
+                 "try %s ticks a second (growth and two of the storms pass there, so that the loop "
+                 "may be stable), or ",
+                 certificate_rates(loop).text);
+}
+
+/*
+ * Write the advice of the error message about an unstable control loop: a change of the scene file
+ * with which the loop passes all tests, or what may help where none is known.
+ *   text [SCENE_ERROR] out  advice
+ */
+static void loop_advice(const analysis *analysis, char text[SCENE_ERROR])
+{
+    const certificate *certificate = &analysis->certificate;
+    const certificate_loop *loop = &certificate->loop;
+    char rates[SCENE_ERROR], readings[SCENE_ERROR], tried[120] = "";
+    rate_advice(loop, rates);
+    assumed_readings(&analysis->design, readings);
+    if (loop->cures_tried > 0)
+        snprintf(tried, sizeof tried, "no limits.regularisation up to %g makes it safe; ",
+                 loop->cures_tried);
+    if (loop->is_free_cause && !certificate_is_prestressed(certificate))
+        snprintf(text, SCENE_ERROR,
+                 "the cause is target.free: remove it, and the loop is safe; with it, voltages "
+                 "that move the free functions cost nothing and excite vibration");
+    else if (loop->cure > 0 && !certificate_is_prestressed(certificate))
+        snprintf(text, SCENE_ERROR,
+                 "write limits: {regularisation: {relative: %g}}, which keeps voltages small that "
+                 "hardly move the target",
+                 loop->cure);
+    else
+        snprintf(text, SCENE_ERROR, "%s%sadd sensors or amplifiers%s", tried, rates, readings);
+}
+
+/*
  * Refuse a control loop that damps vibration with a model of it, where this loop is unstable or
  * does not settle after fast jumps of the target. Returns 0, or -1 with error filled.
  */
 static int judge_storms(const analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
-    const design *design = &analysis->design;
-    char text[SCENE_ERROR], readings[SCENE_ERROR];
+    char text[SCENE_ERROR], advice[SCENE_ERROR];
     if (!certificate->loop.is_made || certificate->loop.is_stable)
         return 0;
     certify_failure(certificate, text);
-    assumed_readings(design, readings);
-    if (certificate->loop.cure > 0 && !certificate_is_prestressed(certificate))
-        return scene_fault(design->simulate.at, error,
-                           "the damped tick is not safe at %g ticks a second: %s; write limits: "
-                           "{regularisation: {relative: %g}}, which keeps voltages small that "
-                           "hardly move the target",
-                           certificate->rate, text, certificate->loop.cure);
-    return scene_fault(design->simulate.at, error,
-                       "the damped tick is not safe at %g ticks a second: %s; change the rate "
-                       "(`pzs check` prints stable ones), or add sensors or amplifiers%s",
-                       certificate->rate, text, readings);
+    loop_advice(analysis, advice);
+    return scene_fault(analysis->design.simulate.at, error,
+                       "the damped tick is not safe at %g ticks a second: %s; %s",
+                       certificate->rate, text, advice);
 }
 
 /*

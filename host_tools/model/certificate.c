@@ -314,12 +314,21 @@ static const char *plural(int count)
  */
 static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    if (!loop->is_stable && loop->cure > 0)
+    if (!loop->is_stable && loop->is_free_cause)
+        text_append(text, CERTIFICATE_TEXT,
+                    "The damped tick is not safe. The free functions of the target are the cause: "
+                    "without target.free\nit passes all tests.");
+    else if (!loop->is_stable && loop->cure > 0)
         text_append(text, CERTIFICATE_TEXT,
                     "The damped tick is not safe. Some combinations of voltages hardly move the "
                     "target, but they move modes:\nwith limits: {regularisation: {relative: %g}} "
-                    "vibration decays and ten storms settle.",
+                    "it passes all tests.",
                     loop->cure);
+    else if (!loop->is_stable && loop->cures_tried > 0)
+        text_append(text, CERTIFICATE_TEXT,
+                    "The damped tick is not safe, and no regularisation of the voltages up to %g "
+                    "makes it so.",
+                    loop->cures_tried);
     else if (!loop->is_stable)
         text_append(text, CERTIFICATE_TEXT, "The damped tick is not safe.");
     else if (loop->observed > 0)
@@ -421,6 +430,41 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
                     "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
 }
 
+certificate_range certificate_rates(const certificate_loop *loop)
+{
+    certificate_range range = {""};
+    if (loop->rate_to > loop->rate_from)
+        snprintf(range.text, sizeof range.text, "%.6g to %.6g", loop->rate_from, loop->rate_to);
+    else if (loop->rate_to > 0)
+        snprintf(range.text, sizeof range.text, "%.6g", loop->rate_to);
+    return range;
+}
+
+/*
+ * Append the sentence on the tick rates at which a control loop with a vibration model passes the
+ * tests of small vibrations and two storms (simulations with fast jumps of the target).
+ */
+static void rates_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    static const char tried[] = "(tried: 1/32 to 32 times the scene's rate)";
+    if (!loop->has_rates)
+        return;
+    if (!(loop->rate_to > 0))
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nNo other tick rate passes growth and two storms\n%s.", tried);
+    else if (loop->is_stable)
+        text_append(
+            text, CERTIFICATE_TEXT,
+            "\nTick rates that pass growth and two storms, with tables for each: %.6g to %.6g a "
+            "second\n%s.",
+            loop->rate_from, loop->rate_to, tried);
+    else
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nThe tick may be stable at %s ticks a second, where growth and two of the "
+                    "storms\npass %s; check one with all tests.",
+                    certificate_rates(loop).text, tried);
+}
+
 /*
  * Append the sentences on the stability margins of a control loop with a vibration model: the
  * static response and the natural frequencies of the structure, and the tick rates, with which the
@@ -434,12 +478,7 @@ static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT
             "\nMargins of the growth: gain x %.3g, frequencies x %.3g to x %.3g (tried: gain to "
             "x 10,\nfrequencies x 0.1 to x 5).",
             loop->margin_gain, loop->margin_slow, loop->margin_fast);
-    if (loop->rate_to > 0)
-        text_append(
-            text, CERTIFICATE_TEXT,
-            "\nTick rates that pass growth and two storms, with tables for each: %.6g to %.6g a "
-            "second\n(tried: 1/32 to 32 times the scene's rate).",
-            loop->rate_from, loop->rate_to);
+    rates_text(loop, text);
 }
 
 /*

@@ -133,9 +133,12 @@ typedef struct certificate_loop {
                   decay and the shape settles after fast jumps of the target */
     certificate_target target; /* result of the stability tests of the loop on the structure that is
                                   deformed to its target */
-    double cure; /* regularisation of the voltages with which an unstable loop becomes stable: small
-                    vibrations decay, and ten storms (simulations with fast jumps of the target)
-                    settle. Relative to the mean diagonal entry of the Hessian; 0: none was found */
+    bool is_free_cause;        /* true where an unstable loop passes all stability tests if the free
+                                  functions of the target (target.free) are left out */
+    double cure; /* regularisation of the voltages with which an unstable loop passes all stability
+                    tests, relative to the mean diagonal entry of the Hessian; 0: none was found */
+    double cures_tried; /* largest regularisation of the voltages with which an unstable loop was
+                           tested, relative to the mean diagonal entry of the Hessian; 0: none */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            controller's model, with which the control loop is stable */
@@ -144,9 +147,13 @@ typedef struct certificate_loop {
     double margin_slow, margin_fast; /* lowest and highest natural frequencies of the structure,
                                         relative to the controller's model, with which the control
                                         loop is stable */
+    bool has_rates;                  /* true after stable tick rates have been searched */
     double rate_from, rate_to; /* range of tick rates (1/s) around that of the scene at which the
-                                  control loop is stable, with constants of the controller made for
-                                  each rate; 0: not computed */
+                                  control loop passes the tests of small vibrations and two storms
+                                  (simulations with fast jumps of the target), with constants of the
+                                  controller made for each rate; around the nearest such rate where
+                                  the loop of the scene is unstable; 0: none was found, or not
+                                  searched */
 } certificate_loop;
 
 typedef struct certificate {
@@ -204,6 +211,17 @@ void certificate_free(certificate *certificate);
  */
 int certificate_older(const certificate_loop *loop);
 int certificate_newer(const certificate_loop *loop);
+
+/* Range of tick rates as text, such as 250 to 32000, or one rate. */
+typedef struct certificate_range {
+    char text[64];
+} certificate_range;
+
+/*
+ * Return the tick rates (1/s) at which the control loop passes the tests of small vibrations and
+ * two storms (simulations with fast jumps of the target); the text is empty where there are none.
+ */
+certificate_range certificate_rates(const certificate_loop *loop);
 
 /*
  * Whether a control tick without a vibration model is known to be unstable at the scene's tick

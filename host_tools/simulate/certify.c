@@ -32,12 +32,10 @@ static int has_damper(const analysis *analysis, bool *has, char *error)
     return failed;
 }
 
-int certify_loop(analysis *analysis, char *error)
+int trial_certify(analysis *analysis, char *error)
 {
     trial trial;
     bool has;
-    if (analysis->certificate.loop.is_made)
-        return 0;
     if (has_damper(analysis, &has, error) < 0)
         return -1;
     if (!has)
@@ -45,11 +43,20 @@ int certify_loop(analysis *analysis, char *error)
     progress_stage("storms against the loop");
     int failed = trial_open(&trial, analysis, error);
     failed = failed || trial_open_target(&trial, error) < 0 || trial_choose(&trial, error) < 0;
-    certificate_loop *loop = &analysis->certificate.loop;
-    if (!failed && loop->is_made && !loop->is_stable && !loop->target.is_made)
-        failed = trial_find_cure(&trial, loop, error) < 0;
     trial_close(&trial);
     return failed ? -1 : 0;
+}
+
+int certify_loop(analysis *analysis, char *error)
+{
+    certificate_loop *loop = &analysis->certificate.loop;
+    if (loop->is_made)
+        return 0;
+    if (trial_certify(analysis, error) < 0)
+        return -1;
+    if (loop->is_made && !loop->is_stable && !loop->target.is_made)
+        trial_find_cure(analysis, loop);
+    return 0;
 }
 
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR])

@@ -38,13 +38,6 @@ enum { CHOICES = sizeof choices / sizeof *choices };
 static const double slowest = 1.25;
 
 /*
- * Relative regularisations of the voltages (factors of the mean diagonal entry of the Hessian) that
- * are tried for an unstable loop. They suppress combinations of voltages that hardly move the
- * target but excite vibration modes.
- */
-static const double cures[] = {1e-4, 1e-2};
-
-/*
  * Angle by which the phase of the first vibration mode that the loop observes advances in one tick
  * (rad): angular frequency times tick interval. 0 where the loop observes no mode.
  */
@@ -295,42 +288,5 @@ int trial_choose(trial *trial, char *error)
         return scene_fault(control->margin_at, error,
                            "delay_margin 1: no settings of the loop stay stable with readings one "
                            "tick older; write the largest age as simulate.sensors.delay");
-    return 0;
-}
-
-/*
- * Mean diagonal entry of the Hessian of the voltage optimisation problem, to which a relative
- * regularisation of the scene refers.
- */
-static double mean_diagonal(const design *design)
-{
-    const size_t amplifiers = (size_t)design->amplifiers;
-    double trace = 0;
-    for (size_t k = 0; k < amplifiers; k++)
-        trace += design->hessian[k * amplifiers + k];
-    return trace / (double)amplifiers;
-}
-
-int trial_find_cure(trial *trial, certificate_loop *loop, char *error)
-{
-    const design *design = &trial->analysis->design;
-    const damper_options options = {trial->analysis->certificate.rate, design->simulate.delay,
-                                    damper_default_settings()};
-    for (size_t i = 0; i < sizeof cures / sizeof *cures && !(loop->cure > 0); i++) {
-        const double regularisation = cures[i] * mean_diagonal(design);
-        certificate_loop other;
-        bool is_stable;
-        if (!(regularisation > design->problem.regularisation))
-            continue;
-        memset(&other, 0, sizeof other);
-        if (trial_use(trial, &options, error) < 0)
-            return -1;
-        trial->blocks.problem.regularisation = regularisation;
-        if (trial_measure_growth(&trial->rig, &other, &is_stable, error) < 0 ||
-            (is_stable && trial_run_storms(&trial->rig, STORMS / SEEDS, 1, &other, error) < 0))
-            return -1;
-        if (is_stable && other.failed == 0)
-            loop->cure = cures[i];
-    }
     return 0;
 }

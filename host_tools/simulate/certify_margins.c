@@ -226,6 +226,7 @@ static int find_rates(trial *trial, char *error)
     progress_stage("stable tick rates");
     if (!loop->is_stable && find_stable_rate(trial, &rate, error) < 0)
         return -1;
+    loop->has_rates = true;
     if (rate <= 0)
         return 0;
     return find_rate(trial, rate, 0.5, &loop->rate_from, error) < 0 ||

@@ -164,11 +164,22 @@ int trial_try_neighbouring_ages(const trial *trial, certificate_loop *loop, char
  */
 int trial_choose(trial *trial, char *error);
 
+/* ---- changes that make a loop stable (certify_cure.c) ------------------- */
+
 /*
- * For a loop that is not stable, find a regularisation with which small vibrations decay and the
- * first ten storms (simulations with fast jumps of the target) settle. The vibration damper has its
- * default settings. Returns 0, or -1 with error filled.
+ * For a loop that is not stable, find a change of the scene with which the loop is stable: without
+ * the free functions of the target, or with a larger regularisation of the voltages. The results
+ * are loop->is_free_cause, loop->cure and loop->cures_tried.
  */
-int trial_find_cure(trial *trial, certificate_loop *loop, char *error);
+void trial_find_cure(const analysis *analysis, certificate_loop *loop);
+
+/* ---- tests of one loop, in their order (certify.c) ---------------------- */
+
+/*
+ * Choose the settings of the vibration damper and test the stability of the loop as certify_loop
+ * does, but search for no change of the scene that makes an unstable loop stable.
+ * Returns 0, or -1 with error filled.
+ */
+int trial_certify(analysis *analysis, char *error);
 
 #endif

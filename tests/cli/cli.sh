@@ -736,6 +736,12 @@ run 0 check plate-closed-loop --json && cp "$dir/out" "$dir/check.json" && json 
     0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and 0.5<j['certificate']['load_step_periods']<=2 and not j['certificate']['load_step_longer'] and
     j['certificate']['margin']['frequency'][0]<0.9 and j['certificate']['margin']['frequency'][1]>1.1 and j['certificate']['rate_from']<500 and j['certificate']['rate_to']>1500"
 check 'check --json: certificate of the damped loop' $?
+light=tests/rigs/scenes/storm-light.yaml
+run 3 check "$light" && says 'no limits.regularisation up to 0.01 makes it safe; try ' && ! says 'write limits' && says '(growth and two of the storms pass there, so that the loop may be stable)' &&
+    run 3 check "$light" --set control.rate=2245 --set limits.step_limit=20 --set simulate.sensors.delay=1 && ! says '(growth' && ! says 'another rate' && grep -q 'No other tick rate passes growth and two storms' "$dir/out"
+check 'check: an unsafe loop is given no regularisation and no rate that do not help' $?
+run 3 check tests/rigs/scenes/storm-springs.yaml && says 'the cause is target.free: remove it' && run 0 check tests/rigs/scenes/storm-springs.yaml --set 'target.free=[]'
+check 'check: free functions of the target that make the loop unstable are named' $?
 run 3 check tests/rigs/scenes/storm-panel.yaml --set limits.step_limit=0.2 --json && json "j['certificate']['load_step_periods']>=8 and j['certificate']['load_step_longer']"; check 'check --json: a load step that takes longer than is simulated' $?
 grep -q '#define PLATE_CLOSED_LOOP_STORMS_FAILED 0' "$dir/damped.h" && grep -q '30 of 30 storms' "$dir/damped.h" &&
     grep -q '#define PLATE_CLOSED_LOOP_READINGS_OLDER 1' "$dir/damped.h" && grep -q '#define PLATE_CLOSED_LOOP_LOAD_STEP_PERIODS PZS_R(1[.]' "$dir/damped.h"; check 'tables: the header carries the certificate' $?

@@ -499,6 +499,7 @@ static void test_text(void **state)
                               .observed_to = 314,
                               .storms = 30,
                               .older = 1,
+                              .has_rates = true,
                               .rate_from = 88.5,
                               .rate_to = 32000}};
     char text[CERTIFICATE_TEXT];

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Changes of a scene that make its unstable control loop stable (certify_trial.h). Each change is
+ * made in a copy of the scene, and the loop of this copy passes through all tests from the mesh on,
+ * so that a change is only named if the changed scene file passes them, too.
+ */
+#include <string.h>
+#include "../model/certificate_make.h"
+#include "../system/progress.h"
+#include "certify_trial.h"
+#include "simulation.h"
+
+/*
+ * Relative regularisations of the voltages (factors of the mean diagonal entry of the Hessian) that
+ * are tried for an unstable loop. They suppress combinations of voltages that hardly move the
+ * target but excite vibration modes.
+ */
+static const double cures[] = {1e-4, 1e-2};
+
+/*
+ * Compute everything that the stability tests of a scene's control loop need, and run them. Returns
+ * 0, or -1 with error filled.
+ *   analysis in/out  prepared analysis of the scene
+ */
+static int certify_scene(analysis *analysis, char *error)
+{
+    if (analysis_influence(analysis, error) < 0)
+        return -1;
+    certificate_make(&analysis->certificate, analysis);
+    if (analysis->design.simulate.given && certificate_refuses(&analysis->certificate) &&
+        simulate_tables(analysis, error) < 0)
+        return -1;
+    return trial_certify(analysis, error);
+}
+
+/*
+ * Whether the control loop of a scene passes all stability tests. A scene that cannot be computed
+ * does not pass them.
+ */
+static bool is_certified(const scene *scene)
+{
+    analysis analysis;
+    char error[SCENE_ERROR];
+    memset(&analysis, 0, sizeof analysis);
+    if (analysis_prepare(&analysis, scene, error) < 0)
+        return false;
+    const certificate *certificate = &analysis.certificate;
+    const bool is_tested = certify_scene(&analysis, error) == 0 && certificate->is_assessed;
+    const bool is_stable =
+        certificate->loop.is_made ? certificate->loop.is_stable : !certificate_refuses(certificate);
+    analysis_free(&analysis);
+    return is_tested && is_stable;
+}
+
+/* Whether the control loop is stable without the free functions of the target. */
+static bool is_stable_without_free(const design *design)
+{
+    scene changed = *design->scene;
+    if (changed.target.frees == 0)
+        return false;
+    changed.target.frees = 0;
+    return is_certified(&changed);
+}
+
+/*
+ * Mean diagonal entry of the Hessian of the voltage optimisation problem, to which a relative
+ * regularisation of the scene refers.
+ */
+static double mean_diagonal(const design *design)
+{
+    const size_t amplifiers = (size_t)design->amplifiers;
+    double trace = 0;
+    for (size_t k = 0; k < amplifiers; k++)
+        trace += design->hessian[k * amplifiers + k];
+    return trace / (double)amplifiers;
+}
+
+/* Find the smallest of the regularisations `cures` with which the control loop is stable. */
+static void find_regularisation(const design *design, certificate_loop *loop)
+{
+    scene changed = *design->scene;
+    changed.limits.regularisation_is_relative = true;
+    for (size_t i = 0; i < sizeof cures / sizeof *cures && !(loop->cure > 0); i++) {
+        if (!(cures[i] * mean_diagonal(design) > design->problem.regularisation))
+            continue;
+        changed.limits.regularisation = cures[i];
+        loop->cures_tried = cures[i];
+        if (is_certified(&changed))
+            loop->cure = cures[i];
+    }
+}
+
+void trial_find_cure(const analysis *analysis, certificate_loop *loop)
+{
+    progress_stage("changes that make the loop stable");
+    loop->is_free_cause = is_stable_without_free(&analysis->design);
+    if (!loop->is_free_cause)
+        find_regularisation(&analysis->design, loop);
+}
