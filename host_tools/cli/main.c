@@ -823,6 +823,20 @@ static int warn_of_target(analysis *analysis, char *error)
 }
 
 /*
+ * Add a warning where the supervisor of the control loop tolerates loads that move the target nodes
+ * so far, compared with the voltages, that reversed amplifiers may not be noticed.
+ */
+static void warn_of_loads(analysis *analysis)
+{
+    const design *design = &analysis->design;
+    if (design->problem.inputs == 0 || !(design->control.rate > 0) ||
+        !loop_supervises(design, analysis->certificate.loop.is_made))
+        return;
+    plausible_loads(&analysis->warnings, design->scene, loop_loaded_rms(design),
+                    loop_reachable_rms(design));
+}
+
+/*
  * Add a warning about a stable control loop in two cases: the loop would be unstable if the sensor
  * readings were one tick older than the scene file states, or the target is so large that the
  * linear vibration model may be wrong.
@@ -1099,6 +1113,7 @@ static int command_check(const options *options, analysis *analysis)
     if (certify_loop(analysis, error) < 0 || certify_margins(analysis, true, error) < 0)
         return complain(error, OPTIONS_WRONG);
     warn_of_loop(analysis);
+    warn_of_loads(analysis);
     progress_stop();
     work_report_make(&work, analysis);
     work_report_search(&work, analysis);

@@ -20,6 +20,7 @@ typedef enum subject_type {
     SUBJECT_OPTIMUM,
     SUBJECT_PATH,
     SUBJECT_PRESTRESS,
+    SUBJECT_LOADS,
     SUBJECT_LOOP,
     SUBJECT_STRESS
 } subject_type;
@@ -185,6 +186,10 @@ static const struct rule {
      "modes, influence matrix and certificate of the unloaded structure do not hold; write "
      "kinematics: nonlinear, and for a control loop simulate: {influence: loaded}, with which they "
      "belong to the equilibrium under the loads"},
+    {"sudden_loads", SUBJECT_LOADS, measure_sudden_loads, 0, 0.3, "of that",
+     "the supervisor tolerates the loads of the scene at once, and may raise no alarm where "
+     "amplifiers are reversed or fail; write only loads that can appear suddenly, or use stronger "
+     "amplifiers"},
     {"stress_reserve", SUBJECT_STRESS, measure_reserve, 1, HUGE_VAL, "",
      "the strength is exceeded there; lower loads or voltages, or thicken the layer"},
     {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",
@@ -328,6 +333,12 @@ void plausible_prestress(plausible *warnings, const scene *scene, double unloade
 {
     const subject of = {.scene = scene, .name = "", .unloaded = unloaded, .loaded = loaded};
     apply_all(warnings, SUBJECT_PRESTRESS, &of);
+}
+
+void plausible_loads(plausible *warnings, const scene *scene, double load, double reach)
+{
+    const subject of = {.scene = scene, .name = "", .load = load, .reach = reach};
+    apply_all(warnings, SUBJECT_LOADS, &of);
 }
 
 void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude,

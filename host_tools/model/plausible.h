@@ -99,6 +99,15 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
 void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded);
 
 /*
+ * Warn where the loads of a scene, which the supervisor of its loop tolerates at once, move the
+ * target nodes so far compared with the voltages that reversed amplifiers may not be noticed.
+ * Displacements are root mean squares over the target nodes (length unit of the scene).
+ *   load  in  displacement under all loads
+ *   reach in  displacement under half the voltage range of all amplifiers with random signs
+ */
+void plausible_loads(plausible *warnings, const scene *scene, double load, double reach);
+
+/*
  * Warn about a stable control loop with a vibration model if sensor noise is as large as the
  * target, if readings one tick older make the loop unstable, or if the target is too many
  * thicknesses for the linear vibration model.

@@ -31,6 +31,10 @@ typedef struct subject {
                                  structure */
     double unloaded, loaded; /* first natural frequency of the structure without and with its static
                                 loads (Hz); NAN: not known */
+    double load;  /* root mean square of the displacements of the target nodes under the loads
+                     (length unit of the scene) */
+    double reach; /* root mean square of the displacements of the target nodes under half the
+                     voltage range of all amplifiers with random signs (length unit of the scene) */
     double noise; /* standard deviation of the noise of the sensors divided by the root mean square
                      of the target */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
@@ -149,6 +153,12 @@ measure measure_age, measure_noise, measure_amplitude, measure_amplitude_certifi
  * (plausible_result.c).
  */
 measure measure_prestress;
+
+/*
+ * Function that measures how far the loads move the target nodes, relative to the voltages
+ * (plausible_result.c).
+ */
+measure measure_sudden_loads;
 
 /*
  * Function that measures the hysteresis of the actuators (width of the loop over the voltage

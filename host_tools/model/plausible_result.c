@@ -134,6 +134,21 @@ int measure_prestress(const subject *of, int k, measured *found)
     return k == 0;
 }
 
+/* ---- loads against voltages ------------------------------------------- */
+
+int measure_sudden_loads(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    found->value = of->reach > 0 ? of->load / of->reach : (double)NAN;
+    if (scene->loads > 0)
+        found->at = scene->load[0].at;
+    snprintf(found->what, WHAT,
+             "the loads move the target nodes by %.4g (root mean square), half the voltage range "
+             "of all amplifiers with random signs by %.4g",
+             of->load, of->reach);
+    return k == 0;
+}
+
 /* ---- certified loop --------------------------------------------------- */
 
 /*

@@ -193,10 +193,7 @@ static const void *detection_tables(loop_blocks *blocks)
     return &blocks->detection;
 }
 
-/*
- * Root mean square, over the target nodes, of the displacements under the loads of the scene (m).
- */
-static double loaded_rms(const design *design)
+double loop_loaded_rms(const design *design)
 {
     double sum = 0;
     for (int i = 0; i < design->targets; i++) {
@@ -206,12 +203,7 @@ static double loaded_rms(const design *design)
     return sqrt(sum);
 }
 
-/*
- * Root mean square, over the target nodes, of the displacements when each amplifier applies half
- * its voltage range with a random sign (m): the root of the sum of the squares for single
- * amplifiers. Amplifiers without finite limits do not count.
- */
-static double reachable_rms(const design *design)
+double loop_reachable_rms(const design *design)
 {
     double sum = 0;
     for (int k = 0; k < design->amplifiers; k++) {
@@ -239,7 +231,7 @@ static const void *supervision_tables(loop_blocks *blocks)
 {
     const design *design = blocks->design;
     const double target = design_target_rms(design);
-    const double wanted = target > 0 ? target : reachable_rms(design);
+    const double wanted = target > 0 ? target : loop_reachable_rms(design);
     pzs_supervision *tables = &blocks->supervision;
     *tables = (pzs_supervision){.scene = design->problem.scene,
                                 .inputs = design->problem.inputs,
@@ -250,7 +242,7 @@ static const void *supervision_tables(loop_blocks *blocks)
                                 .park = design->park,
                                 .fading = 0.98,
                                 .noise = fmax(design->simulate.noise, 0.005 * wanted),
-                                .load = fmax(0.3 * wanted, loaded_rms(design))};
+                                .load = fmax(0.3 * wanted, loop_loaded_rms(design))};
     if (blocks->damper->is_used && blocks->damper->modes > 0) {
         const double period = blocks->damper->rate / blocks->damper->frequency[0];
         tables->fading = exp(-1 / (2 * period));

@@ -84,6 +84,19 @@ int loop_quantises(const design *design);
 bool loop_supervises(const design *design, bool is_damped);
 
 /*
+ * Root mean square, over the target nodes, of the displacements under the loads of the scene
+ * (length unit of the scene). The supervisor tolerates them as sudden loads.
+ */
+double loop_loaded_rms(const design *design);
+
+/*
+ * Root mean square, over the target nodes, of the displacements when each amplifier applies half
+ * its voltage range with a random sign (length unit of the scene): the root of the sum of the
+ * squares for single amplifiers. Amplifiers without finite limits do not count.
+ */
+double loop_reachable_rms(const design *design);
+
+/*
  * Fill the list of the blocks (stages) of a scene's control loop, in the order in which a tick runs
  * them.
  *   design     in  numerical model of the scene; must outlive the list

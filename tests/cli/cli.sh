@@ -742,6 +742,10 @@ run 3 check "$light" && says 'no limits.regularisation up to 0.01 makes it safe;
 check 'check: an unsafe loop is given no regularisation and no rate that do not help' $?
 run 3 check tests/rigs/scenes/storm-springs.yaml && says 'the cause is target.free: remove it' && run 0 check tests/rigs/scenes/storm-springs.yaml --set 'target.free=[]'
 check 'check: free functions of the target that make the loop unstable are named' $?
+panel=tests/rigs/scenes/storm-panel.yaml
+run 0 check "$panel" --set 'loads=[{face: outer, pressure: 300}]' && grep -q 'sudden_loads: .*the loads move the target nodes by 0.0002669 .*random signs by 0.0003477: 0.76' "$dir/out" &&
+    run 0 check "$panel" --set 'loads=[{face: outer, pressure: 100}]' && ! grep -q 'sudden_loads' "$dir/out"
+check 'check: loads so large that the supervisor misses reversed amplifiers are warned of' $?
 run 3 check tests/rigs/scenes/storm-panel.yaml --set limits.step_limit=0.2 --json && json "j['certificate']['load_step_periods']>=8 and j['certificate']['load_step_longer']"; check 'check --json: a load step that takes longer than is simulated' $?
 grep -q '#define PLATE_CLOSED_LOOP_STORMS_FAILED 0' "$dir/damped.h" && grep -q '30 of 30 storms' "$dir/damped.h" &&
     grep -q '#define PLATE_CLOSED_LOOP_READINGS_OLDER 1' "$dir/damped.h" && grep -q '#define PLATE_CLOSED_LOOP_LOAD_STEP_PERIODS PZS_R(1[.]' "$dir/damped.h"; check 'tables: the header carries the certificate' $?

@@ -303,6 +303,23 @@ static void test_target(void **state)
     scene_run_close(&r);
 }
 
+/* Loads are compared with the voltages: the rule fires above 0.3, and not without finite limits. */
+static void test_sudden_loads(void **state)
+{
+    scene_run r;
+    (void)state;
+    open_run(&r, PLATE, "");
+    plausible warnings = {.count = 0};
+    plausible_loads(&warnings, &r.scene, 0.299, 1);
+    plausible_loads(&warnings, &r.scene, 1, 0);
+    plausible_loads(&warnings, &r.scene, 0, 1);
+    assert_int_equal(warnings.count, 0);
+    plausible_loads(&warnings, &r.scene, 0.301, 1);
+    assert_int_equal(warnings.count, 1);
+    assert_non_null(find_rule(&warnings, "sudden_loads"));
+    scene_run_close(&r);
+}
+
 /* Rules on numbers with units are silent where the scene's units are not known. */
 static void test_unitless(void **state)
 {
@@ -934,6 +951,7 @@ int main(void)
         cmocka_unit_test(test_strengths),
         cmocka_unit_test(test_strength_bands),
         cmocka_unit_test(test_target),
+        cmocka_unit_test(test_sudden_loads),
         cmocka_unit_test(test_unitless),
         cmocka_unit_test(test_small_electrode),
         cmocka_unit_test(test_tested_hysteresis),
