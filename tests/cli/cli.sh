@@ -581,7 +581,7 @@ grep -q 'npz FILE.npz writes the [1-9][0-9]* ticks before' "$dir/err" && rm -rf 
     ticks=$(sed -n 's/.*the \([1-9][0-9]*\) ticks before are written/\1/p' "$dir/err") &&
     [ "$(wc -l <"$dir/parked.csv")" -eq $((ticks + 1)) ] && [ "$(wc -l <"$dir/parked/time.csv")" -ge "$ticks" ]
 check 'safety: the ticks before the amplifiers were parked are written' $?
-says 'cause: the readings stayed too far from the shapes that the tables predict' &&
+grep -qF 'cause: the readings stayed too far from the shapes that the tables predict' "$dir/err" &&
     run 1 simulate plate-closed-loop $quick --set 'safety={timeout: 5, ramp_ticks: 5}' --set simulate.ticks=30 --set 'simulate.events=[{at: 5, missing_sensors: 1, ticks: 20}]' &&
     says 'tick 13: control was taken away' && says 'cause: no usable readings, or no finite target, for safety.timeout ticks'
 check 'safety: simulate names the cause for which control was taken away' $?
