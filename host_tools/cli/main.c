@@ -10,21 +10,18 @@
 #include <sys/stat.h>
 #include "../model/certificate_make.h"
 #include "../model/loaded.h"
-#include "../model/damper.h"
-#include "../tables/loop_blocks.h"
 #include "../model/design_build.h"
 #include "../model/follow_path.h"
 #include "../simulate/certify.h"
-#include "../model/estimator.h"
 #include "command_calibrate.h"
 #include "export.h"
 #include "../fmu/fmu.h"
 #include "help.h"
 #include "keys.h"
+#include "loop_safety.h"
 #include "schema.h"
 #include "../system/interrupt.h"
 #include "manual.h"
-#include "../model/mass.h"
 #include "../model/mesh_measure.h"
 #include "../scene/scene_migrate.h"
 #include "options.h"
@@ -551,21 +548,6 @@ static int write_simulate(const report_job *job, const void *result)
     return report_simulate(job, simulated->run, simulated->record);
 }
 
-/*
- * Add a warning where the static loads of a scene change the first natural frequency, but the
- * controller's tables use natural frequencies of the unloaded structure.
- */
-static void warn_of_prestress(analysis *analysis)
-{
-    const scene *scene = analysis->design.scene;
-    certificate *certificate = &analysis->certificate;
-    if (!certificate->has_modes || certificate->is_loaded || analysis->design.problem.inputs == 0)
-        return;
-    const loaded_frequency first = loaded_first(scene);
-    plausible_prestress(&analysis->warnings, scene, first.unloaded, first.loaded);
-    certificate->load_ratio = first.loaded > 0 ? first.loaded / first.unloaded : 0;
-}
-
 static int command_simulate(const options *options, analysis *analysis)
 {
     const design *design = &analysis->design;
@@ -716,200 +698,6 @@ static const char *output_path(const options *options, const char *name, const c
     else
         snprintf(path, OPTIONS_PATH, "%s", options->output);
     return path;
-}
-
-/*
- * Whether the control tick of a firmware with the constants that `pzs tables` writes would damp
- * vibration; if not, `reason` says why.
- */
-static int is_damped(const analysis *analysis, char *reason)
-{
-    estimator estimator;
-    damper damper;
-    if (estimator_open(&estimator, analysis, reason) < 0)
-        return 0;
-    const int estimates = loop_estimates(&analysis->design);
-    int is_used = 0;
-    if (damper_open(&damper, analysis, estimates ? &estimator : NULL, reason) == 0) {
-        is_used = damper.is_used;
-        snprintf(reason, SCENE_ERROR, "%s", damper.reason);
-        damper_close(&damper);
-    }
-    estimator_close(&estimator);
-    return is_used;
-}
-
-/*
- * Write the end of the error message about an unstable control loop. If the scene file names no
- * sensors, it says that the readings of the loop are the displacements of all target nodes.
- *   text [SCENE_ERROR] out  end of the error message; empty where the scene file names sensors or
- *                           has a measured influence matrix, whose outputs are the sensors
- */
-static void assumed_readings(const design *design, char text[SCENE_ERROR])
-{
-    *text = '\0';
-    if (!design->estimate.given && !design->measured.given)
-        snprintf(text, SCENE_ERROR,
-                 "; the readings are the displacements of all %d target nodes, because the scene "
-                 "names no sensors (section estimate)",
-                 design->targets);
-}
-
-/*
- * Refuse a control loop that vibration makes unstable and whose tick cannot damp the vibration,
- * unless the options permit the loop. Returns 0, or -1 with error filled.
- */
-static int judge_loop(analysis *analysis, char *error)
-{
-    const certificate *certificate = &analysis->certificate;
-    const design *design = &analysis->design;
-    char reason[SCENE_ERROR], growth[120];
-    if (analysis->design.problem.inputs == 0)
-        return 0;
-    certificate_make(&analysis->certificate, analysis);
-    if (analysis->quasi_static || !certificate_refuses(certificate))
-        return 0;
-    if (is_damped(analysis, reason))
-        return 0;
-    if (certificate->radius < 1)
-        snprintf(growth, sizeof growth,
-                 "vibration grows on structures with 0.8 to 1.33 of the response or 0.9 to 1.1 of "
-                 "the frequencies of the model");
-    else
-        snprintf(growth, sizeof growth, "vibration grows %.4g times a tick", certificate->radius);
-    return scene_fault(
-        design->simulate.at, error,
-        "unstable at %g ticks a second: the control step has no vibration model (%s), first "
-        "mode %.4g Hz, %s; stable up to %.3g a second; `pzs tables --quasi-static` writes the "
-        "tables all the same",
-        certificate->rate, reason, certificate_first(certificate), growth,
-        certificate->stable_rate);
-}
-
-/*
- * Largest displacement of the target shape over the thickness of the structure; 0 for a measured
- * influence matrix, of whose structure no thickness is known.
- */
-static double target_amplitude(const design *design)
-{
-    double most = 0;
-    if (design->measured.given)
-        return 0;
-    for (int i = 0; i < design->targets; i++)
-        most = fmax(most, fabs(design->target[i]));
-    return most / design->mesh.laminate.thickness;
-}
-
-/*
- * Add a warning where voltages within their limits can reproduce only a small part of the target
- * shape. Returns 0, or -1 with error filled.
- */
-static int warn_of_target(analysis *analysis, char *error)
-{
-    const common_limits own = {.source = LIMITS_SCENE};
-    voltages best;
-    memset(&best, 0, sizeof best);
-    if (analysis->design.problem.inputs == 0)
-        return 0;
-    const int failed = voltages_optimum(analysis, own, &best, error) < 0;
-    const plausible_optimum optimum = {
-        .target = design_target_rms(&analysis->design) > 0 ? 1 : (double)NAN,
-        .error = best.error,
-        .share = (double)NAN};
-    if (!failed)
-        plausible_target(&analysis->warnings, analysis->design.scene, &optimum);
-    voltages_free(&best);
-    return failed ? -1 : 0;
-}
-
-/*
- * Add a warning where the supervisor of the control loop tolerates loads that move the target nodes
- * so far, compared with the voltages, that reversed amplifiers may not be noticed.
- */
-static void warn_of_loads(analysis *analysis)
-{
-    const design *design = &analysis->design;
-    if (design->problem.inputs == 0 || !(design->control.rate > 0) ||
-        !loop_supervises(design, analysis->certificate.loop.is_made))
-        return;
-    plausible_loads(&analysis->warnings, design->scene, loop_loaded_rms(design),
-                    loop_reachable_rms(design));
-}
-
-/*
- * Add a warning about a stable control loop in two cases: the loop would be unstable if the sensor
- * readings were one tick older than the scene file states, or the target is so large that the
- * linear vibration model may be wrong.
- */
-static void warn_of_loop(analysis *analysis)
-{
-    const certificate_loop *loop = &analysis->certificate.loop;
-    const design *design = &analysis->design;
-    const double wanted = design_target_rms(design);
-    if (loop->is_made && loop->is_stable)
-        plausible_loop(&analysis->warnings, design->scene, certificate_older(loop),
-                       target_amplitude(design), wanted > 0 ? design->simulate.noise / wanted : 0);
-}
-
-/*
- * Write the advice of the error message about an unstable control loop that concerns its tick rate.
- *   text [SCENE_ERROR] out  advice; empty where no other rate may be stable
- */
-static void rate_advice(const certificate_loop *loop, char text[SCENE_ERROR])
-{
-    *text = '\0';
-    if (!loop->has_rates)
-        snprintf(text, SCENE_ERROR, "try another rate (`pzs check` searches some), or ");
-    else if (loop->rate_to > 0)
-        snprintf(text, SCENE_ERROR,
-                 "try %s ticks a second (growth and two of the storms pass there, so that the loop "
-                 "may be stable), or ",
-                 certificate_rates(loop).text);
-}
-
-/*
- * Write the advice of the error message about an unstable control loop: a change of the scene file
- * with which the loop passes all tests, or what may help where none is known.
- *   text [SCENE_ERROR] out  advice
- */
-static void loop_advice(const analysis *analysis, char text[SCENE_ERROR])
-{
-    const certificate *certificate = &analysis->certificate;
-    const certificate_loop *loop = &certificate->loop;
-    char rates[SCENE_ERROR], readings[SCENE_ERROR], tried[120] = "";
-    rate_advice(loop, rates);
-    assumed_readings(&analysis->design, readings);
-    if (loop->cures_tried > 0)
-        snprintf(tried, sizeof tried, "no limits.regularisation up to %g makes it safe; ",
-                 loop->cures_tried);
-    if (loop->is_free_cause && !certificate_is_prestressed(certificate))
-        snprintf(text, SCENE_ERROR,
-                 "the cause is target.free: remove it, and the loop is safe; with it, voltages "
-                 "that move the free functions cost nothing and excite vibration");
-    else if (loop->cure > 0 && !certificate_is_prestressed(certificate))
-        snprintf(text, SCENE_ERROR,
-                 "write limits: {regularisation: {relative: %g}}, which keeps voltages small that "
-                 "hardly move the target",
-                 loop->cure);
-    else
-        snprintf(text, SCENE_ERROR, "%s%sadd sensors or amplifiers%s", tried, rates, readings);
-}
-
-/*
- * Refuse a control loop that damps vibration with a model of it, where this loop is unstable or
- * does not settle after fast jumps of the target. Returns 0, or -1 with error filled.
- */
-static int judge_storms(const analysis *analysis, char *error)
-{
-    const certificate *certificate = &analysis->certificate;
-    char text[SCENE_ERROR], advice[SCENE_ERROR];
-    if (!certificate->loop.is_made || certificate->loop.is_stable)
-        return 0;
-    certify_failure(certificate, text);
-    loop_advice(analysis, advice);
-    return scene_fault(analysis->design.simulate.at, error,
-                       "the damped tick is not safe at %g ticks a second: %s; %s",
-                       certificate->rate, text, advice);
 }
 
 /*
