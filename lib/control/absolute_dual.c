@@ -4,11 +4,12 @@
  *
  * Optimality at 0 V. Let g be half the gradient of the objective without the limits of sums of
  * absolute values, y >= 0 their multipliers, and f = sum of (weight * y) over these limits for one
- * input, its force. A positive voltage between its bounds is optimal if g + f = 0, a negative one
- * if g - f = 0, and a voltage of 0 V if -f <= g <= f. Hence an input has one state more than with
- * limits of sums of voltages alone (input_state): it may be kept at 0 V, with a multiplier that has
- * two limits instead of one. With the chosen sign s of its voltage, the input is kept at the bound
- * 0 V by the multiplier m = s g + f, and the condition is 0 <= m <= 2 f.
+ * input: the slope of its limits, by which they add to the objective on each side of 0 V. A
+ * positive voltage between its bounds is optimal if g + f = 0, a negative one if g - f = 0, and a
+ * voltage of 0 V if -f <= g <= f. Hence an input has one state more than with limits of sums of
+ * voltages alone (input_state): it may be kept at 0 V, with a multiplier that has two limits
+ * instead of one. With the chosen sign s of its voltage, the input is kept at the bound 0 V by the
+ * multiplier m = s g + f, and the condition is 0 <= m <= 2 f.
  *
  * Iteration. As in boxls_dual.c an iteration changes the multiplier of one free quantity, the
  * entering one, which is outside its bounds; the multipliers of the active quantities follow. It
@@ -24,7 +25,7 @@
  * then become free but keep their multipliers; one after the other becomes the entering quantity
  * until it is at its limit or its multiplier is 0. In each iteration of positive length the dual
  * objective rises, as it does without absolute values, so that the number of iterations is finite.
- * An input on which no force acts gets the sign of its voltage without an iteration.
+ * An input without such a slope (f = 0) gets the sign of its voltage without an iteration.
  */
 #include "absolute_rows.h"
 #include "boxls_dual.h"
@@ -45,7 +46,7 @@
 typedef enum {
     INPUT_FREE,     /* its multiplier is 0 */
     INPUT_AT_BOUND, /* kept at a bound of its voltage by a multiplier of one sign */
-    INPUT_AT_ZERO   /* kept at 0 V by a multiplier between 0 and twice the force on it */
+    INPUT_AT_ZERO   /* kept at 0 V by a multiplier between 0 and twice the slope of its limits */
 } input_state;
 
 /* What an iteration leaves of the entering quantity. */
@@ -69,12 +70,12 @@ static bool is_pending(const rows_run *run, uint32_t row)
 }
 
 /*
- * Compute the forces on the inputs: the absolute value of what the limits of sums of absolute
- * values contribute to the gradient (m2/V).
+ * Compute for each input the slope (m2/V) that the active limits of sums of absolute values add to
+ * the objective on each side of 0 V. Returns the slopes [inputs].
  */
-static pzs_real *find_forces(const rows_run *run)
+static pzs_real *find_slopes(const rows_run *run)
 {
-    pzs_absolute_forces(run, run->tableau->direction, run->optimiser->scratch);
+    pzs_absolute_slopes(run, run->tableau->direction, run->optimiser->scratch);
     return run->optimiser->scratch;
 }
 
@@ -101,8 +102,11 @@ static void reverse_free(const rows_run *run, uint32_t i)
     pzs_absolute_reverse(run, i);
 }
 
-/* Give each free voltage on which no force acts its own sign, if the work limit allows it. */
-static void follow_unforced(const rows_run *run)
+/*
+ * Where a free voltage and its chosen sign differ, and no active limit of a sum of absolute values
+ * contains the voltage, choose the sign of the voltage, if the work limit allows it.
+ */
+static void follow_unconstrained(const rows_run *run)
 {
     pzs_optimiser *tableau = run->tableau;
     bool has_changed = false;
@@ -110,11 +114,11 @@ static void follow_unforced(const rows_run *run)
         tableau->is_cut = true;
         return;
     }
-    const pzs_real *force = find_forces(run);
+    const pzs_real *slope = find_slopes(run);
     for (uint32_t i = 0; i < run->inputs; i++) {
         const pzs_real sign = run->solver->scale[i];
         const bool is_outside = tableau->next_voltage[i] * sign < 0;
-        if (!is_outside || !rows_is_free(run, i) || force[i] > 0 ||
+        if (!is_outside || !rows_is_free(run, i) || slope[i] > 0 ||
             !absolute_is_split(run, i, -sign))
             continue;
         reverse_free(run, i);
@@ -125,22 +129,22 @@ static void follow_unforced(const rows_run *run)
 }
 
 /*
- * Reverse the signs of the inputs at 0 V whose multiplier exceeds twice the force on them. Their
- * multipliers then have the wrong sign, so that they become free next.
+ * Reverse the chosen signs of the inputs at 0 V whose multiplier exceeds twice the slope of their
+ * limits. Their multipliers then have the wrong sign, so that they become free next.
  *   rounding in  an excess up to this size does not count (m2/V)
  * Returns whether a sign was reversed.
  */
 static bool reverse_exceeding(const rows_run *run, pzs_real rounding)
 {
     pzs_optimiser *tableau = run->tableau;
-    const pzs_real *force = find_forces(run);
+    const pzs_real *slope = find_slopes(run);
     bool has_changed = false;
     for (uint32_t i = 0; i < run->inputs; i++) {
         const pzs_real sign = run->solver->scale[i];
         if (state_of(run, i) != INPUT_AT_ZERO ||
-            !(sign * tableau->direction[i] - 2 * force[i] > rounding))
+            !(sign * tableau->direction[i] - 2 * slope[i] > rounding))
             continue;
-        tableau->direction[i] -= 2 * sign * force[i];
+        tableau->direction[i] -= 2 * sign * slope[i];
         pzs_absolute_reverse(run, i);
         has_changed = true;
     }
@@ -170,8 +174,8 @@ static void drop_wrong(const rows_run *run, pzs_real rounding)
 /* ---- iteration ----------------------------------------------------------------- */
 
 /*
- * Find the input at 0 V, or the entering input, whose multiplier first becomes twice the force on
- * it.
+ * Find the input at 0 V, or the entering input, whose multiplier first becomes twice the slope of
+ * its limits.
  *   entering in      entering quantity, whose multiplier changes by sense * part
  *   part     in/out  in: largest size of this change; out: size at which the input was found (m2/V)
  * Returns the input, or the number of inputs if there is none.
@@ -180,22 +184,22 @@ static uint32_t first_crossing(const rows_run *run, uint32_t entering, pzs_real 
                                pzs_real *part)
 {
     pzs_optimiser *tableau = run->tableau;
-    const pzs_real *change = dual_array(tableau, DUAL_CHANGE), *force = find_forces(run);
-    pzs_real *rate = tableau->pivot, *force_rate = tableau->scratch;
+    const pzs_real *change = dual_array(tableau, DUAL_CHANGE), *slope = find_slopes(run);
+    pzs_real *rate = tableau->pivot, *slope_rate = tableau->scratch;
     uint32_t first = run->inputs;
     for (uint32_t k = 0; k < run->count; k++)
         rate[k] = 0;
     for (uint32_t k = 0; k < tableau->active_count; k++)
         rate[tableau->order[k]] = sense * change[k];
     rate[entering] = sense;
-    pzs_absolute_forces(run, rate, force_rate);
+    pzs_absolute_slopes(run, rate, slope_rate);
     for (uint32_t i = 0; i < run->inputs; i++) {
         const pzs_real sign = run->solver->scale[i];
         const bool is_entering = i == entering && absolute_is_split(run, i, tableau->side[i]);
         if (!is_entering && state_of(run, i) != INPUT_AT_ZERO)
             continue;
-        const pzs_real room = 2 * force[i] - sign * tableau->direction[i];
-        const pzs_real closes = sign * rate[i] - 2 * force_rate[i];
+        const pzs_real room = 2 * slope[i] - sign * tableau->direction[i];
+        const pzs_real closes = sign * rate[i] - 2 * slope_rate[i];
         if (closes > 0 && room < *part * closes) {
             *part = room > 0 ? room / closes : 0;
             first = i;
@@ -204,7 +208,7 @@ static uint32_t first_crossing(const rows_run *run, uint32_t entering, pzs_real 
     return first;
 }
 
-/* Give input i the other sign: its multiplier has become twice the force on it. */
+/* Give input i the other sign: its multiplier has become twice the slope of its limits. */
 static pull_end cross(const rows_run *run, uint32_t i)
 {
     pzs_optimiser *tableau = run->tableau;
@@ -294,7 +298,7 @@ static pull_end pull(const rows_run *run, uint32_t i)
  */
 static uint32_t choose_entering(const rows_run *run)
 {
-    follow_unforced(run);
+    follow_unconstrained(run);
     for (uint32_t row = absolute_first(run); row < run->count; row++)
         if (is_pending(run, row) && !(run->tableau->waiting[row] > 0)) {
             run->tableau->side[row] = 1;

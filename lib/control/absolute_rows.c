@@ -30,15 +30,15 @@ static uint32_t last_entry(const rows_run *run)
     return run->rows->sums.start[run->rows->sums.count];
 }
 
-void pzs_absolute_forces(const rows_run *run, const pzs_real *multiplier, pzs_real *force)
+void pzs_absolute_slopes(const rows_run *run, const pzs_real *multiplier, pzs_real *slope)
 {
     const pzs_rows *sums = &run->rows->sums;
-    memset(force, 0, run->inputs * sizeof *force);
+    memset(slope, 0, run->inputs * sizeof *slope);
     for (uint32_t row = absolute_first(run); row < run->count; row++) {
         const uint32_t k = row - run->inputs;
         const pzs_real own = -run->solver->scale[row] * multiplier[row];
         for (uint32_t at = sums->start[k]; at < sums->start[k + 1u]; at++)
-            force[sums->dof[at]] += own * sums->value[at];
+            slope[sums->dof[at]] += own * sums->value[at];
     }
     run->tableau->work += last_entry(run) - first_entry(run);
 }
@@ -207,18 +207,18 @@ static void resume(pzs_control *control)
 static pzs_real crossing_violation(pzs_control *control, const pzs_real *reduced)
 {
     const rows_run run = rows_run_of(control);
-    pzs_real *force = run.tableau->scratch, largest = 0;
+    pzs_real *slope = run.tableau->scratch, largest = 0;
     pzs_absolute_clear(&run);
-    pzs_absolute_forces(&run, run.tableau->direction, force);
+    pzs_absolute_slopes(&run, run.tableau->direction, slope);
     for (uint32_t i = 0; i < run.inputs; i++) {
         const pzs_real sign = run.solver->scale[i];
         const pzs_real room = sign > 0 ? -run.optimiser->lower[i] : run.optimiser->upper[i];
-        const pzs_real slope = sign * reduced[i] - 2 * force[i];
-        if (!absolute_is_split(&run, i, -sign) || !(slope > 0))
+        const pzs_real excess = sign * reduced[i] - 2 * slope[i];
+        if (!absolute_is_split(&run, i, -sign) || !(excess > 0))
             continue;
-        run.solver->gap += room * slope;
+        run.solver->gap += room * excess;
         if (number_absolute(run.optimiser->voltage[i]) <= run.solver->margin[i])
-            largest = slope > largest ? slope : largest;
+            largest = excess > largest ? excess : largest;
     }
     return largest;
 }

@@ -35,9 +35,9 @@ void pzs_absolute_reverse(const rows_run *run, uint32_t i);
  * voltages add to the objective on each side of 0 V, in the direction away from 0 V. It is the sum
  * over these limits of the weight of the input times the absolute value of the limit's multiplier.
  *   multiplier [inputs + rows] in   multipliers of the limits (m2/V), 0 for inactive limits
- *   force      [inputs]        out  these slopes (m2/V)
+ *   slope      [inputs]        out  these slopes (m2/V)
  */
-void pzs_absolute_forces(const rows_run *run, const pzs_real *multiplier, pzs_real *force);
+void pzs_absolute_slopes(const rows_run *run, const pzs_real *multiplier, pzs_real *slope);
 
 /* Set the multipliers of all limited sums of absolute values that are not active to zero. */
 void pzs_absolute_clear(const rows_run *run);
@@ -52,8 +52,8 @@ void pzs_absolute_clear(const rows_run *run);
 void pzs_absolute_renew(const rows_run *run);
 
 /*
- * Return the number of multiply-adds that pzs_absolute_renew may take, together with the forces of
- * one iteration.
+ * Return the largest number of multiply-adds of one call of pzs_absolute_renew and one of
+ * pzs_absolute_slopes.
  */
 uint64_t pzs_absolute_renew_work(const rows_run *run);
 
