@@ -35,10 +35,10 @@ static inline polynomial load(const uint8_t *data)
 }
 
 /*
- * Return data that give the CRC-32 of an array the same value if they replace the data `value` n
- * bits later: the polynomial value * x^n modulo the polynomial of the CRC-32.
- *   factor in  two remainders modulo that polynomial, which determine n: of the powers of x by
- *              which the lower and the upper 64 bits of `value` are multiplied
+ * Move a polynomial of a CRC-32 by n bits: return a polynomial equal to value * x^n modulo the
+ * polynomial of the CRC-32, which n bits later in an array gives the same CRC-32.
+ *   factor in  powers of x modulo that polynomial, by which the lower and the upper 64 bits of
+ *              `value` are multiplied; they determine n
  */
 PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 {

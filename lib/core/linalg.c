@@ -245,16 +245,14 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Innermost loop of the factorisation A = L D L^T, with W = L D: compute STRIP neighbouring columns
- * of W (a strip) in a panel of T = PZS_TILE rows, left of its diagonal tile:
+ * Innermost loop of the factorisation A = L D L^T: compute a strip, which is STRIP neighbouring
+ * columns of W = L D in one panel of T = PZS_TILE rows:
  *   W_ij = A_ij - sum over k < j of W_ik L_jk
  *   i, j  rows of the panel, columns of the strip
- *
- *   strip [STRIP][T] in/out  in: columns j of A in the panel; out: columns j of W; directly before
- *                            them in memory: columns k of W
- *   lower [STRIP][T] in      entries L_jk of the columns k of the strip, in the panel of the rows
- *                            j, from the first of these rows on; directly before them: L_jk of
- *                            earlier columns k
+ *   strip [STRIP][T] in/out  in: columns j of A; out: columns j of W; directly before them in
+ *                            memory: columns k of W
+ *   lower [STRIP][T] in      entries L_jk of the columns k of the strip; directly before them in
+ *                            memory: L_jk of earlier columns k
  *   count            in      number of columns k before the strip for which terms are subtracted
  */
 static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, uint32_t count)
@@ -317,10 +315,11 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
 
 /*
  * Factor the diagonal tile of a panel of T = PZS_TILE matrix rows, after all columns on its left
- * have been eliminated. In the last panel only `rows` rows belong to the matrix.
+ * have been eliminated.
  *   tile    [T][T] in/out  in: entries to factor; out: factor L, with the pivots on the diagonal
  *   least   [rows] in      bound of each pivot; a pivot that is not above its bound counts as zero
  *   inverse [rows] out     reciprocals of the pivots
+ *   rows           in      number of rows of the panel that belong to the matrix
  * Returns the number of usable pivots: `rows`, or the row of the first zero pivot.
  */
 static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict least,
@@ -389,13 +388,15 @@ static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uin
 }
 
 /*
- * Step of the factorisation of a matrix before the diagonal tile of panel `panel` (PZS_TILE rows)
- * is factored: eliminate the columns that are left of this tile and not yet eliminated
- * (first_of_columns), in the panels `panel` to `past` - 1, the rest of a group of panels. The outer
- * loop runs over strips of columns, so that a strip stays in the cache while all panels use it.
+ * Eliminate the columns on the left of a diagonal tile from its panel and the next panels (of
+ * PZS_TILE rows), before the tile is factored.
+ *   panel  in  panel of the tile
+ *   past   in  index after the last panel
  */
 static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
+    // The outer loop runs over strips of columns, so that a strip stays in the cache while all
+    // panels use it.
     for (uint32_t at = first_of_columns(matrix, panel, past); at < panel * PZS_TILE; at += STRIP)
         eliminate_strip(matrix, at, panel, past);
 }

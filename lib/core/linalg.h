@@ -2,15 +2,14 @@
 /*
  * Symmetric linear equations in envelope storage, which covers dense, banded and skyline matrices.
  *
- *   - The envelope holds each row i of the lower triangle from its first nonzero column to the
+ *   - The envelope holds each row of the lower triangle from its first nonzero column to the
  *     diagonal.
- *   - PZS_TILE rows form a panel. All of them start at the leftmost of their columns, rounded down
- *     to a multiple of PZS_TILE.
+ *   - PZS_TILE rows form a panel. All of them start at the same column, a multiple of PZS_TILE.
  *   - A panel is stored column by column, the order in which the innermost loop reads it.
  *
- * Every entry subtracts its products one after the other, in ascending order. The bits of factors
- * and solutions therefore do not depend on PZS_TILE, the vector width or the processor, if the
- * compiler does not contract floating-point operations.
+ * Factors and solutions have the same bits for every PZS_TILE, vector width and processor, because
+ * every entry subtracts its products in ascending order. The compiler must not contract
+ * floating-point operations.
  */
 #ifndef PZS_LIB_LINALG_H
 #define PZS_LIB_LINALG_H
@@ -81,10 +80,12 @@ typedef struct linalg_inertia {
 } linalg_inertia;
 
 /*
- * Factor a matrix as L D L^T in place, with unit lower triangular L and without pivoting. A pivot
- * that counts as zero ends the factorisation. It counts as zero if its absolute value is at most
- * min(n epsilon, 2^-23) times its diagonal entry before the elimination, with n rows and the
- * machine epsilon. It also does if its reciprocal is not finite.
+ * Factor a symmetric matrix in place as L D L^T, with unit lower triangular L, without pivoting, up
+ * to the first pivot that counts as zero. A pivot counts as zero if its reciprocal is not finite,
+ * or its absolute value is at most
+ *   min(n epsilon, 2^-23) * diagonal entry before the elimination
+ *   n        number of rows
+ *   epsilon  machine epsilon
  */
 linalg_inertia pzs_linalg_factor(pzs_envelope *matrix);
 

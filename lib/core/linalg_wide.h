@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Innermost loop of the factorisation L D L^T of symmetric matrices, for hosts with the vector unit
- * AVX2 (option PZS_WIDE). The bits of the factors are those of the portable loop. Two panels of
- * PZS_TILE matrix rows are processed together, because their eight sums of vectors fit into the
- * registers and do not wait for each other.
+ * Innermost loop of the factorisation L D L^T of symmetric matrices for processors with AVX2
+ * (option PZS_WIDE), with the bits of the portable loop. It processes two panels of PZS_TILE matrix
+ * rows together: their eight vector sums fit into the registers and are independent.
  */
 #ifndef PZS_LIB_LINALG_WIDE_H
 #define PZS_LIB_LINALG_WIDE_H

@@ -12,10 +12,12 @@
 #include "unrolled.h"
 
 /*
- * Sizes of the blocks of matrix columns that one loop over the matrix rows processes, chosen so
- * that the partial sums fit into the registers. FOURS and FEW are numbers of groups of four
- * columns: FEW is used where fewer than FOURS groups are left. MANY and SOME are numbers of tiles
- * of PZS_TILE columns: SOME is used where fewer than MANY tiles are left.
+ * Numbers of matrix columns that one loop over the matrix rows processes, chosen so that the
+ * partial sums fit into the registers.
+ *   FOURS  groups of four columns
+ *   FEW    groups of four columns, where fewer than FOURS groups are left
+ *   MANY   tiles of PZS_TILE columns
+ *   SOME   tiles of PZS_TILE columns, where fewer than MANY tiles are left
  */
 #define FOURS PZS_BY_BITS(7, 3)
 #define FEW PZS_BY_BITS(3, 2)
@@ -117,10 +119,9 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 #else
 
 /*
- * Index of the first of the IN_LANE neighbouring matrix columns whose sums are in vector register
- * k, when the sums of COUNT tiles (PZS_TILE columns each) are computed together. The last tile
- * begins with column `last` and ends with the last column, so that it may overlap the tile before
- * it; both then compute the same sums.
+ * Index of the first of the IN_LANE matrix columns that vector register k sums, in a loop over
+ * COUNT tiles of PZS_TILE columns. The last tile ends with the last column and begins with column
+ * `last`; it may overlap the tile before it, where both compute the same sums.
  */
 #define LANE_AT(k, COUNT)                                                                          \
     ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)

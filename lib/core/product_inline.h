@@ -19,10 +19,9 @@
     (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
 
 /*
- * Define a function that returns the sum of the expression TERM over the entries of two vectors.
- * The term of entry i in each group of PRODUCT_LANES entries is added to partial sum i. The partial
- * sums are independent, and the bits of the result are the same at any vector width. Zeros that pad
- * the end of the vectors do not change the sum.
+ * Define a function that returns the sum of the expression TERM over the entries of two vectors,
+ * with the same bits at any vector width. Entry i of each group of PRODUCT_LANES entries is added
+ * to partial sum i. Zeros that pad the end of the vectors do not change the sum.
  */
 #define PRODUCT_SUM_OF(name, TERM)                                                                 \
     static inline pzs_real name(const pzs_real *left, const pzs_real *right, size_t count)         \

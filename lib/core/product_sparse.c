@@ -22,10 +22,9 @@ static pzs_real short_row(const uint16_t *column, const pzs_real *value, size_t 
 }
 
 /*
- * Scalar product of a sparse row of `count` entries with a vector of `cols` entries, for long
- * vectors (cols >= PRODUCT_LONG_ROW). The terms are added to PRODUCT_LANES partial sums, which are
- * added at the end. The column of an entry decides to which partial sum its term is added, in the
- * same way as in pzs_product_dot for full rows.
+ * Scalar product of a sparse row of `count` entries with a vector of at least PRODUCT_LONG_ROW
+ * entries (`cols`). The column of an entry selects the partial sum to which its product is added,
+ * as in pzs_product_dot, so that the result has the bits of the full row.
  */
 static pzs_real long_row(const uint16_t *column, const pzs_real *value, size_t count,
                          const pzs_real *vector, size_t cols)

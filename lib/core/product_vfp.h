@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Products of matrices and vectors for Arm processors with a single-precision FPU (option PZS_VFP),
- * in a little more than one instruction for each multiply-add instead of more than two, because one
- * instruction loads up to 15 numbers. The results have the same bits as the portable functions:
- * vmla.f32 rounds the product before it adds, and the order of the sums is the same.
+ * with the same bits as the portable functions. They take little more than one instruction for each
+ * multiply-add instead of two, because one instruction loads up to 15 numbers.
  *
- * Registers (a matrix of more columns is processed in groups of columns):
+ * Registers (wider matrices are processed in groups of columns):
  *   s0 to s14   a part of a vector
  *   s15         number that goes with the whole row
  *   s16 to s30  a part of a matrix row

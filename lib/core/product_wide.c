@@ -86,11 +86,10 @@ AVX2 static inline void store_some(pzs_real *to, size_t cols, wide_vector entrie
 }
 
 /*
- * Define a function that sets COUNT vector registers of sums, of which the last one may be
- * incomplete, to the sum of `rows` rows of a table, each multiplied by its factor. Where the last
- * register is incomplete, the numbers that follow a row in memory are read with it, except those
- * behind the last row; their sums are not stored.
- *   cols in  number of columns, which fill COUNT registers, the last one at least in part
+ * Define a function that sums `rows` rows of a table, each multiplied by its factor, in COUNT
+ * vector registers. It may read beyond the end of every row except the last; what it reads there is
+ * not used.
+ *   cols in  number of columns; they fill COUNT registers, the last one at least in part
  */
 #define SUM_VECTORS(COUNT)                                                                         \
     AVX2 static void sum_vectors_##COUNT(                                                          \
@@ -185,9 +184,9 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
 }
 
 /*
- * Define a function for pzs_wide_update_whole. It sets some of neighbouring columns of a matrix,
- * which fill COUNT vector registers in each row, to zero. Then it subtracts from each entry i, j of
- * the columns the sum over q of column_q[i] * row_q[j], with `count` pairs of vectors.
+ * Define a function for pzs_wide_update_whole: set columns of a matrix to zero, then subtract from
+ * each entry i, j the sum over q of column_q[i] * row_q[j]. It updates neighbouring columns that
+ * fill COUNT vector registers.
  *   column in  column_q[0], the first entries of the vectors, `stride` reals apart
  *   row    in  row_q[j] for the first of the columns, `stride` reals apart
  *   zero   in  [count] indices of the columns to be set to zero, counted from the first column

@@ -78,9 +78,9 @@ void pzs_wide_group(pzs_real *restrict groups, pzs_real *restrict scaled,
                     size_t factor_stride, size_t count, size_t columns);
 
 /*
- * Update WIDE_BLOCK rows (fewer at the end) of a symmetric matrix [size][size] by rank-one
- * products: from each entry i, j subtract the sum over k of column_k[i] * row_k[j]. The entries up
- * to the diagonal block are updated, that block included. Uses AVX-512 if the processor has it.
+ * Update WIDE_BLOCK rows (fewer at the end) of a symmetric matrix [size][size], up to and including
+ * the diagonal block: from each entry i, j subtract the sum over k of column_k[i] * row_k[j]. Uses
+ * AVX-512 if the processor has it.
  *   matrix                             in/out  rows of the matrix, `stride` reals apart
  *   i                                  in      first row, a multiple of WIDE_BLOCK
  *   column [groups][count][WIDE_BLOCK] in      vectors column_k in groups of WIDE_BLOCK entries

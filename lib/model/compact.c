@@ -33,9 +33,8 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node, pzs
         for (unsigned direction = 0; direction < 2; direction++) {
             /*
              * The neighbour of a corner along theta1 (theta2) lies towards larger theta1 (theta2)
-             * if the element coordinate xi1 (xi2) is negative at the corner. Strain mode 10, with
-             * the index 2, varies over the element as xi1, and mode 01, with the index 1, as xi2.
-             * Therefore mode_sign[2] and mode_sign[1] hold the signs of xi1 and xi2 at the corners.
+             * if the element coordinate xi1 (xi2) is negative at the corner; mode_sign[2]
+             * (mode_sign[1]) holds the sign of xi1 (xi2) there.
              */
             const pzs_real sign = -mode_sign[2 - direction][corner];
             const unsigned other = neighbour[corner][direction];

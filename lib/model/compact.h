@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Access to the element types of a structure. Their tables either hold all data (pzs_element_type),
- * or leave out what the library computes from the nodes where it is needed (pzs_compact_type): the
- * base vectors at the corners, g_mean and g_diff, and the matrices s and t, which turn
- * displacements of the corners into derivatives along the surface.
+ * Access to the element types of a structure. Their tables hold all data (pzs_element_type) or, to
+ * save flash, leave out the members s, t, g_mean and g_diff (pzs_compact_type), which the library
+ * then computes from the nodes.
  */
 #ifndef PZS_LIB_COMPACT_H
 #define PZS_LIB_COMPACT_H
@@ -12,9 +11,8 @@
 
 /*
  * Compute the data of an element for one corner and one direction (surface coordinate theta1 or
- * theta2), from the nodes at this corner and at its neighbour in this direction. The derivative of
- * the displacement is the difference of both nodal displacements, divided by the distance of the
- * nodes.
+ * theta2) from the nodes at this corner and at its neighbour in this direction. Derivatives are
+ * differences of both nodes, divided by their distance.
  *   inverse_length  in   1 / distance of the nodes (1/m); negative if the surface coordinate is
  *                        smaller at the neighbour
  *   middle          in   height of the middle of the shell above the nodes (m)

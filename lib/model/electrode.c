@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Charges and open electrodes in the undeformed state (pzs_model.h). The voltage of an open
- * electrode is one more unknown, which a Schur complement eliminates: one solve for each electrode
- * gives its charge per unit of every input. The small dense matrix of these charges gives all
- * voltages and charges without further solves.
+ * Charges and open electrodes in the undeformed state (pzs_model.h). One solve for each electrode
+ * gives its charge per unit of every input. The small dense matrix of these charges then gives the
+ * voltages of all open electrodes, by a Schur complement, and all charges.
  */
 #include "electrode.h"
 #include "../core/guard.h"
@@ -146,10 +145,10 @@ static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, u
 }
 
 /*
- * Compute the charge of electrode k per unit of every input. With the stiffness matrix K, the force
- * f_j per unit of input j, the force f_k per volt on the electrode and the displacement u = K^-1
- * f_k, the charge per unit of input j is f_j . u, because K is symmetric. One solve thus gives the
- * charges of the electrode for all inputs.
+ * Compute the charge of electrode k per unit of every input with one solve, because the stiffness
+ * matrix K is symmetric:
+ *   charge per unit of input j = f_j . u,  u = K^-1 f_k
+ *   f_j, f_k  force per unit of input j, force per volt on electrode k
  */
 static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 {
@@ -165,6 +164,7 @@ static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
         for (uint32_t entry = input->start[j]; entry < input->start[j + 1]; entry++)
             *sensitivity(electric, k, j) += input->value[entry] * displacement[input->dof[entry]];
     }
+    // Add the part that does not depend on the displacement.
     for (uint32_t i = direct->start[k]; i < direct->start[k + 1]; i++)
         *sensitivity(electric, k, direct->dof[i]) += direct->value[i];
     return status;

@@ -235,9 +235,9 @@ const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[
 typedef enum turn_way { OUT_OF_TRIAD, INTO_TRIAD } turn_way;
 
 /*
- * Convert between two sets of components of the displacements of some nodes (mean of both faces of
- * the shell), or of the forces on them. One set is along the triads (local axes) of the nodes, the
- * other along the axes of their degrees of freedom. Only nodes at oblique supports change.
+ * Convert displacements of some nodes, or forces on them, between the triads (local axes) of the
+ * nodes and the axes of their degrees of freedom. Only the first three of each node change (mean of
+ * both faces of the shell), and only at oblique supports.
  *   gathered [count dof_per_node] in/out  degrees of freedom of the nodes
  */
 static void turn_nodes(const pzs_structure *structure, const uint16_t *node, unsigned count,
@@ -452,10 +452,9 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Largest condition number of the stiffness matrix that pzs_factor accepts. The relative error of a
- * solve is about the condition number times the machine epsilon. Where solutions are refined, the
- * factors are only a preconditioner, which in single precision works up to condition numbers of
- * 5e9. No well-supported structure reaches 1e14.
+ * Largest condition number of the stiffness matrix that pzs_factor accepts; no well-supported
+ * structure reaches 1e14. The relative error of a solve is about the condition number times the
+ * machine epsilon. Refined solutions allow more, because the factors are only their preconditioner.
  */
 static pzs_real condition_limit(const pzs_model *model)
 {
@@ -559,9 +558,9 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force)
 }
 
 /*
- * Solve K u = r by conjugate gradients, preconditioned by the factors of the stiffness matrix K.
- * Products with K are computed from the strains of the elements. The first iteration is the plain
- * solve by the factors, the others refine it, at most REFINEMENT_LIMIT.
+ * Solve K u = r with the stiffness matrix K by conjugate gradients, in at most REFINEMENT_LIMIT
+ * iterations. The factors of K are the preconditioner; products with K are computed from the
+ * strains of the elements, which is more accurate.
  *   r [free_dof] in/out  in: force; out: residual force
  *   u [free_dof] out     displacement
  */
@@ -608,10 +607,8 @@ void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs
 }
 
 /*
- * Compute two measures of the error of a displacement and write them into the info of the model.
- * They are the residual of the stiffness equations (force minus stiffness matrix times
- * displacement, from the strains of the elements), and the relative error of the displacement in
- * the energy norm.
+ * Write two measures of the error of a displacement into model->info: `residual`, the relative
+ * residual of the stiffness equations, and `error_estimate`, the relative error in the energy norm.
  *   residual, correction [free_dof] out  work arrays
  */
 static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_real *displacement,

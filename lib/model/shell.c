@@ -54,8 +54,8 @@ static shape undeformed_shape(const pzs_element_type *type, int corner)
 /*
  * Compute the derivatives of the displacement along the surface coordinates theta1 and theta2 at
  * one corner of an element: the mean of both faces of the shell, and their difference divided by
- * the thickness. In each direction they are the matrix s of the element type times the displacement
- * of the corner plus its matrix t times that of the neighbouring corner.
+ * the thickness. Matrices s and t of the element type multiply the displacements of the corner and
+ * of its neighbour.
  */
 static shell_corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
                                        const pzs_real *displacement, int corner)
@@ -98,19 +98,22 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Compute the change of the strains [10] at a corner of an element, to first order, when the
- * derivatives of the displacement change by `change`. The strains are 11, 22, 33 and 12, each as
- * mean and difference of the two faces, 13 and 23. On a face
- *   strain = g.l + l.l/2,  change = (g + l).dl
- *   g, l  base vector and derivative of the displacement in the direction of the strain
- * Mean and difference of the change come from those of g + l and dl, because subtracting the nearly
- * equal results of both faces would cost digits.
+ * Compute the change of the strains at a corner of an element, to first order, when the derivatives
+ * of the displacement change by `change`. On a face of the shell
+ *   change of the strain = (g + l).dl
+ *   g, l  base vector and derivative of the displacement
+ *   dl    change of that derivative
+ *   base   in   g + l: mean and difference of the two faces
+ *   strain out  [10] changes of the strains 11, 22, 33 and 12 (each as mean and difference of the
+ *               faces), 13 and 23
  */
 static void corner_strains(const shape *base, const shell_corner *change,
                            const pzs_element_type *type, pzs_real strain[10])
 {
     const pzs_real thickness = type->thickness;
     const pzs_real *square = type->height_squared[0], *slope = type->height_squared[1];
+    // Differences come from those of g + l and dl: subtracting the nearly equal strains of both
+    // faces would lose digits.
     for (int direction = 0; direction < 2; direction++) {
         // Quadratic in the height: enters mean and difference with the factors of height_squared.
         const pzs_real quadratic = vector3_dot(base->diff[direction], change->diff[direction]);
@@ -188,7 +191,7 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
 
 /*
  * Compute the stresses at one corner of an element from the stress resultants of its four strain
- * modes by the transpose of the map from strains at the corners to strain modes (add_modes).
+ * modes, by the transpose of add_modes.
  *   stress [10] out  stresses conjugate to the strains 11, 22, 33 and 12 (each as mean and
  *                    difference of the two faces), 13 and 23
  */
@@ -236,10 +239,9 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * In a warped (not plane) element, add multiples of the in-plane shear resultant to nine other
- * stress resultants, with the factors of pzs_element_type.warp. The shear resultant is conjugate to
- * the mean strain 12 in the strain mode that is constant over the element. The operation is the
- * transpose of add_warp, which adds the nine strains to this shear strain.
+ * In a warped (not plane) element, add multiples of the in-plane shear resultant of mode 00 to nine
+ * other stress resultants, with the factors of pzs_element_type.warp. This is the transpose of
+ * add_warp, which corrects the shear strain.
  */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
@@ -400,11 +402,11 @@ static void all_derivatives(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Add the first variation of the strains of an element to `strain` [4][10], ten strains for each of
- * the four strain modes. The strains vary by a displacement increment v, at a shape deformed by the
- * fraction `part` of a displacement u.
- *   derivative [4] in  derivatives of u along the surface coordinates at the four corners
- *   variation  [4] in  derivatives of v along the surface coordinates at the four corners
+ * Add the first variation of the strains of an element for a displacement increment v, at a shape
+ * deformed by the fraction `part` of a displacement u.
+ *   derivative [4]     in      derivatives of u along the surface coordinates at the four corners
+ *   variation  [4]     in      derivatives of v along the surface coordinates at the four corners
+ *   strain     [4][10] in/out  ten strains for each of the four strain modes
  */
 static void add_variation(const pzs_element_type *type, const shell_corner derivative[4],
                           pzs_real part, const shell_corner variation[4], pzs_real strain[4][10])
@@ -421,8 +423,6 @@ static void add_variation(const pzs_element_type *type, const shell_corner deriv
 /*
  * Compute the strains of an element's four strain modes (constant, linear and bilinear over the
  * element) at a displacement, plus their first variation for the increment du (NULL: no increment).
- * Strains are quadratic in the displacement u, so they equal their first variation at u/2 for the
- * increment u.
  */
 static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_node,
                                  const pzs_real *displacement, const pzs_real *du,
@@ -431,6 +431,8 @@ static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_
     shell_corner derivative[4], variation[4];
     memset(strain, 0, sizeof(pzs_real[4][10]));
     all_derivatives(type, dof_per_node, displacement, derivative);
+    // Strains are quadratic in the displacement u and zero at 0, so they equal their first
+    // variation at u/2 for the increment u.
     add_variation(type, derivative, (pzs_real)0.5, derivative, strain);
     if (du) {
         all_derivatives(type, dof_per_node, du, variation);

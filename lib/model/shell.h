@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The four-node shell element (called GEX7P4 by its author Plotnikova, 2013): one code for all
+ * The four-node shell element (called GEX7P4 by its author Plotnikova, 2013). One code serves all
  * formulations of the element, which differ only in their tables.
  *
  * Degrees of freedom of a node (dof_per_node: 6 or 7):
@@ -9,9 +9,8 @@
  *   q         only if dof_per_node is 7: u3 of the middle surface minus the mean u3 of the faces,
  *             divided by the thickness
  *
- * Strains are computed at the four corners, in the frame of the corner, as means and differences of
- * the two faces. They are combined into the strain modes 00, 01, 10 and 11 with ten strains each,
- * of which 22 are taken into account. Mode r1 r2 varies as xi1^r1 xi2^r2 with the element
+ * Strains at the four corners are combined into the strain modes 00, 01, 10 and 11, with ten
+ * strains each, of which 22 are taken into account. Mode ab varies as xi1^a xi2^b with the element
  * coordinates xi1, xi2.
  */
 #ifndef PZS_LIB_SHELL_H
@@ -73,10 +72,9 @@ typedef struct shell_corner {
 
 #if PZS_NONLINEAR
 /*
- * Number of stress resultants of an element: one for each strain that the element takes into
- * account, ten in strain mode 00, five in 01, five in 10 and two in 11. Strain mode r1 r2 varies
- * over the element as xi1^r1 xi2^r2, with the element coordinates xi1 and xi2. A resultant is the
- * stress that is conjugate to the strain, times area/3^(r1+r2) (N m).
+ * Number of stress resultants of an element: ten in strain mode 00, five in 01, five in 10 and two
+ * in 11. A resultant of mode ab, which varies over the element as xi1^a xi2^b, is the stress times
+ * area/3^(a+b) (N m); xi1 and xi2 are the element coordinates.
  */
 enum { SHELL_RESULTANTS = 22 };
 

@@ -7,18 +7,11 @@
 #include "shell_corner.h"
 
 /*
- * Correct the in-plane strains of an element for its skew alpha_1, alpha_2 (deviation from a
- * parallelogram) and its length ratio r, all in pzs_element_type.skew. Strain eab_11 is strain 11
- * in mode ab, which varies as xi1^a xi2^b with the element coordinates.
+ * Correct the in-plane strains of an element for its skew alpha_1, alpha_2 and its length ratio r
+ * (pzs_element_type.skew), with e00_11 for strain 11 in mode 00:
+ *   b = r (e10_22 - alpha_2 e00_22) - alpha_1 e00_12
+ *   c = (alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r b) / (1 - alpha_1^2 - alpha_2^2)
  *   face in  0: the strains are means of the two faces, 1: differences
- *
- * Mode 00 holds the mean over the four corners, afterwards the strain at the centre: c is
- * subtracted from e00_11, and c / r^2 from e00_22, with
- *   b = r (e10_22 - alpha_2 e00_22) - alpha_1 e00_12,
- *   c = (alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r b) / (1 - alpha_1^2 - alpha_2^2).
- * Then the parts that a constant strain causes are subtracted, by the strains at the centre:
- *   from e01_11  2 alpha_1 e00_11 + alpha_2 r e00_12,
- *   from e10_22  2 alpha_2 e00_22 + (alpha_1 / r) e00_12.
  */
 static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 {
@@ -28,8 +21,10 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
     const pzs_real of_22 = ratio * (*along2 - a2 * *e22) - a1 * e12;
     const pzs_real sum = a1 * (*along1 - a1 * *e11) + a2 * ratio * of_22;
     const pzs_real excess = sum / (1 - a1 * a1 - a2 * a2);
+    // Mode 00: from the mean over the four corners to the strain at the centre (excess: c above).
     *e11 -= excess;
     *e22 -= excess / (ratio * ratio);
+    // Modes 01 and 10: subtract what a constant strain causes in them.
     *along1 -= 2 * a1 * *e11 + a2 * ratio * e12;
     *along2 -= 2 * a2 * *e22 + a1 / ratio * e12;
 }

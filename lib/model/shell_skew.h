@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Correction of the strains of a quadrilateral element that is not a parallelogram. On such an
- * element a constant strain appears in the linear strain modes 01 and 10 too, and the mean over the
- * corners differs from the value at the centre. Multiples of other strains remove both effects:
- * mode 00 then holds the strain at the centre, and a constant strain gives zero in the other modes.
+ * Correction of the strains of a quadrilateral element that is not a parallelogram. Without it, a
+ * constant strain appears in the linear strain modes 01 and 10 too, and mode 00 differs from the
+ * strain at the centre of the element.
  *
  *   alpha_a = g_h . g^a                     skew; 0 on a parallelogram
  *   area ~ 1 + alpha_1 xi2 + alpha_2 xi1

@@ -7,11 +7,9 @@
  *   f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)
  *   w, u    area of the node, its displacement
  *   g, n    gap, gradient of the gap at the deformed position; Hess g: second derivatives
- *   p       contact pressure (negative multiplier) that the last linear solve has predicted
- *   e       penalty stiffness
- *
- * A linear solve with the displacement increment d predicts the next pressure p - e (g + n . d). At
- * convergence g = 0, so the result does not depend on e.
+ *   p       contact pressure (negative multiplier): p - e (g + n . d) of the last linear solve
+ *   d       displacement increment of the node in that solve
+ *   e       penalty stiffness; the result does not depend on it, because g = 0 at convergence
  */
 #include "contact_check.h"
 #include "face.h"
@@ -301,9 +299,7 @@ static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 
 /*
  * Update the active set of a contact (the nodes held on the body) by the gaps and contact pressures
- * of the nodes. If the set becomes empty although the supports do not hold the shell, the node
- * nearest to the body stays in contact, because the tangent matrix would be singular without it;
- * such a state never counts as converged.
+ * of the nodes.
  */
 static void update_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -317,6 +313,8 @@ static void update_active_set(pzs_contact *contact, const pzs_solver *solver)
         if (!touches)
             contact->state.pressure[node] = 0;
     }
+    // Without supports, an empty active set would make the tangent matrix singular. The node
+    // nearest to the body then stays in contact; such a state never counts as converged.
     const int32_t closest =
         count == 0 && contact->state.is_loose ? nearest_node(contact, solver) : -1;
     contact->state.lacks_contact = closest >= 0;
@@ -520,9 +518,9 @@ static void axis_of_dof(const pzs_structure *structure, const pzs_real triad[3][
 }
 
 /*
- * Add one constrained degree of freedom to the Gram matrix [6][6], which shows whether the supports
- * prevent all rigid motions of the shell. The matrix is the sum of r'r, where r [6] holds the
- * values of the degree of freedom under three unit translations and three rotations.
+ * Add r'r for one constrained degree of freedom to the Gram matrix [6][6] with which is_loose
+ * checks the supports: r [6] holds the values of the degree of freedom under three unit
+ * translations and three unit rotations.
  *   height in  height of the contact face above the middle between both faces (m)
  *   k      in  number of the degree of freedom at its node (0 to 5)
  */
@@ -549,10 +547,8 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
 }
 
 /*
- * Whether the supports allow the shell to move as a rigid body, that is, whether the Gram matrix
- * [6][6] of the supported degrees of freedom (add_support) is singular. Its rows belong to three
- * translations and three rotations, with entries of about 1. In its elimination a pivot counts as
- * positive only if it exceeds 1e-6 plus a bound of its rounding error.
+ * Whether the supports let the shell move as a rigid body, that is, whether the Gram matrix [6][6]
+ * of the supported degrees of freedom (add_support) is singular. All its entries are about 1.
  */
 static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {
@@ -564,6 +560,7 @@ static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
                          structure->node_dof[(size_t)node * structure->dof_per_node + (size_t)k]))
                 add_support(contact, solver, face_height(contact, solver), node, k, gram);
     for (int i = 0; i < 6; i++)
+        // Smallest pivot that counts as positive, with a bound of its rounding error.
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int pivot = 0; pivot < 6; pivot++) {
         if (!(gram[pivot][pivot] > least[pivot]))
@@ -584,10 +581,8 @@ static bool settings_in_range(const pzs_solver_option *option)
 }
 
 /*
- * Whether the shell can move as a rigid body: its supports do not prevent this, and the contact
- * body does not either. The body does not hold the shell in two cases. No node was assumed to touch
- * it, or none of these nodes was pressed onto it, at the last linear solve. Or no node was in
- * contact at the last equilibrium, and the tangent matrix was singular or had negative pivots.
+ * Whether the shell can move as a rigid body because neither its supports nor the contact body
+ * prevent it.
  */
 static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *solver)
 {
@@ -595,6 +590,11 @@ static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *so
     uint32_t kept = 0;
     for (uint16_t node = 0; node < solver->state.model->state.structure->nodes; node++)
         kept += contact->state.converged_touching[node];
+    /*
+     * The body does not hold the shell if the last linear solve found no node pressed onto it, or
+     * if no node touched it at the last equilibrium and the tangent matrix was singular or had
+     * negative pivots.
+     */
     return contact->state.is_loose &&
            (contact->state.lacks_contact ||
             (kept == 0 && (solver->info.where >= 0 || solver->info.negative_pivots > 0)));

@@ -96,10 +96,9 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
 typedef struct body_point {
     pzs_real gap, normal[3];
     /*
-     * matrix H that bounds the curvature of the contact body (1/m). For a vector d along the
-     * surface of the body, d'H d is the second derivative of the gap. Along the normal of the body
-     * this derivative is 0; there H has the largest curvature instead, so that d'H d is not too
-     * small for a vector d that points out of the surface
+     * matrix H that bounds the curvature of the contact body (1/m): d'H d is the second derivative
+     * of the gap along a vector d in the tangent plane of the body. Along the normal, H has the
+     * largest curvature, so that d'H d is not too small for any d
      */
     pzs_real hessian[3][3];
     pzs_real radius; /* smallest radius of curvature of the contact body (m); 0: the body is flat */
@@ -239,11 +238,6 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
  *   sum over the corners of N d^2 / (2 R)
  *   d  distance from the point to the corner
  *   N  shape function of the corner at the point
- *   - Twice this depth is allowed, because the distance function of a body may return more than the
- *     distance.
- *   - At most R/5 is allowed, enough for diagonals up to the length R.
- *   - 0 is allowed if a diagonal is longer and no corner is in contact: no body may pass between
- *     nodes.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
                             const pzs_real position[3], const body_point *at)
@@ -251,6 +245,7 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
     const pzs_real weight[4] = {(1 - along) * (1 - across), along * (1 - across), along * across,
                                 (1 - along) * across};
     const pzs_real(*corner)[3] = search->corner[1];
+    // Twice the depth of the formula is allowed, because the gap of a body may exceed the distance.
     pzs_real sag = 0, diagonal = 0;
     for (int index = 0; index < 4; index++) {
         const pzs_real offset[3] = {corner[index][0] - position[0], corner[index][1] - position[1],
@@ -263,8 +258,10 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
         const pzs_real length = curvature_along(at, offset);
         diagonal = length > diagonal ? length : diagonal;
     }
+    // No body may pass between nodes: a facet with a long diagonal must have a corner in contact.
     if (!search->is_supported && diagonal > at->radius)
         return 0;
+    // A fifth of the radius is enough for diagonals up to the length of the radius.
     const pzs_real most = SAG_LIMIT * at->radius;
     return sag < most ? sag : most;
 }
@@ -390,10 +387,10 @@ static bool search_facet_points(facet_search *search)
 }
 
 /*
- * Whether a facet of the shell stays in front of a tangent plane of the contact body during the
- * whole load step. It then cannot touch a convex body, which lies behind the plane. The plane
- * touches the body at its point nearest to the middle of the facet: at the start of the load step
- * (k = 0) or at its end (k = 1).
+ * Whether a facet of the shell stays in front of a tangent plane of the convex contact body during
+ * the whole load step, so that it cannot touch the body. The plane touches the body at the point
+ * nearest to the middle of the facet.
+ *   k in  position of the facet for which the plane is chosen: 0 start, 1 end of the load step
  */
 static bool is_separated(const facet_search *search, int k)
 {

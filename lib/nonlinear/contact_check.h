@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Checks of a contact beyond the nodes that are held on the body: points between the nodes, the
- * other face of the shell, and the motion of both faces relative to the body during a load step.
- * Smallest distances are found by bisection of the slope, because all bodies are convex: their
- * distance is a convex function of the position.
+ * other face of the shell, and the motion during a load step. Smallest gaps are found by bisection
+ * of the slope, because the gap of a convex body is a convex function.
  */
 #ifndef PZS_CONTACT_CHECK_H
 #define PZS_CONTACT_CHECK_H
@@ -30,9 +29,8 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver);
 
 /*
  * Return the largest part (above 0, at most 1) of the way from the last equilibrium to the wanted
- * input values that one load step may take. The contact body may move freely until it is closer to
- * a node than half of the longest diagonal of an element. From there it may move by half of its
- * smallest radius of curvature.
+ * input values that one load step may take. It lets the contact body come as near to a node as half
+ * of the longest element diagonal, then move by half of its smallest radius of curvature.
  *   value [inputs] in  wanted input values
  */
 pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *solver,

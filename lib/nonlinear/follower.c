@@ -10,9 +10,6 @@
  *   e3, t     normal and director of the shell
  *   lean_a    pzs_follower.lean, component along e3 of the base vector of the middle surface,
  *             because a flat element only approximates a curved shell
- *
- * Both directions are polynomials in the displacement. Where the pressure counts per undeformed
- * area, they are divided by |n|, which is not a polynomial.
  */
 #include "face.h"
 #include "../core/guard.h"
@@ -82,10 +79,11 @@ static void normalise(const vector_slope *normal, pzs_real size, vector_slope *v
 }
 
 /*
- * Set the vector U_a = G_a - (g_a . e3) t of the loaded face in surface direction a at one corner,
- * with its derivatives: G_a and g_a are the deformed and undeformed base vectors in this direction,
- * e3 the normal, t the director of the shell. The follower pressure acts along the vector product
- * of U_1 and U_2.
+ * Set the vector U_a = G_a - (g_a . e3) t in surface direction a at one corner of the loaded face,
+ * with its derivatives. The follower pressure acts along U_1 x U_2.
+ *   face_base [3] in   deformed base vector G_a of the face; g_a: the undeformed one
+ *   director      in   director t of the shell; e3: its normal
+ *   base          out  U_a
  */
 static void set_base(const pzs_element_type *type, pzs_real height, unsigned corner,
                      unsigned direction, const pzs_real face_base[3], const vector_slope *director,

@@ -25,13 +25,14 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 
 /*
  * Compute the force that replaces a prescribed motion of some degrees of freedom, per unit of the
- * input that prescribes the motion. The tangent matrix is assembled anew, with the rows and columns
- * of these degrees of freedom zero apart from the diagonal; its factors stay in the model.
+ * input that prescribes the motion.
  *   force [free_dof] in/out  in: zero; out: force (N and N m)
  */
 static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
 {
     const pzs_prescribed_motion *motion = &solver->state.tables->prescribed;
+    // The tangent matrix is assembled anew, because the rows and columns of these degrees of
+    // freedom become zero apart from the diagonal. Its new factors stay in the model.
     pzs_nonlinear_build(solver, true,
                         solver->state.model->state.work +
                             solver->state.model->state.structure->free_dof);
@@ -84,15 +85,14 @@ static void add_skew(pzs_solver *solver, const pzs_real *x, pzs_real factor, pzs
  * Correct the column of one input in the influence matrix for the skew-symmetric part W of the
  * tangent, by the generalised conjugate gradients of Concus, Golub and Widlund. They converge for
  * every W if the symmetric tangent K has no negative pivot. An iteration is
- *   z = K^-1 r
- *   e = z'r
+ *   z = K^-1 r,  e = z'r
  *   omega = 1 / (1 + e / (e_before omega_before)), 1 in the first iteration
  *   d = omega z + (omega - 1) d_before
  *   r_next = (1 - omega) r_before + omega W z
  *   r, d    residual force, step of the displacement
  *   before  suffix: of the iteration before
  *   d         [free_dof]        in/out  in: displacement per unit of the input, from K alone; out:
- *                                       overwritten
+ *       overwritten
  *   influence [outputs][inputs] in/out  influence matrix; the outputs under each d are added
  */
 static pzs_status correct_column(pzs_solver *solver, uint32_t input, pzs_real *d,

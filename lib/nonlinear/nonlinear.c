@@ -448,10 +448,11 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * Factor in the rounding bound of the equilibrium. A force imbalance r counts as a rounding error
- * of the internal forces if sum r_i^2 / K_ii is at most the square of this factor times sum K_ii
- * u_i^2, with the diagonal entries K_ii of the stiffness matrix and the displacement u. Both sums
- * are energies, so that the bound holds in any system of units.
+ * Factor of the rounding error in the check of an equilibrium, which holds in any system of units.
+ * A force imbalance r counts as a rounding error of the internal forces if
+ *   sum of r_i^2 / K_ii <= IMBALANCE_ROUNDING^2 * sum of K_ii u_i^2
+ *   K_ii  diagonal entries of the stiffness matrix
+ *   u     displacement
  */
 #define IMBALANCE_ROUNDING (256 * PZS_EPSILON)
 
@@ -503,10 +504,9 @@ static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
 }
 
 /*
- * Whether Newton's method may continue in this load step. It may make STEP_SOLVES linear solves, or
- * twice that number while the last increment is below a hundredth of the displacement of the load
- * step. The iteration counts as divergent, and ends, after four successive increments of about the
- * size of this displacement.
+ * Whether Newton's method may continue in this load step: it makes at most STEP_SOLVES linear
+ * solves, or twice as many while the last increment is below 1/100 of the load step's displacement.
+ * Four successive increments of about the size of that displacement count as divergence.
  */
 static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
 {
@@ -533,20 +533,14 @@ static void set_input_values(pzs_solver *solver, const pzs_real *value, pzs_real
 /*
  * Iterate by Newton's method towards the equilibrium at `part` (above 0, at most 1) of the
  * remaining way to the wanted input values. Returns whether the iteration has converged;
- * state.pending_error holds the status of an option of the solver (such as a contact) that has not.
- *
- *   - The first settings.ramp_solves linear solves raise the input values in equal parts. Otherwise
- *     the first displacement could lie far beyond linear kinematics and cost more solves.
- *   - Converged: the last increment and the predicted next one are below the tolerance, and the
- *     force imbalance is not larger than the applied force, or is a rounding error.
- *   - Increments are compared with sqrt(s^2 + (c w)^2): norms s and w of the displacement of the
- *     load step and of the whole displacement, c = 1/1000 (1/10 in float). Without w, rounding
- *     errors could exceed the tolerance in a very short load step.
+ * state.pending_error is the status of an option of the solver (such as a contact) that has not.
  */
 static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
     const pzs_real least = PZS_BY_BITS((pzs_real)1e-2, (pzs_real)1e-6),
                    limit2 = solver->settings.tolerance * solver->settings.tolerance;
+    // The first linear solves raise the input values in equal parts, because a displacement far
+    // beyond linear kinematics would cost more solves.
     const uint32_t ramp = solver->settings.ramp_solves;
     pzs_real *du = solver->state.model->state.work;
     uint32_t divergence_count = 0;
@@ -563,6 +557,11 @@ static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
             !solve_and_update(
                 solver, solver->state.iteration >= solver->settings.extrapolated_iterations, du))
             return false;
+        /*
+         * Size of the motion for the tolerance: a small part of the whole displacement is added to
+         * the displacement of the load step. Otherwise rounding errors could exceed the tolerance
+         * in a very short step.
+         */
         const pzs_real moved2 =
             pzs_nonlinear_norm2(solver, solver->state.displacement,
                                 solver->state.converged_displacement) +
@@ -576,6 +575,7 @@ static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
         if (rising < ramp || !(last2 <= limit2 * moved2))
             continue;
         solver->state.pending_error = unconverged_option(solver);
+        // Converged: forces in balance, and also the predicted next increment below the tolerance.
         if (!solver->state.pending_error && assess_equilibrium(solver, du) &&
             solver->state.is_balanced && pzs_nonlinear_norm2(solver, du, NULL) <= limit2 * moved2)
             return true;
@@ -694,9 +694,9 @@ typedef struct load_progress {
 } load_progress;
 
 /*
- * Make the units in which load steps are counted smaller, so that a shortened load step can still
- * be halved STEP_HALVINGS times. The way from the last equilibrium to the wanted input values is
- * divided into progress->total equal units. The function doubles this number as often as necessary.
+ * Double the number of units in which load steps are counted until a shortened load step can still
+ * be halved STEP_HALVINGS times. The way from the last equilibrium to the wanted input values has
+ * progress->total equal units.
  *   part in  shortened load step, as a fraction (0 to 1) of the remaining way
  */
 static void refine_units(load_progress *progress, pzs_real part)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Interface between the equilibrium solver and its options (follower loads, contacts, open
- * electrodes), and the internals of the solver that they use. An option is a struct that begins
- * with a pzs_solver_option; its table of functions is pzs_solver_option_calls, with NULL where the
- * option has nothing to do. A function pzs_attach_... attaches it.
+ * electrodes). An option is a struct that begins with a pzs_solver_option and is attached by a
+ * function pzs_attach_...; its functions are in pzs_solver_option_calls, NULL where it has nothing
+ * to do.
  */
 #ifndef PZS_LIB_NONLINEAR_H
 #define PZS_LIB_NONLINEAR_H
@@ -19,10 +19,9 @@ struct pzs_solver_option_calls {
      */
     bool (*settings_in_range)(const pzs_solver_option *option);
     /*
-     * Function of a solver option (such as a contact), called before each linear solve of a load
-     * step: prepare the option, for example choose the nodes that a contact keeps on its body
-     * (active set). state.iteration counts the linear solves of the load step from 0. Returns false
-     * if no linear solve is possible.
+     * Function of a solver option (such as a contact), called before each linear solve: prepare the
+     * option, for example choose the nodes that a contact holds on its body. state.iteration counts
+     * the linear solves of the load step from 0. Returns false if no linear solve is possible.
      */
     bool (*prepare_solve)(pzs_solver_option *option, pzs_solver *solver);
     /*
@@ -78,8 +77,8 @@ struct pzs_solver_option_calls {
                            pzs_real *force);
     /*
      * For a solver option with unknowns of its own, such as the voltages of open electrodes: add
-     * the displacement that these unknowns cause to one that was computed without them. May use the
-     * third and fourth vector of the work array of the model.
+     * the displacement that these unknowns cause to one computed without them. May use the third
+     * and fourth vector of the model's work array.
      *   input         in      load that has caused du: an input index for a unit of this input;
      *                         NEWTON for the force imbalance; NO_INPUT for another force
      *   du [free_dof] in/out  displacement

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tangent stiffness of the four-node shell element at a deformed shape (shell.h), in closed form.
- *
- * All strain modes depend on the nodal displacements in the same way, apart from a sign. One array
- * A of nodal strains (ten strains per unit of each nodal degree of freedom) thus serves every mode:
+ * All strain modes depend on the nodal displacements in the same way, apart from a sign, so that
+ * one array A of nodal strains serves every mode:
  *   strains of mode m            s_m(r) A_r, per unit of each degree of freedom of node r
  *   stresses at node p           Y_pr = sum over m of s_m(p) s_m(r) D_m A_r
  *   block of the tangent         K_pr = A_p^T Y_pr + geometric part,  p, r = 0 to 3
@@ -13,9 +12,8 @@
  *   D_m     stiffness of mode m
  *   A_r     columns of A for node r
  *
- * Columns: the six degrees of freedom of each of the four nodes (mean, difference over the
- * thickness), then the seventh one of the four nodes. The seventh, q, is the excess of the middle
- * surface over the faces, and contributes to five of the ten strains only.
+ * Columns of A: six degrees of freedom of each of the four nodes, then the seventh one, q, of the
+ * four nodes.
  */
 #include "../model/shell.h"
 #include "../model/shell_corner.h"
@@ -68,15 +66,15 @@ static const mode_rows rows_of_mode[4] = {
 
 /*
  * Two rows of stress_row_of (stresses per unit of each nodal degree of freedom) that modes_to_nodes
- * combines, of two strain modes that differ by the factor `mode`, a linear mode. The stress at node
- * p contains, in the columns of node r,
+ * combines. They belong to two strain modes whose ratio is the linear mode `mode`. In the columns
+ * of node r, the stress at node p contains
  *   first + s_p s_r second,  which replaces `second` for s_p = 1 and `first` for s_p = -1
  *   s_p  value (1 or -1) of `mode` at node p
- * In the columns of q, the seventh degree of freedom, the last PAIRS - PAIRS_WITH_Q pairs are zero.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
 } row_pair;
+// The last PAIRS - PAIRS_WITH_Q pairs are zero in the columns of q, the seventh degree of freedom.
 enum { PAIRS = 14, PAIRS_WITH_Q = 10 };
 static const row_pair row_pairs[PAIRS] = {
     {A33M, 10, 1}, {A33D, 11, 1}, {A13, 12, 1},  {15, 20, 1},   {16, 21, 1},
@@ -106,10 +104,9 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute the derivative of a sum over the corners of an element by the displacement of one node.
- * The term of a corner is b . w, with a given vector b and the derivative w of the displacement in
- * the direction `direction`. The displacement of the node enters w at its own and at one other
- * corner.
+ * Compute the derivative, by the displacement of one node, of the sum over the corners of an
+ * element of b . w, with vectors b and the derivative w of the displacement in the direction
+ * `direction`. The node contributes at its own and at one other corner.
  *   own   [3] in   vector b at the corner of the node
  *   other [3] in   vector b at the neighbouring corner in this direction
  *   row   [3] out  derivative of the sum
@@ -406,13 +403,12 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
  * nodes, all per unit of each of the 28 nodal degrees of freedom. In the columns of node r,
  *   stress at node p = sum over the modes m of s_m(p) s_m(r) row of mode m
  *   s_m(p)  value (1 or -1) of mode m at node p
- * Pairs of rows (row_pairs) are replaced by sum and difference, which serve all nodes p of equal
- * sign.
  *   stress_row_of [22][28] in/out  in: rows of the four modes, one mode after the other
  *                                  (rows_of_mode); out: rows of the nodes, listed in stress_row
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
+    // Sum and difference of a pair of rows serve all nodes where the mode has the same sign.
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = stress_row_of[row_pairs[i].first],
                  *second = stress_row_of[row_pairs[i].second];
@@ -430,10 +426,11 @@ static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COL
 /* ---- geometric part --------------------------------------------------- */
 
 /*
- * Geometric stiffness between two nodes of an element, as three 3 x 3 matrices. `mean` couples the
- * mean displacements of both nodes (mean of both faces of the shell). `cross` couples the mean
- * displacement of one node with the difference over the thickness at the other node. `diff` couples
- * two such differences.
+ * Geometric stiffness between two nodes of an element, as three 3 x 3 matrices:
+ *   mean   couples the mean displacements of both faces at both nodes
+ *   cross  couples the mean displacement at one node with the difference over the thickness at the
+ *          other
+ *   diff   couples the differences over the thickness at both nodes
  */
 typedef struct block {
     pzs_real mean[9];
@@ -521,9 +518,9 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 
 /*
  * Add the geometric stiffness by the transverse stresses 33, 13 and 23 at one corner of an element.
- * The strains 13 and 23 contain products of two factors. One is the derivative of the displacement
- * along the surface; the other is the director, or the degree of freedom q (displacement of the
- * middle surface minus the mean of both faces, divided by the thickness).
+ * The strains 13 and 23 multiply the derivative of the displacement along the surface by the
+ * director, or by the degree of freedom q (displacement of the middle surface minus the mean of
+ * both faces).
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
