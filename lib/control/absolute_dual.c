@@ -2,30 +2,27 @@
 /*
  * Iterations of the dual active-set method where sums of absolute values of voltages are limited.
  *
- * Optimality at 0 V. Let g be half the gradient of the objective without the limits of sums of
- * absolute values, y >= 0 their multipliers, and f = sum of (weight * y) over these limits for one
- * input: the slope of its limits, by which they add to the objective on each side of 0 V. A
- * positive voltage between its bounds is optimal if g + f = 0, a negative one if g - f = 0, and a
- * voltage of 0 V if -f <= g <= f. Hence an input has one state more than with limits of sums of
- * voltages alone (input_state): it may be kept at 0 V, with a multiplier that has two limits
- * instead of one. With the chosen sign s of its voltage, the input is kept at the bound 0 V by the
- * multiplier m = s g + f, and the condition is 0 <= m <= 2 f.
+ * Optimality. For one input, with the slope f of its limits: a positive voltage between its bounds
+ * is optimal if g + f = 0, a negative one if g - f = 0, a voltage of 0 V if -f <= g <= f.
+ *   g  half the gradient of the objective without limits of sums of absolute values
+ *   f  sum of (weight * multiplier) over these limits (pzs_absolute_slopes)
  *
- * Iteration. As in boxls_dual.c an iteration changes the multiplier of one free quantity, the
- * entering one, which is outside its bounds; the multipliers of the active quantities follow. It
- * ends at the first of these events:
+ * An input may thus also be kept at 0 V, by the multiplier m = s g + f with the chosen sign s of
+ * its voltage; 0 <= m <= 2 f.
  *
- *   the entering quantity reaches its bound and becomes active;
- *   a multiplier becomes 0: its quantity becomes free;
- *   the multiplier m of an input at 0 V becomes 2 f: the input becomes free with the other sign;
- *   the entering quantity is an input at the wrong side of 0 V, and its m becomes 2 f before its
+ * Iteration. As in boxls_dual.c, the multiplier of one free quantity outside its bounds, the
+ * entering one, changes; the multipliers of the active quantities follow. It ends at the first
+ * event:
+ *   - the entering quantity reaches its bound and becomes active;
+ *   - a multiplier becomes 0: its quantity becomes free;
+ *   - the multiplier m of an input at 0 V becomes 2 f: the input becomes free with the other sign;
+ *   - the entering quantity is an input at the wrong side of 0 V, and its m becomes 2 f before its
  *     voltage reaches 0 V: it gets the other sign and stays free.
  *
- * With another sign of a voltage away from 0 V the limited sums have other values. Their limits
- * then become free but keep their multipliers; one after the other becomes the entering quantity
- * until it is at its limit or its multiplier is 0. In each iteration of positive length the dual
- * objective rises, as it does without absolute values, so that the number of iterations is finite.
- * An input without such a slope (f = 0) gets the sign of its voltage without an iteration.
+ * After a change of sign away from 0 V, limits of the changed sums become free but keep their
+ * multipliers; each then becomes the entering quantity. The number of iterations is finite, because
+ * every iteration of positive length raises the dual objective. An input with f = 0 gets the sign
+ * of its voltage without an iteration.
  */
 #include "absolute_rows.h"
 #include "boxls_dual.h"
@@ -351,15 +348,15 @@ static bool pull_ignored(const rows_run *run, uint32_t most)
 }
 
 /*
- * Start the iterations: free all active quantities whose multipliers are outside their limits. The
- * iterations see no lower bound of the limited sums, which are negative while chosen signs differ
- * from those of the voltages. Returns the largest number of iterations that the optimiser may have
- * made when they end.
+ * Start the iterations: free all active quantities whose multipliers are outside their limits.
+ * Returns the largest number of iterations that the optimiser may have made when they end.
  */
 static uint32_t begin(const rows_run *run, pzs_real rounding)
 {
     const uint32_t most = pzs_dual_begin_round(run->tableau);
     pzs_absolute_clear(run);
+    // Limited sums have no lower bound: they may be negative while chosen signs differ from the
+    // signs of the voltages.
     for (uint32_t row = absolute_first(run); row < run->count; row++)
         run->tableau->lower[row] = -(pzs_real)HUGE_VAL;
     drop_wrong(run, rounding);
@@ -367,15 +364,15 @@ static uint32_t begin(const rows_run *run, pzs_real rounding)
 }
 
 /*
- * Note the chosen sign of each input at the end of the iterations, with which the next tick
- * continues if the work limit has stopped them (pzs_absolute_row_calls.resume): 1 or -1, and twice
- * that for an input that is kept at a bound of its voltage. The array `waiting` is not needed for
- * anything else until the next iterations begin.
+ * Note the chosen sign of each input at the end of the iterations, 1 or -1, doubled for an input at
+ * a bound of its voltage. If the work limit has stopped the iterations, the next tick continues
+ * with these signs (pzs_absolute_row_calls.resume).
  */
 static void note_signs(const rows_run *run)
 {
     for (uint32_t i = 0; i < run->inputs; i++) {
         const bool is_bound = state_of(run, i) == INPUT_AT_BOUND;
+        // The array `waiting` is unused until the next iterations begin.
         run->tableau->waiting[i] = run->solver->scale[i] * (is_bound ? 2 : 1);
     }
 }

@@ -2,15 +2,11 @@
 /*
  * Limits of weighted sums of absolute values of voltages, for example of the current of a common
  * supply:
- *
  *   sum over the inputs of (weight * |voltage|) <= upper limit
  *
- *   - While no voltage changes its sign, such a limit is one of a weighted sum of voltages, with
- *     the signs in the coefficients. Each input therefore has a chosen sign, and its voltage is
- *     bounded at 0 V as well.
- *   - The iterations of the optimiser (absolute_dual.c) reverse signs where the optimum demands it.
- *   - When signs change, only the tableau rows of these sums are computed again: each is the sum of
- *     the rows of its inputs times their signed weights.
+ * Each input has a chosen sign, which replaces the absolute value by a factor 1 or -1, and its
+ * voltage is bounded at 0 V as well. The iterations of the optimiser (absolute_dual.c) reverse
+ * signs where the optimum demands it; only the tableau rows of these sums are then computed again.
  */
 #include <string.h>
 #include "absolute_rows.h"
@@ -102,10 +98,9 @@ uint64_t pzs_absolute_renew_work(const rows_run *run)
 }
 
 /*
- * Compute anew the row and the column of a limited sum of absolute values of voltages (number k) in
- * the optimiser's tableau, the matrix that gives changes of voltages and sums from changes of
- * multipliers. The row is a sum of the rows that belong to inputs, each multiplied by its
- * coefficient with the chosen sign.
+ * Compute anew the row and the column of limited sum k of absolute values of voltages in the
+ * optimiser's tableau, the matrix that gives changes of voltages and sums from changes of
+ * multipliers. The row is the sum of the rows of its inputs times their signed coefficients.
  */
 static void renew_row(const rows_run *run, uint32_t k)
 {
@@ -139,10 +134,8 @@ void pzs_absolute_renew(const rows_run *run)
 }
 
 /*
- * Choose the signs of the voltages in limited sums of absolute values at the start of a round
- * (sequence of iterations), those of the present voltages, and set the bounds for these signs.
- * Signs that damaged memory has changed become 1 or -1 again. The sums are then never negative;
- * their lower bound, minus the upper one, only keeps the duality gap finite.
+ * Choose the signs of the voltages in limited sums of absolute values when a sequence of iterations
+ * starts: those of the present voltages. Set the bounds of voltages and sums for these signs.
  */
 static void follow_signs(pzs_control *control)
 {
@@ -150,6 +143,7 @@ static void follow_signs(pzs_control *control)
     bool has_changed = false;
     for (uint32_t at = first_entry(&run); at < last_entry(&run); at++) {
         const uint16_t i = run.rows->sums.dof[at];
+        // A sign that damaged memory has changed becomes 1 or -1 again.
         run.solver->scale[i] = run.solver->scale[i] < 0 ? (pzs_real)-1 : (pzs_real)1;
         split_bounds(&run, i);
         if (!is_sign_wrong(&run, i))
@@ -158,6 +152,7 @@ static void follow_signs(pzs_control *control)
         has_changed = true;
     }
     for (uint32_t row = absolute_first(&run); row < run.count; row++)
+        // The sums are never negative here; a finite lower bound keeps the duality gap finite.
         run.tableau->lower[row] = -run.tableau->upper[row];
     if (has_changed)
         pzs_absolute_renew(&run);

@@ -31,11 +31,11 @@ static inline bool absolute_is_split(const rows_run *run, uint32_t i, pzs_real s
 void pzs_absolute_reverse(const rows_run *run, uint32_t i);
 
 /*
- * For each input, compute the slope (m2/V) that the active limits of sums of absolute values of
- * voltages add to the objective on each side of 0 V, in the direction away from 0 V. It is the sum
- * over these limits of the weight of the input times the absolute value of the limit's multiplier.
+ * For each input, compute the slope that the active limits of sums of absolute values of voltages
+ * add to the objective on each side of 0 V: the sum of (weight of the input * absolute value of the
+ * multiplier) over these limits.
  *   multiplier [inputs + rows] in   multipliers of the limits (m2/V), 0 for inactive limits
- *   slope      [inputs]        out  these slopes (m2/V)
+ *   slope      [inputs]        out  slopes in the direction away from 0 V (m2/V)
  */
 void pzs_absolute_slopes(const rows_run *run, const pzs_real *multiplier, pzs_real *slope);
 
@@ -43,11 +43,10 @@ void pzs_absolute_slopes(const rows_run *run, const pzs_real *multiplier, pzs_re
 void pzs_absolute_clear(const rows_run *run);
 
 /*
- * After the chosen signs of some voltages have changed, compute two rows for each limited sum of
- * absolute values of voltages: its row in the optimiser's tableau, the matrix that gives changes of
- * voltages and sums from changes of multipliers; and, if its limit is active, its row in the
- * Cholesky factor of the active limits. All limits keep their multipliers. Active limits stay
- * active, unless they now depend linearly on other active limits.
+ * After chosen signs of voltages have changed, compute anew what limited sums of absolute values
+ * contribute to the optimiser: their rows in its tableau and, for active limits, in the Cholesky
+ * factor. All limits keep their multipliers. An active limit becomes inactive only if it now
+ * depends linearly on others.
  */
 void pzs_absolute_renew(const rows_run *run);
 

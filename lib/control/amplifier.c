@@ -3,15 +3,14 @@
  * Amplifiers whose output voltage is a whole multiple of a converter step, and which do not follow
  * a change of voltage inside a dead band: a stage of the control tick.
  *
- *   - The given voltage is the last whole multiple of the converter step between the present and
- *     the wanted voltage, so that it obeys voltage limits and step limits. Rounding to the nearest
- *     multiple could exceed the wanted voltage, and the next tick might take the step back.
+ *   - The given voltage is the last whole multiple between the present and the wanted voltage, so
+ *     that it obeys voltage limits and step limits. Rounding to the nearest multiple could exceed
+ *     them.
  *   - Voltage limits take precedence over whole multiples.
  *   - Where rounded voltages violate a limit of a weighted sum of voltages, the amplifiers of this
- *     sum keep their present voltages in this tick.
- *   - In a tick that also damps vibration, changes may be smaller than a converter step. The part
- *     that the amplifier does not make is carried over to the next tick, up to one converter step
- *     plus the dead band.
+ *     sum keep their voltages in this tick.
+ *   - Vibration damping may need changes below a converter step. The rest is carried over to the
+ *     next tick, up to one converter step plus the dead band.
  */
 #include <string.h>
 #include "pzs_loop.h"

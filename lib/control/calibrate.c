@@ -7,25 +7,20 @@
  *   T [inputs][inputs]   triangular factor of the information matrix I = T'T, the sum of v v'
  *   Z [inputs][outputs]  readings in the same basis: T B' = Z
  *
- * Plane rotations of the rows of [T Z] add a record. They never square the condition number, and
- * T'T is never negative whatever the rounding errors are. The part of a record's readings that the
- * rotations leave is its residual, whose mean square is the variance of the noise.
+ * Plane rotations of the rows of [T Z] add a record, without squaring the condition number. The
+ * part of the readings that they leave is the residual of the record; its mean square is the
+ * variance of the noise.
  *
  * Forgetting is directional: a direction without new voltages loses nothing. A record with the
  * voltages v changes the information matrix to
- *
  *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/M, |v|^4/(v'Iv))
  *   M  settings.memory, number of records after which older ones are forgotten
  *
- * For that, collect_direction rotates [T Z] until only the first row of T contributes to v'Iv, and
- * this row is multiplied by sqrt(1 - f).
- *
- * The covariance of B, the variance of the noise times the inverse of J, is bounded on both sides:
- *   - No eigenvalue of J exceeds the larger one of the largest eigenvalue of I and V^2 M, where V
- *     is the largest norm of v in all records.
- *   - No eigenvalue falls below det I/(V^2 M)^(inputs - 1), because |v|^4 <= (v'Iv)(v' I^-1 v) and
- *     so det J / det I = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1. Small voltages therefore
- *     never replace the knowledge from large ones.
+ * The covariance of B, the variance of the noise times the inverse of J, is bounded, because the
+ * eigenvalues of J are:
+ *   at most   the larger one of the largest eigenvalue of I and V^2 M
+ *   at least  det I/(V^2 M)^(inputs - 1), because the choice of f makes det J >= det I
+ *   V         largest norm of v in all records
  */
 #include <string.h>
 #include "pzs_calibrate.h"
@@ -53,10 +48,10 @@
  */
 #define AT_REST PZS_R(1e-4)
 /*
- * Factor in the threshold below which a diagonal entry (pivot) of the triangular factor of the
- * information matrix counts as zero. Relative to the norm of the entry's column, the threshold is
- * this factor times the machine epsilon times the square root of the number of records. The
- * information matrix is the sum of v v' over the recorded voltages v.
+ * Factor of the threshold below which a diagonal entry of the triangular factor of the information
+ * matrix counts as zero:
+ *   ROUNDING * machine epsilon * sqrt(number of records) * norm of the entry's column
+ * The information matrix is the sum of v v' over the recorded voltages v.
  */
 #define ROUNDING PZS_R(8)
 
@@ -72,10 +67,9 @@ static size_t width_of(const pzs_calibration *calibration)
 }
 
 /*
- * Return row `index` of the matrix [inputs + 1][inputs + outputs] that a calibration stores. The
- * first `inputs` entries of a row belong to the triangular factor R, where R'R is the sum of v v'
- * over the recorded voltages v. The other entries are combinations of the recorded readings: the
- * rotations that make R triangular are applied to them as well.
+ * Return row `index` of the matrix [inputs + 1][inputs + outputs] that a calibration stores. Its
+ * first `inputs` columns are the triangular factor R with R'R = sum of v v' over the recorded
+ * voltages v. The other columns are the recorded readings after the same rotations.
  */
 static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
 {
@@ -204,10 +198,9 @@ static pzs_status check_ready(const pzs_calibration *calibration, const void *on
 /* ---- test voltages of a calibration ---------------------------------- */
 
 /*
- * Return the sign of the test voltage of an input (1 or -1) in a test pattern. The sign is a Walsh
- * function: it is -1 if the number of the pattern and the number of the input, counted from 1, have
- * an odd number of binary ones in common. Over a whole period of patterns, the signs of any two
- * inputs are orthogonal to each other and to a constant.
+ * Return the sign of the test voltage of an input (1 or -1) in a test pattern: -1 if the numbers of
+ * the pattern and of the input, counted from 1, have an odd number of binary ones in common. Over a
+ * period of patterns these Walsh functions are orthogonal to each other and to a constant.
  */
 static pzs_real sign_of(uint32_t pattern, uint32_t input)
 {
@@ -350,10 +343,9 @@ static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
 }
 
 /*
- * Remove the rows of the triangular factor whose diagonal entry is 0: rotate each into the rows
- * below it, until the whole row is 0. What the row has contained about other inputs is then in the
- * rows of these inputs. The factor is that of the information matrix, the sum of v v' over the
- * recorded voltages v.
+ * Remove the rows of the triangular factor of the information matrix whose diagonal entry is 0:
+ * rotate each into the rows below it, until the whole row is 0. These rows then hold what it
+ * contained about their inputs.
  */
 static void clear_open_rows(pzs_calibration *calibration)
 {
@@ -389,10 +381,10 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 
 /*
  * Rotate the rows of the triangular factor R of the information matrix until only its first row
- * contributes to v'R'R v, with the voltages v of a new record. The caller can then forget
- * information in this direction by scaling that row. R'R is unchanged.
+ * contributes to v'R'R v for the voltages v of a new record. Scaling that row then forgets
+ * information in this direction. R'R is unchanged.
  *   direction [inputs] in/out  in: R v (V2); out: overwritten
- * Every other row of R has one nonzero entry to the left of the diagonal afterwards.
+ * Afterwards every other row of R has one nonzero entry to the left of the diagonal.
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 {

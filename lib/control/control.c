@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Controller (pzs_control.h): initialisation, optimisation of the voltages, control tick.
- * pzs_control.h defines the problem that each tick solves for the voltages v.
- *
- * Half of the gradient at v is, for any base voltages,
+ * Controller (pzs_control.h): initialisation, optimisation of the voltages, control tick. Half of
+ * the gradient of the objective at the voltages v is, for any base voltages,
  *
  *   H (v - base) + regularisation (base - v0) - B'W^2 (e - B base)
  *   H      Hessian B'W^2 B + regularisation I
  *   B, W   influence matrix, output weights
  *   e, v0  target error, reference voltages
  *
- * Near the base it is as accurate as the residual e - B base. A tick predicts the shape B v of its
- * new voltages, which makes v the next base at no cost. pzs_step renews its base only where
- * rounding errors would matter.
+ * Near the base it is as accurate as the residual e - B base. The predicted shape B v of a tick
+ * makes v the next base at no cost; pzs_step renews its base only where rounding errors would
+ * matter.
  */
 #include <string.h>
 #include "boxls.h"
@@ -130,16 +128,16 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
 
 /*
  * Compute the target part of the gradient, B'W^2 (wanted - shown), with the influence matrix B and
- * the output weights W. Returns |W (wanted - shown)|^2 (m2), and stores the scale of the objective
- * |W (wanted - shape without voltages)|^2 (m2) in optimiser->target_energy.
+ * the output weights W.
  *   wanted [outputs] in  target shape (m)
  *   shown  [outputs] in  shape of the base voltages plus the disturbance (m)
- * Both numbers are finite only if the gradient is.
+ * Returns |W (wanted - shown)|^2 (m2), finite only if the gradient is finite.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
 {
     const pzs_real missed = project_misfit(control, optimiser->target_gradient, wanted, shown);
+    // Scale of the objective, |W (wanted - shape without voltages)|^2 (m2).
     optimiser->target_energy =
         missed + control->state.base_energy +
         2 * pzs_product_dot(optimiser->base, optimiser->target_gradient, optimiser->width);
@@ -252,9 +250,8 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
 
 /*
  * Set the work limit of the optimiser in a tick and the rounding-error bound of target_gradient,
- * the part B'W^2 (wanted - shape) of the gradient, with influence matrix B and output weights W.
- * `missed` is the squared norm |W (wanted - shape)|^2 (m2); `shape` is that of the base voltages,
- * around which the gradient is computed.
+ * B'W^2 (wanted - shape), with influence matrix B and output weights W.
+ *   missed in  squared norm |W (wanted - shape)|^2 for the shape of the base voltages (m2)
  */
 static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control, pzs_real missed)
 {
@@ -315,8 +312,8 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
  * damping gradient.
  *   damping [inputs] in  damping gradient, which takes energy out of the vibration (m2/V)
  *   missed           in  weighted squared norm of the target error (m2)
- * Returns `missed` plus a squared norm of `damping` (m2), for the rounding-error bound of the
- * gradient.
+ * Returns the squared norm for the rounding-error bound of the gradient: `missed` plus that of
+ * `damping` (m2).
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)
@@ -336,10 +333,9 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
- * Let the free voltages ignore the motion of voltages that pzs_hold has just fixed. A tick that
- * damps vibration resists changes of the shape, so that the free voltages would compensate the
- * effect of such a motion. To prevent this, the function adds to target_gradient the gradient that
- * the motion of the fixed voltages causes.
+ * Add to target_gradient the gradient caused by the motion of voltages that pzs_hold has just
+ * fixed. Otherwise a tick that damps vibration, and so resists changes of the shape, would move the
+ * free voltages to compensate this motion.
  */
 static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *control)
 {

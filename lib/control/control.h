@@ -54,7 +54,7 @@ void pzs_control_moved(pzs_control *control);
 /*
  * Make the next ticks damp vibration: at the present voltages, half the gradient of their objective
  * is `share` times that without damping, minus `damping`. The Hessian does not change, so that a
- * tick goes only the part `share` of the way to the optimum. Unchanged voltages obey all limits.
+ * tick goes only the part `share` of the way to the optimum.
  *   share            in      factor of the static gradient, at most 1; 0: damp vibration alone
  *   damping [inputs] in      gradient by which the vibration damper moves the voltages, read in
  *                            each tick, zero in static equilibrium (m2/V); NULL: ticks without
@@ -88,10 +88,11 @@ void pzs_control_place(pzs_control *control, void *work);
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
 
 /*
- * Compute the Hessian B'W^2 B + regularisation I: from `table`, the matrix B'W^2 B of the
- * controller's tables, or, if `table` is NULL, from influence matrix B and output weights W. The
- * tableau (pivoted Hessian) of the optimiser is overwritten. Returns the index of the first entry
- * of the Hessian that is not finite, or -1.
+ * Compute the Hessian B'W^2 B + regularisation I of the voltage optimisation. Overwrites the
+ * tableau (pivoted Hessian) of the optimiser.
+ *   table in  matrix B'W^2 B of the controller's tables; NULL: computed from influence matrix B and
+ *             output weights W
+ * Returns the index of the first entry of the Hessian that is not finite, or -1.
  */
 int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *table);
 

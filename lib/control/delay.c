@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Correction of late sensor readings, a stage of the control tick for a loop without vibration
- * damper: readings taken `delay` ticks ago change by what the model predicts from the voltage
- * changes since then. Without the correction the loop would oscillate, because the controller would
- * compensate the same deviation in several ticks. The voltage of an electrode found faulty counts
- * as unchanged.
+ * damper. Readings taken `delay` ticks ago change by what the model predicts from the voltage
+ * changes since then; without this, the controller would compensate a deviation several times and
+ * oscillate.
  *
- * Work of a tick: sensors * inputs multiply-adds, and `delay` times as many after missed ticks.
+ *   - The voltage of an electrode found faulty counts as unchanged.
+ *   - Work of a tick: sensors * inputs multiply-adds, and `delay` times as many after missed ticks.
  */
 #include <string.h>
 #include "control.h"

@@ -3,18 +3,17 @@
  * Reference governor: slows a moving target shape down, so that a control tick that also damps
  * vibration, and so goes only the part `share` of its way, can follow it without lag.
  *
- * When the target changes, the governor computes the voltages v_t within the limits that are
- * optimal for it without disturbances. Each tick moves the reference voltages v_ref by dr towards
- * v_t, at most by a fixed part of the step limits, and replaces the target shape z by
- *
+ * When the target changes, the governor computes the voltages v_t that are optimal for it within
+ * the limits, without disturbances. Each tick moves the reference voltages v_ref by dr towards v_t,
+ * at most by a fixed part of the step limits, and replaces the target shape z by
  *   z - B (v_t - v_ref) + B dr / share
  *   B  influence matrix
  *
- * The tick thus adds the whole dr to the voltages, and only a share of the remaining correction.
- * Once v_ref has arrived, the target is passed on unchanged.
+ * The tick then adds the whole dr to the voltages. Once v_ref = v_t, the target is passed on
+ * unchanged.
  *
- * Work of a tick: none while the target stands still and v_ref has arrived; otherwise outputs *
- * inputs multiply-adds, and an optimisation of the voltages when the target has changed.
+ * Work of a tick: none at a constant target with v_ref = v_t; otherwise outputs * inputs
+ * multiply-adds, and an optimisation of the voltages when the target has changed.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -154,12 +153,12 @@ static pzs_real largest_part(const pzs_governor_state *state)
 }
 
 /*
- * Move the governor's slowed-down voltages (`reference`) towards the optimal voltages by one tick,
- * and compute the voltages `ahead` (V) whose shape is to be subtracted from the target:
- *   (optimal voltages - reference) - r / pzs_governor.share
- *   r  change of `reference` in this tick; a tick makes only the part `share` of what the target
- *      demands
- * Returns whether `reference` was not yet equal to the optimal voltages at the beginning of the
+ * Move the governor's reference voltages towards the optimal voltages by one tick, and compute the
+ * voltages `ahead` (V) whose shape is to be subtracted from the target:
+ *   ahead = (optimal voltages - reference) - r / pzs_governor.share
+ *   r  change of the reference voltages in this tick; a control tick makes only the part `share` of
+ *      what the target demands
+ * Returns whether the reference voltages still differed from the optimal ones at the start of the
  * tick.
  */
 static bool move_reference(pzs_governor_state *state)

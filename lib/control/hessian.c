@@ -37,10 +37,9 @@ void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uin
 }
 
 /*
- * On a host with AVX2, compute the Hessian from influence matrix and output weights. Each group of
- * rows of the influence matrix is read once, and only half of the products are formed. Each entry
- * is the sum of the products of pzs_control_form_row in their order, so that its bits are the same.
- * Returns false on other processors, where nothing is computed.
+ * On a host with AVX2, compute the Hessian from influence matrix and output weights, with the bits
+ * of pzs_control_form_row. Each group of rows of the influence matrix is read once, and only half
+ * of the products are formed. Returns false on other processors, where nothing is computed.
  */
 static bool form_wide(const pzs_control *control)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Check and checksum of the tables of limit rows (limits of weighted sums of voltages), and
- * corrections of voltages that violate such a limit. Every correction moves the voltages along a
- * straight line. No point of the line violates a limit more than both ends do, because limit rows
- * are convex; rounding errors are checked.
+ * corrections of voltages that violate such a limit. A correction moves the voltages along a
+ * straight line: limit rows are convex, so no point of the line violates a row more than both ends
+ * do.
  */
 #include "limit_rows.h"
 #include "scrub.h"

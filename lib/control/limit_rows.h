@@ -50,9 +50,11 @@ struct pzs_limit_row_calls {
     void (*optimise)(pzs_control *control);
     /*
      * Bring the voltages of the controller back inside voltage limits and limit rows (limits of
-     * sums of voltages) if they are outside: at once if the step limits allow it, otherwise a part
-     * of the distance in each tick. Returns whether they are inside; if not, *where is an input
-     * that is outside its limits or has a coefficient in a row outside its limits.
+     * sums of voltages): at once if the step limits allow it, otherwise a part of the way in each
+     * tick.
+     *   where out  if they are not inside yet: an input that is outside its limits or belongs to a
+     *              violated row
+     * Returns whether they are inside.
      */
     bool (*bring_inside)(pzs_control *control, int32_t *where);
     /*
@@ -63,8 +65,7 @@ struct pzs_limit_row_calls {
     pzs_real (*violation)(pzs_control *control, const pzs_real *gradient, uint16_t *active);
     /*
      * Move voltages that violate a limit row (limit of a sum of voltages) more than `inside` does
-     * back along the straight line towards `inside`, until they violate no row more than `inside`
-     * does.
+     * along the straight line towards `inside`, until they violate no row more than `inside` does.
      *   inside  [inputs] in      voltages at the end of the line (V), which replace `voltage` if no
      *                            such point is found
      *   voltage [inputs] in/out  voltages to correct (V)
@@ -72,9 +73,9 @@ struct pzs_limit_row_calls {
      */
     int32_t (*scale_back)(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
     /*
-     * Set voltages back to those before a change where the change violates limit rows (limits of
-     * sums of voltages): all inputs of each violated row get their earlier voltages, until no row
-     * is violated more than before. All other inputs keep their new voltages.
+     * Undo changes of voltages that violate limit rows (limits of sums of voltages): all inputs of
+     * each violated row get their earlier voltages, until no row is violated more than before. All
+     * other inputs keep their new voltages.
      *   before  [inputs] in      voltages before the change (V)
      *   voltage [inputs] in/out  voltages after the change (V)
      */
@@ -103,10 +104,9 @@ struct pzs_absolute_row_calls {
      */
     void (*follow_signs)(pzs_control *control);
     /*
-     * Return the largest violation of the optimality (KKT) conditions (m2/V) by a voltage at 0 V in
-     * a limited sum of absolute values: the objective falls if the voltage moves to the side of the
-     * sign not chosen for it. A bound of each such fall is added to the duality gap, solver->gap
-     * (m2).
+     * Return the largest violation of the optimality (KKT) conditions (m2/V) by an input at 0 V in
+     * a limited sum of absolute values: how fast the objective falls if its voltage gets the other
+     * sign. Adds a bound of this fall to the duality gap solver->gap (m2).
      *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The control loop: a list of blocks, which are the stages of a control tick. Every tick runs them
- * in the order of the list, followed by a last check of all voltages. Parts of the workspace, each
- * aligned to 8 bytes:
+ * in the order of the list, followed by a last check of all voltages. Parts of the workspace:
  *   - two arrays of output voltages that are used in turn;
  *   - three copies of the voltages of the last tick;
  *   - the memory of the blocks.
@@ -202,10 +201,9 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
- * Initialise some blocks (stages of the control tick) of a loop, from the last of its list to the
- * first: either the fault detectors, whose phase is PZS_PHASE_OBSERVE, or all others. The control
- * step (pzs_step_block) is left out in both cases.
- *   observes in  true: the blocks of PZS_PHASE_OBSERVE; false: all others
+ * Initialise, from the last of the list to the first, the fault detectors (PZS_PHASE_OBSERVE) or
+ * all other blocks (stages of the control tick) except the control step (pzs_step_block).
+ *   observes in  true: the fault detectors; false: the others
  */
 static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool observes)
 {
@@ -221,16 +219,13 @@ static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool ob
     return PZS_OK;
 }
 
-/*
- * Initialise all blocks (stages of the control tick) except the control step (pzs_step_block). The
- * order is from the last block of the list to the first, because each block must know how many
- * readings the block after it needs. The fault detectors (PZS_PHASE_OBSERVE) need the number of
- * readings of the whole loop and therefore come after all others.
- */
+/* Initialise all blocks (stages of the control tick) except the control step (pzs_step_block). */
 static pzs_status init_others(pzs_loop *loop)
 {
     pzs_loop_core *core = loop->state.core;
     pzs_loop_signals signals = {.control = core->control, .sensors = problem_of(core)->outputs};
+    // From the last block to the first, because a block needs the number of readings of the next
+    // one. Fault detectors need that of the whole loop and come last.
     pzs_status status = init_phases(loop, &signals, false);
     if (status == PZS_OK)
         status = init_phases(loop, &signals, true);
@@ -379,10 +374,9 @@ static void go_on(pzs_loop *loop, bool is_same_block)
 }
 
 /*
- * Check the next slice of the constant tables of all blocks (stages of the control tick) except
- * those of the controller, one table after the other. A table with a wrong checksum is read a
- * second time. Returns whether the tables are intact, as far as is known; if they are not,
- * info.block is the type of the block.
+ * Check the next slice of the constant tables of all blocks (stages of the control tick) except the
+ * controller's. A table with a wrong checksum is read a second time. Returns false if a table is
+ * damaged, with the type of its block in info.block.
  *   part [PZS_TABLE_PARTS]  work array
  */
 static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core,
@@ -439,10 +433,8 @@ static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_
 }
 
 /*
- * Run all blocks (stages) of a control tick. After an error, also one that was found before the
- * first block, only the supervisor runs. As long as a block of PZS_PHASE_COMMISSION, which tests
- * the hardware before the loop controls the voltages, returns a warning or an error, no block after
- * it runs. Returns the status that takes precedence, and stores its block and its index.
+ * Run all blocks (stages) of a control tick. Returns the status that takes precedence, and stores
+ * its block and its index.
  */
 static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals,
                       pzs_status result)
@@ -454,12 +446,14 @@ static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signal
         const pzs_block_type *type = core->blocks[k].type;
         void *self = memory;
         memory += bytes_of(&core->blocks[k], problem);
+        // After an error, also one found before the first block, only the supervisor runs.
         if (PZS_IS_ERROR(result) && type->phase != PZS_PHASE_SUPERVISE)
             continue;
         signals->where = -1;
         signals->tables = core->blocks[k].tables;
         signals->status = result;
         const pzs_status status = type->block_tick(self, signals);
+        // The tests of the hardware have not ended: the loop does not control the voltages yet.
         if (type->phase == PZS_PHASE_COMMISSION && status != PZS_OK)
             return finish(loop, status, type, signals->where);
         if (PZS_IS_ERROR(status) && type->phase != PZS_PHASE_SUPERVISE)
