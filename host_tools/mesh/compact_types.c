@@ -10,10 +10,9 @@
 #include "../../lib/model/compact.h"
 
 /*
- * Choose a coordinate along one axis in space that is subtracted from the node positions in the
- * tables of a device. The smaller numbers need fewer digits. Where the mesh lies far from the
- * origin of the scene, the result is a round number near the mesh, so that the subtraction has no
- * rounding errors. Otherwise it is 0.
+ * Choose a coordinate along one axis in space that is subtracted from all node positions in the
+ * tables of a device, so that the numbers need fewer digits. The result is 0 unless the mesh lies
+ * far from the origin; then it is a round number near the mesh.
  */
 static double find_origin(const mesh *mesh, int axis)
 {

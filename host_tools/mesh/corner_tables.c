@@ -21,10 +21,9 @@ typedef struct corner_pair {
 } corner_pair;
 
 /*
- * Compute the corner tables, which map the displacements of the corners to strains, without the
- * element option `cartesian`. The displacement components in local axes that turn with the surface
- * (triad) are interpolated. Their derivatives use the Lame parameter, the curvature and the
- * geodesic curvature at the corner.
+ * Compute the corner tables of an element without the option `cartesian`, from displacement
+ * components in local axes (triads) that turn with the surface. Their derivatives contain the Lame
+ * parameter, the curvature and the geodesic curvature at the corner.
  */
 static void local_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                          double g_mean[3], double g_diff[3])

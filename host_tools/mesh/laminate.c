@@ -121,8 +121,8 @@ static void field_stress(const scene_material *material, double stiffness[6][6],
 
 /*
  * Compute the electric constants of a ply: prescribed stress per volt, capacitance per area, and
- * pyroelectric charge per kelvin. The charges are those of the upper electrode, or of the
- * interdigitated electrode towards which the poling points.
+ * pyroelectric charge per kelvin. Charges are those of the upper electrode; for interdigitated
+ * electrodes, of the one towards which the poling points.
  *   stress [6] out  prescribed stress per volt in the axes of the ply (Pa/V), Voigt order 11 22 33
  *       23 13 12
  */
@@ -253,11 +253,10 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
                                        0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
 
 /*
- * Compute the factors by which the strains of an element at height z are divided: squares and
- * products of the length ratios (length at height z over length in the reference surface) of lines
- * of curvature.
- *   share [6] out  the factors, order 11 22 33 23 13 12; 1 where the element option `metric` is
- *       off, and on elements not along lines of curvature (natural_stiffness)
+ * Compute the factors by which the strains of an element along lines of curvature are divided at
+ * height z: squares and products of the lengths there over those in the reference surface.
+ *   share [6] out  the factors, order 11 22 33 23 13 12; 1 with the element option `metric` off and
+ *       on other elements
  * Returns the area of the element at height z over that in the reference surface.
  */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
@@ -294,8 +293,7 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
 /*
  * Compute the stiffness of a ply at height z for strains along the directions of the element, which
  * need not be perpendicular (Voigt order 11 22 33 23 13 12). For an element along lines of
- * curvature the result is the stiffness in the axes of the shell. The caller then divides the
- * strains by the factors of metric_at, because lengths depend on the height.
+ * curvature the result is in the axes of the shell and does not contain the factors of metric_at.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -459,8 +457,8 @@ typedef struct strain_share {
 } strain_share;
 
 /*
- * Add to the strains at one height what an element leaves out by its straight line in place of z^2
- * (laminate_height.h): the coefficient m of z^2 times (z^2 - line).
+ * Add to the strains at one height the part that an element leaves out: it has a straight line in
+ * place of z^2 (laminate_height.h). The part is m (z^2 - line), with the coefficient m of z^2.
  *   of_strain [3][3] in      coefficients m of the strains 11, 22 and 12 (rows) per unit of the
  *       element's strains 11, 22 and 12 (columns; 1/m2)
  *   column           in      0, 1 or 2: unit strain 11, 22 or 12 of the element
@@ -576,16 +574,14 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * Compute the stiffness of an element whose plies thicken freely under a common normal stress 33. A
- * thickness strain linear through all plies would falsify bending by some per cent where Poisson's
- * ratios differ. The stress is s = (h e + sum of n_i E_i)/f, which gives the entries
+ * Compute the stiffness of an element whose plies thicken freely under a common normal stress 33:
  *   stiffness_ij = plane_ij + n_i n_j/f.
- *   h    thickness of all plies
- *   e    mean thickness strain, for which n_i is h and plane_ij is 0
- *   E_i  other strains of the element
- *   n_i  integral of c_i3/c_33 over the thickness (`narrowing`)
+ *   n_i  integral of c_i3/c_33 over the thickness (`narrowing`); for the mean strain 33, the
+ *       thickness
  *   f    integral of 1/c_33 (`compliance`)
- * The entries of the difference of the strain 33 between both faces do not change.
+ * Reason: a strain 33 linear through all plies would falsify bending by some per cent where
+ * Poisson's ratios differ. The entries of the difference of the strain 33 between both faces do not
+ * change.
  */
 static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 {
@@ -787,10 +783,10 @@ static int kept(int mode, int strain)
 }
 
 /*
- * Compute the stiffness matrix of a strain mode (constant, linear or bilinear over the element).
- * The matrix is 0 for strains that the mode does not contain. For the others it is a block of the
- * stiffness of all plies together or, with the option hr (Hellinger-Reissner), the inverse of a
- * block of their compliance. Returns 0, or -1 if that block is singular.
+ * Compute the stiffness matrix of a strain mode (constant, linear or bilinear over the element), 0
+ * for strains that the mode does not contain. With the option hr (Hellinger-Reissner), linear and
+ * bilinear modes get the inverse of a block of the compliance. Returns 0, or -1 if that block is
+ * singular.
  */
 static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, int hr,
                        double out[N][N])
@@ -815,13 +811,12 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 /*
  * Return the factor (0 to 1) of the added transverse shear flexibility in a linear strain mode:
  *   1/(1 + 0.6 (f/ft) (L_a/L_b)^2).
- * The flexibility stands for a normal displacement inside the element (bubble), which is stiffer
- * where it changes its sign and twists the element. On a square with Poisson's ratio 0.3 the exact
- * factor is 0.784; the formula gives 0.813.
  *   f, ft     flexibilities of bending and of twist
  *   L_a, L_b  lengths of the element along and across the direction of the shear
  *   inverse [10][10] in  compliance matrix of the element (m/N), from plane_compliance
  *   direction        in  direction of the transverse shear: 0 for 13, 1 for 23
+ * The factor is below 1 because a normal displacement inside the element that changes its sign also
+ * twists the element. For a square with Poisson's ratio 0.3: 0.813 (exact: 0.784).
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -858,7 +853,7 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 
 /*
  * List the strains whose stiffness block soften_shear inverts: the transverse shears of a strain
- * mode, or all strains of the mode where a stiffness entry couples a shear with another strain.
+ * mode, or all its strains where a stiffness entry couples a shear with another strain.
  *   modal [10][10] in   stiffness matrix of the strain mode
  *   index [10]     out  indices of these strains among the ten strains of an element
  * Returns their number.
@@ -946,10 +941,9 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 /* ---- prescribed fields -------------------------------------------------- */
 
 /*
- * Compute the stiffness for strains that are constant over the element (N/m). Two element options
- * of the scene change its transverse shear part. With `shear` it follows from the equilibrium of
- * the stresses in the plies. With `rho` a flexibility is added: rho L^2/12 times the bending
- * flexibility, with the length L of the element. Returns 0, or -1 if no ply is present.
+ * Compute the stiffness for strains that are constant over the element (N/m), with the transverse
+ * shear stiffness that the element options `shear` (from equilibrium of the stresses) and `rho`
+ * (added flexibility, shear_flexibility) ask for. Returns 0, or -1 if no ply is present.
  */
 static int constant_stiffness(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double stiffness[N][N])
@@ -1036,10 +1030,9 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the value of a field at the middle height of a ply. For a temperature of all plies it is
- * the temperature (K), interpolated linearly between the two faces of the laminate. For an electric
- * field along the surface it is the mean of the field at the two faces of the ply (V/m). A voltage
- * across one ply or a temperature of one ply has the value 1 (V or K).
+ * Return the value of a field at the middle height of a ply: temperature (K), or electric field
+ * along the surface (V/m), each interpolated linearly between faces. A voltage across one ply or a
+ * temperature of one ply has the value 1 (V or K).
  */
 static double field_mean(const laminate *laminate, const laminate_field *field,
                          const laminate_ply *ply)
@@ -1086,10 +1079,9 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the prescribed resultants (N/m) of an element under a voltage, an electric field or a
- * temperature. With the element option lin33 every ply thickens freely, while the mean thickness
- * strain of all plies is held at zero. Where transverse shear stress arises, the strains of the
- * unloaded element are computed too.
+ * Compute the resultants (N/m) that a voltage, an electric field or a temperature prescribes in an
+ * element; with lin33, while plies thicken freely at the mean thickness strain 0. Where transverse
+ * shear stress arises, compute the strains of the unloaded element too.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,
@@ -1137,9 +1129,8 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return a correction of an electrode's charge per area (C/m2) under a voltage of 1 V or a
- * temperature of 1 K, for elements that are softer in shear than their material
- * (keep_free_strains). With the correction the charge is that of the material:
+ * Return what must be added to an electrode's charge per area (C/m2), under 1 V or 1 K, where an
+ * element is softer in shear than its material (keep_free_strains):
  *   e1^T (D - D') e2.
  *   e1, e2  strains of the unloaded element under the fields `first` and `second`
  *   D       stiffness with uniform transverse shear through the thickness
@@ -1179,11 +1170,9 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * Return the factor by which the product of the mean effects of two fields on an element counts in
- * laminate_capacitance. The mean effect of a field in one ply is proportional to the fraction of
- * the element that the ply covers, so that the product has both fractions as factors. The caller of
- * laminate_capacitance multiplies by the smaller one, where both fields act; the larger one
- * remains. A temperature of all plies acts everywhere.
+ * Return the larger of the fractions of an element that the plies of two fields cover; 1 for a
+ * temperature of all plies. Reason: the product of the mean effects of two fields has both
+ * fractions as factors, and the caller of laminate_capacitance multiplies by the smaller one.
  */
 static double larger_cover(const laminate_place *place, const laminate_field *first,
                            const laminate_field *second)
@@ -1193,15 +1182,15 @@ static double larger_cover(const laminate_place *place, const laminate_field *fi
 }
 
 /*
- * The charge per area is a sum of four terms, of which the second and third belong to the element
- * option lin33 and the last to uniform fields:
+ * The charge per area is the sum of four terms:
  *   integral of f1 f2 d + integral of f1 f2 c_33 t1 t2 - C_33 T1 T2 + shear_charge.
  *   f1, f2      values of the two fields at a height
  *   d           field_density of the ply
  *   c_33, C_33  normal stiffness of the ply, and of all plies together
  *   t1, t2      free thickness strains of the ply per unit of each field
  *   T1, T2      means of the free thickness strains over all plies
- * The third and the fourth term have the factor of larger_cover.
+ * Terms two and three exist with the element option lin33, term four for uniform fields. Terms
+ * three and four have the factor of larger_cover.
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

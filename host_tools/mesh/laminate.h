@@ -6,8 +6,7 @@
  *       difference)
  *   D   stiffness of the element
  *   H0  prescribed resultants of voltages and temperatures
- * The charge of an electrode is its charge at zero strains, less the product of E and the H0 of 1
- * V.
+ * The charge of an electrode is its charge at zero strains minus H0^T E, with H0 of 1 V.
  */
 #ifndef LAMINATE_H
 #define LAMINATE_H
@@ -112,14 +111,14 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
                          double map[6][6]);
 
 /*
- * Compute the stiffness matrices of an element in its four strain modes, with the factors of the
- * strain energy's integral over the element:
+ * Compute the stiffness matrices of an element in its four strain modes, each times a factor from
+ * the integral of the strain energy over the element (xi1, xi2: natural coordinates, -1 to 1):
  *   00  constant strains                  area
  *   01  strains proportional to xi2       area/(3 - alpha_1^2)
  *   10  strains proportional to xi1       area/(3 - alpha_2^2)
  *   11  strains proportional to xi1 xi2   area/9
- * with the natural coordinates xi1, xi2 from -1 to 1, and the skew alpha of laminate_place.
- *   packed [4][55] out  lower triangles of the matrices (N m) for the ten strains, packed by rows
+ *   alpha           in   skew of the element, in laminate_place
+ *   packed [4][55]  out  lower triangles of the matrices (N m) for the ten strains, packed by rows
  * Returns 0, or -1 if no ply is present.
  */
 int laminate_modes(const laminate *laminate, const scene_element *element,
@@ -154,20 +153,20 @@ typedef struct laminate_field {
 } laminate_field;
 
 /*
- * Return the value of a field in an element at height z: temperature (K), 1 K for the temperature
- * of one ply, or electric field along the surface (V/m). For a voltage it is the electric field
- * over its mean through the ply: across a curved ply the flux is constant, so that the field is
- * inversely proportional to the area at height z.
+ * Return the value of a field in an element at height z: temperature (K), or electric field along
+ * the surface (V/m). A temperature of one ply has the value 1. For a voltage it is the electric
+ * field over its mean through the ply, inversely proportional to the area at height z (constant
+ * flux).
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);
 
 /*
- * Compute the stress resultants that a field (voltage or temperature) prescribes, times the area of
- * the element. For a field in a ply that is present in a part of the element alone, the caller
- * multiplies them by the fraction of the element that the field covers.
- *   h0  [10] out  resultants (N m) conjugate to the ten strains of an element: mean and difference
- *       of both faces for the strains 11, 22, 33 and 12; then the strains 13 and 23
+ * Compute the stress resultants that a field (voltage or temperature) prescribes in an element,
+ * times the element's area. Where the field covers only a fraction of the element, the caller
+ * multiplies by this fraction.
+ *   h0  [10] out  resultants (N m) for the ten strains: mean and difference of both faces of 11,
+ *       22, 33 and 12; then 13 and 23
  */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field,
@@ -176,8 +175,8 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
 /*
  * Compute the stress resultants of an element, times its area, while its strains are zero and one
  * volt acts across a ply, or for ply < 0 a uniform temperature of 1 K.
- *   h0 [10] out  resultants (N m), one for each strain of an element: 11, 22, 33 and 12, each as
- *       mean of both faces and as difference between them, then 13 and 23
+ *   h0 [10] out  resultants (N m) for the ten strains: mean and difference of both faces of 11, 22,
+ *       33 and 12; then 13 and 23
  */
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
@@ -191,14 +190,14 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
 
 /*
- * Return minus the mixed second derivative of an element's electric enthalpy with respect to two
- * fields, at constant strains: a capacitance (C/V) for two electric fields, a charge per kelvin
- * (C/K) for an electric field and a temperature. Where the plies of the fields are present in a
- * part of the element alone, the caller multiplies it by the fraction that both fields cover.
+ * Return the charge that one field causes on the electrode of another in an element at zero
+ * strains: capacitance (C/V), or charge per kelvin (C/K) where a temperature is the cause. Where
+ * the fields cover only a fraction of the element, the caller multiplies by the fraction common to
+ * both.
  *   first      in  electric field in a ply
  *   second     in  electric field in the same or another ply, or a temperature
- *   is_uniform in  true: both fields are constant over the element. false: both vary with the mean
- *       0, and the correction for a changed transverse shear stiffness is left out
+ *   is_uniform in  true: both fields are constant over the element; false: both vary with the mean
+ *       0, and no correction for a changed transverse shear stiffness is made
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

@@ -62,9 +62,9 @@ static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double 
 }
 
 /*
- * Express the quadratic part m (quadratic_of_middle) by the numbers that an element has for each
- * strain: the mean of both faces e + a m, and the difference between them thickness k + b m. With
- * the line a + b z/thickness that replaces z^2 this gives
+ * Compute the quadratic part m of the in-plane strains (quadratic_of_middle) as a function of the
+ * mean and the difference of each strain at both faces. With the line a + b z/thickness in place of
+ * z^2:
  *   (1 + with_slope b/thickness - with_mean a) m
  *     = with_slope difference/thickness - with_mean mean.
  */

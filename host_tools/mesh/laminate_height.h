@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Quadratic part of the in-plane strains e + z k + z^2 m of an element, with the height z above the
- * middle of all plies. An element knows each strain at both faces only, and uses a straight line a
- * + b z/thickness in place of z^2. The element option `quadratic` chooses the line:
- *   on       least deviation from z^2, weighted with the stiffness of the plies, so that resultants
- *       are integrals of the stresses; one ply: a = thickness^2/12, b = 0
+ * Quadratic part of the in-plane strains e + z k + z^2 m of an element, at height z above the
+ * middle of all plies. An element has only two numbers for each strain, its values at both faces,
+ * so that a line a + b z/thickness replaces z^2. The element option `quadratic` chooses the line:
+ *   on       least deviation from z^2, weighted with the stiffness of the plies: resultants are
+ *       integrals of the stresses; one ply: a = thickness^2/12, b = 0
  *   off      a = thickness^2/4 and b = 0, exact at the faces
  *   omitted  a = b = 0: the strains are e + z k
  */
@@ -44,17 +44,16 @@ typedef struct height_ply {
 
 /*
  * Compute the straight line a + b z/thickness that replaces z^2 in each of the strains 11, 22 and
- * 12 (member `line`). An element has only a mean and a difference of both faces for each strain, so
- * that it cannot represent z^2. The members `middle` and `thickness` must be set. Without plies
- * `line` does not change.
+ * 12 (member `line`), as the element option `quadratic: on` asks. The members `middle` and
+ * `thickness` must be set. Without plies `line` does not change.
  */
 void height_fit_lines(const height_ply *ply, int plies, laminate_heights *heights);
 
 /*
  * Compute the coefficients of z^2 in the in-plane strains (members of_mean and of_difference). The
  * member `line` must be set (height_fit_lines).
- *   change [2][2] in  change of the base vectors per height (1/m): in the middle of all plies, base
- *       vector a changes by the sum over c of change[c][a] times base vector c
+ *   change [2][2] in  change of the base vectors per height (1/m) in the middle of all plies: base
+ *       vector a changes by sum over c of change[c][a] times base vector c
  */
 void height_quadratic_part(double change[2][2], laminate_heights *heights);
 

@@ -55,9 +55,8 @@ static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], d
 }
 
 /*
- * Add the work of the transverse shear stresses at one height: work += weight P^T compliance P. The
- * shear stresses balance the gradients of the in-plane stresses, so that P consists of entries of
- * `stress`, whose sign cancels in the work.
+ * Add the work of the transverse shear stresses at one height, work += weight P^T compliance P,
+ * with their matrix P per unit transverse force.
  *   stress     [3][3] in      in-plane stresses 11, 22, 12 (rows) under unit bending moments 11,
  *       22, 12 (columns), integrated from the lowest face to this height (1/m)
  *   compliance [2][2] in      shear strains 13 and 23 per shear stress (1/Pa)
@@ -77,11 +76,11 @@ static void add_work(double stress[3][3], double compliance[2][2], double weight
 }
 
 /*
- * Add one ply to two integrals over the thickness; plies are added from the lowest to the highest.
+ * Add one ply to two integrals over the thickness. Plies are added from the lowest to the highest.
  *   below [3][3] in/out  in-plane stresses 11, 22, 12 (rows) under unit bending moments 11, 22, 12
- *       (columns), integrated up to the lower (in) and upper (out) face of the ply (1/m)
- *   work  [2][2] in/out  work of the transverse shear stresses per area under unit transverse
- *       forces 13 and 23 (m/N)
+ *       (columns), integrated up to the lower (in) or upper (out) face of the ply (1/m)
+ *   work  [2][2] in/out  work of the transverse shear stresses per area, for unit transverse forces
+ *       13 and 23 (m/N)
  * Returns 0, or -1 if the ply has no shear stiffness.
  */
 static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], double work[2][2])

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Transverse shear stiffness of a laminate from equilibrium. Where bending moments change along the
- * plate, transverse shear stresses tau balance the change of the in-plane stresses. The transverse
- * force V13 is the change of the moment 11 along direction 1, V23 that of the moment 22 along 2.
+ * Transverse shear stiffness K of a laminate from equilibrium: the shear stresses tau balance the
+ * change of the in-plane stresses where bending moments change along the plate.
  *   G(z) = -integral from the lower face to z of C (S_b + zeta S_d) dzeta,
  *   P = [[G(11; 11), G(12; 22)], [G(12; 11), G(22; 22)]],
  *   tau(z) = P(z) (V13, V23),
  *   K^-1 = integral over the thickness of P^T C_t^-1 P dz.
  *   K          shear stiffness (N/m); 5/6 of shear modulus times thickness for one isotropic ply
+ *   V13, V23   transverse forces: change of moment 11 along direction 1, of moment 22 along 2
  *   G(i; j)    minus the stress i integrated up to z, per unit bending moment j
  *   C, C_t     plane stress stiffness and transverse shear stiffness of a ply (Pa)
  *   S_b, S_d   membrane strains and curvatures per bending moment (laminate_flexure)
  *   z, zeta    heights above the reference surface (m)
- * The stiffness of a soft core between stiff faces is that of the core alone.
+ * K of a soft core between stiff faces is that of the core alone.
  */
 #ifndef LAMINATE_SHEAR_H
 #define LAMINATE_SHEAR_H

@@ -341,10 +341,12 @@ static laminate_place element_place(const mesh *mesh, int element)
 }
 
 /*
- * Return the argument `share` of warp_fill for an element: the factor (dimensionless) of the
- * warping correction of its membrane shear strain. It is tau (L1^2 k1 + L2^2 k2)/(12 h), with tau
- * the element option of this name, L1 and L2 the lengths of the element along its directions, k1
- * and k2 its principal curvatures, and h the thickness of the laminate.
+ * Return the factor of the warping correction of an element (argument `share` of warp_fill):
+ *   tau (L1^2 k1 + L2^2 k2)/(12 h).
+ *   tau     element option of this name
+ *   L1, L2  lengths of the element along its directions (m)
+ *   k1, k2  principal curvatures of the element (1/m)
+ *   h       thickness of the laminate (m)
  */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
@@ -458,10 +460,9 @@ static int build_all_types(mesh *mesh, char *error)
 /* ---- supports of skewed corners --------------------------------------- */
 
 /*
- * Refuse a support along an edge of constant theta2 if a corner of this edge is not a right angle
- * and the support acts along or across the edge. At such a corner the triad (local axes) of the
- * node is aligned with the other edge, so that the support would act in wrong directions there. A
- * support that holds both displacements or neither is accepted.
+ * Refuse a support that acts only along or only across an edge of constant theta2 with a corner
+ * that is not a right angle. Reason: the triad (local axes) of the corner node follows the other
+ * edge, so that the support would act in wrong directions.
  */
 static int check_corners(const scene *scene, char *error)
 {

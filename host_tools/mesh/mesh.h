@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh of a scene: nodes, elements, element types and the numbers of the free dof. On mesh lines,
- * nodes are numbered fastest along the surface coordinate theta2. Free dof are numbered for a small
- * envelope of the stiffness matrix's factor: fastest along the direction with the narrower band. If
- * the other direction is closed, its n mesh lines follow in the order 0, n-1, 1, n-2 and so on.
+ * Mesh of a scene: nodes, elements, element types and numbers of the free dof. On mesh lines, nodes
+ * are numbered fastest along theta2. Free dof are numbered fastest along the direction with the
+ * narrower band, for a small envelope. A closed other direction runs in the order 0, n-1, 1, n-2...
  */
 #ifndef MESH_H
 #define MESH_H
@@ -117,8 +116,8 @@ typedef struct mesh {
 int mesh_build(mesh *mesh, const scene *scene, char *error);
 
 /*
- * Build the mesh of a scene from a mesh of quadrilaterals in any arrangement, in place of the
- * scene's surface and mesh lines. Scene and quads must exist as long as the mesh.
+ * Build the mesh of a scene from a mesh of quadrilaterals, in place of the scene's surface and mesh
+ * lines. Scene and quads must exist as long as the mesh.
  *   accept_irregular in  true: elements whose bending is too stiff (quad_rule.lock above QUAD_LOCK)
  *       are counted in quad_report; false: they are an error
  * Returns 0, or -1 with error filled and the mesh empty.
@@ -134,10 +133,10 @@ void mesh_free(mesh *mesh);
 void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
- * Turn the triads (local axes) of nodes at supports with the key `direction`: axis e1 becomes this
+ * Turn the triads (local axes) of nodes at supports with the key `direction`: e1 becomes this
  * direction, projected on the surface. For meshes between mesh lines, not from a file. Returns 0,
- * or -1 with error filled if another support of these nodes along e1 or e2 has another direction,
- * or distributed loads act along e1 or e2.
+ * or -1 with error filled if the direction is normal to the surface, or if other supports or
+ * distributed loads need other axes there.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 
@@ -148,10 +147,9 @@ int mesh_turn_axes(mesh *mesh, char *error);
 bool mesh_depends_on_axes(const scene_support *support);
 
 /*
- * Apply the oblique supports of a scene, which hold mean displacements (of both faces) along
- * directions that are no axes of the triads. The dof of such a node are turned to axes that begin
- * with the held directions. Call it when node_dof marks all other supports, before the dof are
- * numbered.
+ * Apply the oblique supports of a scene: hold mean displacements (of both faces) along directions
+ * that are no axes of the triads, by turning the dof of the node. Call it after all other supports
+ * are marked in node_dof, and before the dof are numbered.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  *   node   [nodes]               out     work array
  * Returns 0, or -1 with error filled if directions or values at a node contradict each other.
@@ -159,9 +157,9 @@ bool mesh_depends_on_axes(const scene_support *support);
 int mesh_hold_oblique(mesh *mesh, double *values, int *node, char *error);
 
 /*
- * Convert three components at a node between its triad (local axes) and the axes along which its
- * mean displacements (of both faces) act: mesh_turn_to_dof to these axes, mesh_turn_to_triad back.
- * The components change only at oblique supports.
+ * Convert three components at a node from its triad (local axes) to the axes of its mean
+ * displacements (mesh_turn_to_dof), or back (mesh_turn_to_triad). They differ only at oblique
+ * supports.
  *   mean [3] in/out  mean displacement, force, or weights of the mean displacements
  */
 void mesh_turn_to_dof(const mesh *mesh, int node, double mean[3]);
@@ -183,10 +181,9 @@ int mesh_masses_build(mesh *mesh, char *error);
 void mesh_springs_free(mesh_springs *springs);
 
 /*
- * Build a mesh of points without elements for a measured influence matrix: one point for each
- * output, with one dof along z. If the scene file gives no coordinates, the points lie along x in
- * the order of the outputs, for pictures only. The surface coordinates of the points are NAN.
- * Returns 0, or -1 with error filled and the mesh empty.
+ * Build a mesh of points for a measured influence matrix: one point for each output, with one dof
+ * along z, and no elements. Points without coordinates in the scene file lie along x in the order
+ * of the outputs, for pictures only. Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_points(mesh *mesh, const scene *scene, char *error);
 
@@ -250,8 +247,8 @@ mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
 void mesh_node_areas(const mesh *mesh, double *area);
 
 /*
- * Add to each node its share of a length or area: of the element sides that lie in a place of the
- * scene file (mesh_length_shares), or of the elements whose nodes all belong to it
+ * Add to each node its share of the length of the element sides that lie in a place of the scene
+ * file (mesh_length_shares), or of the area of the elements all of whose nodes do
  * (mesh_area_shares).
  *   share  [nodes] in/out  length (m) or area (m2) of each node
  * mesh_length_shares returns the number of sides, or -1 if the place has no sides.

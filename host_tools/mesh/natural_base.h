@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Base vectors of an element that does not lie along lines of curvature, in material axes whose
- * axis 3 is normal to the element. At height z they are the columns of base + z slope: columns 1
- * and 2 belong to the two directions of the element, per unit of its length along them, and column
- * 3 is the director.
+ * axis 3 is normal to the element. At height z they are the columns of base + z slope: 1 and 2
+ * along the directions of the element, per unit of length; 3 is the director.
  */
 #ifndef NATURAL_BASE_H
 #define NATURAL_BASE_H
@@ -26,9 +25,10 @@ double natural_area_ratio(const natural_base *natural, double z);
 void natural_dual_base(const natural_base *natural, double z, double dual[3][3]);
 
 /*
- * Compute the matrix that maps strains E_ab in the base vectors a and b at height z to strains in
- * material axes. The strain ij in material axes is the sum of B_ai B_bj E_ab over a and b, where B
- * is the inverse of the matrix of base vectors.
+ * Compute the matrix that maps strains E_ab in the base vectors a and b at height z to strains E_ij
+ * in material axes:
+ *   E_ij = sum over a and b of B_ai B_bj E_ab.
+ *   B              inverse of the matrix of base vectors
  *   map [6][6] out  the matrix, Voigt order 11 22 33 23 13 12, engineering shears
  */
 void natural_strain_map(const natural_base *natural, double z, double map[6][6]);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Oblique rigid supports: mean displacements (of both faces) that are held along directions in
- * space which are no axes of the triads (local axes) of their nodes. The mean displacements of such
- * a node act along rotated axes, of which the first ones are held; the triad of the node and its
- * elements do not change.
+ * Oblique rigid supports: mean displacements (of both faces) held along directions that are no axes
+ * of the triads (local axes) of their nodes. The mean displacements of such a node act along
+ * rotated axes, the first of which are held; triad and elements do not change.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -68,12 +67,11 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Project the direction of a support at a node on the space orthogonal to the axes that other
- * supports hold, and subtract the displacement that these axes prescribe.
- *   rest  in/out  in: unit vector and prescribed displacement of the support. out: projected unit
+ * Project the direction of a support on the space orthogonal to the axes that other supports of the
+ * node hold, and subtract the displacement that these axes prescribe.
+ *   rest  in/out  in: unit vector and prescribed displacement of the support; out: projected unit
  *       vector; `value` is the displacement along it times the returned sine
- * Returns the sine of the angle between the direction and the held axes: the length of the
- * projection.
+ * Returns the sine of the angle between the direction and the held axes.
  */
 static double remove_held(const held_axes *held, held_direction *rest)
 {
@@ -277,9 +275,9 @@ static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 }
 
 /*
- * Mark the dof of a node that supports hold or prescribe. They stay along the triad (local axes) if
- * all prescribed displacements are 0 and the held directions are axes of the triad or span the
- * space. Otherwise the node gets new axes, which begin with the held directions.
+ * Mark the dof of a node that supports hold or prescribe. The node gets new axes, which begin with
+ * the held directions, unless all prescribed displacements are 0 and the directions are axes of the
+ * triad (local axes) or span the space.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  */
 static void hold_node(mesh *mesh, int node, double *values, held_axes *held)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Electric potentials at the corners of a layer: stress resultants at zero strain, and capacitances
+ * Resultants and capacitances of electric potentials at the corners of a layer
  * (potential_element.h). The potentials cause five fields: the voltage across the layer, and fields
- * along the axes 1 and 2 of the shell at both faces. Only capacitances depend on deviations of the
- * fields from their means over the element.
+ * along the axes 1 and 2 at both faces. Only capacitances depend on the variation of the fields
+ * over the element.
  */
 #include "potential_element.h"
 #include <string.h>

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Electric potentials at the corners of one layer of an element whose faces need not be electrodes:
- * eight potentials, one at each corner of the inner and of the outer face. The potential is
- * bilinear over the element and linear through the layer, so that the electric field has a part
- * across the layer and a part along the surface.
+ * eight potentials, four on the inner and four on the outer face. The potential is bilinear over
+ * the element and linear through the layer.
  */
 #ifndef POTENTIAL_ELEMENT_H
 #define POTENTIAL_ELEMENT_H
@@ -16,18 +15,18 @@ enum { POTENTIAL_NODES = 8 };
  * Compute the stress resultants of an element, times its area, at zero strains while one potential
  * of a ply is 1 V (the others 0 V). The ply must be present in the element.
  *   resultants [8][10] out  resultants (N m): row 2 c + f for corner c (0 to 3) of face f (0:
- *       inner, 1: outer); columns in the order of the ten strains (laminate.h)
+ *       inner, 1: outer); columns: the ten strains (laminate.h)
  */
 void potential_element_resultants(const laminate *laminate, const scene_element *element,
                                   const laminate_place *place, int ply,
                                   double resultants[POTENTIAL_NODES][LAMINATE_STRAINS]);
 
 /*
- * Compute the capacitances between the eight potentials of one ply of an element (four corners on
+ * Compute the capacitances at zero strains between the eight potentials of one ply (four corners on
  * two faces) and those of the same or another ply. Plies are coupled by the element's thickness and
  * shear strains.
  *   capacitance [8][8] out  charge at each potential of `ply` (row) per volt of each potential of
- *       `other` (column), at zero strains (C/V)
+ *       `other` (column) (C/V)
  */
 void potential_element_capacitance(const laminate *laminate, const scene_element *element,
                                    const laminate_place *place, int ply, int other,

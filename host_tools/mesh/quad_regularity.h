@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Irregularity of a mesh of quadrilaterals: how far the elements at a node deviate from equal
- * parallelograms. On an irregular mesh, a thin shell cannot bend without membrane strains and is
- * far too stiff, like a polyhedron. The functions find such elements and compute factors by which
- * the element keeps its membrane strains correct.
+ * parallelograms. Reason: on an irregular mesh a thin shell is far too stiff in bending, like a
+ * polyhedron. The functions find such elements and factors that correct their membrane strains.
  */
 #ifndef QUAD_REGULARITY_H
 #define QUAD_REGULARITY_H
@@ -12,11 +11,11 @@
 #include "quad_geometry.h"
 
 /*
- * Compute the irregularity of each node: |sum of edge vectors|/sum of edge lengths along the
- * surface. It is 0 on tilings of parallelograms and at the border, of order 1/n on smooth meshes of
- * n x n elements, and about 0.3 if nodes are moved at random by 0.3 of a side.
+ * Compute the irregularity of each node, |sum of edge vectors|/(sum of edge lengths). It is 0 on
+ * parallelograms and at the border, of order 1/n on smooth meshes of n x n elements, and about 0.3
+ * after random shifts of the nodes by 0.3 of a side.
  *   side          [4 elements] in   sides of all elements, as listed by quad_sides
- *   irregularity  [nodes]      out  irregularity of each node
+ *   irregularity  [nodes]      out  irregularity of each node (dimensionless)
  * Returns 0, or -1 when memory runs out.
  */
 int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);
@@ -36,11 +35,10 @@ typedef struct quad_rule {
     double bubble_share; /* factor, 0 to 1, of a flexibility that the element option `rho` adds to
                             the transverse shears, so that coarse meshes bend easily enough: 1 on
                             regular meshes, smaller on thin elements of an irregular mesh */
-    double lock; /* estimate of how much too stiff the bending of the element is (dimensionless): (c
-                    thinness/70)^2, with the member `thinness`. The factor c rises linearly from 0
-                    where the member `irregularity` is 0.2 to 1 where it is 0.3 or more. A mesh with
-                    an element above QUAD_LOCK is refused unless the scene accepts irregular meshes
-                  */
+    double lock; /* excess stiffness of the element in bending, an estimate (dimensionless): (c
+                    thinness/70)^2, where c rises linearly from 0 at an irregularity of 0.2 to 1 at
+                    0.3. Above QUAD_LOCK the mesh is refused unless the scene accepts irregular
+                    meshes */
     double asymptotic; /* weight, 0 to 1, of a correction of the mean shear strain 12 of an element
                           by multiples of its bending strains (quad_types.c). It is 0 unless the
                           directions of the element are asymptotic lines of the surface (lines with

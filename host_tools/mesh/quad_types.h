@@ -51,8 +51,8 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
  *       QUAD_LOCK) are counted in `report`; false: they are an error
  *   element_type [elements] out  number of the type of each element
  *   report           out     elements whose bending may be too stiff or whose shape is distorted
- * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or too stiff, or
- * the directors (unit normals) of its nodes are inclined too far to it.
+ * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle, too stiff or
+ * inclined too far to the directors (unit normals) of its nodes.
  */
 int quad_types_build(type_list *list, const quad_mesh *quads, const surface_point *point,
                      bool accept_irregular, uint16_t *element_type, quad_report *report,

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Plies of patches with smeared stiffness in an element.
- *
- * Where such patches end within an element, their ply is present in a part of its area. The
- * integrals over the thickness that make up the stiffness, the mass and the thermal expansion of
- * the element count the ply by the covered fraction. In-plane strains are the same in the covered
- * part and beside it. With the element option lin33 the normal stress 33 is the same in both, and
- * each thickens freely, as the plies do among themselves.
+ * Plies of patches with smeared stiffness, which may end within an element. Integrals over the
+ * thickness (stiffness, mass, thermal expansion) count such a ply by the fraction of the area that
+ * it covers. In-plane strains are the same in the covered part and beside it; so is the normal
+ * stress 33 with the element option lin33.
  */
 #ifndef SMEARED_PLIES_H
 #define SMEARED_PLIES_H

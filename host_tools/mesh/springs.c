@@ -136,10 +136,9 @@ static double span(const mesh *mesh, const mesh_spot *spot, int other, double ve
 }
 
 /*
- * Add the second end of a spring, at a node, to the row of factors by which the dof give its
- * elongation. Find the direction of the spring at its first end: the direction given in the scene,
- * or else that of the line between both ends (vector [3] out). Returns 0, or -1 with error filled
- * if both ends coincide.
+ * Add the second end of a spring, at a node, to the row of factors that give its elongation from
+ * the dof. Find the direction of the spring at its first end (vector [3] out): as the scene states,
+ * else along the line between both ends. Returns 0, or -1 with error filled if both ends coincide.
  */
 static int add_other_end(const spring_builder *builder, const mesh_spot *spot, double vector[3],
                          spring_row *row)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Springs and stack actuators of a scene. The elongation of a spring is the displacement of its
- * point along its direction, less that of its other end: a sparse row over the free dof. Without a
- * named face, a point moves with the mean of both faces. Distributed springs are lumped at the
- * nodes. The list has one item for each entry of `springs`, then one for each actuator.
+ * Springs and stack actuators of a scene as sparse rows over the free dof. The elongation of a
+ * spring is the displacement of its point along its direction, minus that of its other end. Without
+ * a named face, a point moves with the mean of both faces. Distributed springs are lumped at the
+ * nodes.
  */
 #ifndef SPRINGS_H
 #define SPRINGS_H
@@ -18,18 +18,18 @@ void springs_direction(const surface_point *point, const scene_direction *direct
                        double vector[3]);
 
 /*
- * Compute the rotation of a node about an axis as weights of its dof. With the normal D, and with
- * beta the difference of the displacements of both faces over the thickness, the rotation vector in
- * the surface is D x beta.
+ * Compute the rotation of a node about an axis as weights of its dof. The rotation vector in the
+ * surface is D x beta: normal D; beta, the difference of the displacements of both faces over the
+ * thickness.
  *   weight  [7] out  weight of each dof of the node
- * Returns 0, or -1 if the axis is normal to the surface, about which a shell has no rotation.
+ * Returns 0, or -1 if the axis is normal to the surface: a shell has no rotation about it.
  */
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 
 /*
  * List the springs and stacks of a scene: stiffness, and elongation per unit of each free dof. The
- * dof must be numbered and the element types built. The caller must widen mesh.first_column for the
- * rows, and release the list with mesh_springs_free, also after an error.
+ * dof must be numbered and the element types built. The caller then widens mesh.first_column for
+ * the rows. Release the list with mesh_springs_free, also after an error.
  *   springs in/out  in: empty; out: the list
  * Returns 0, or -1 with error filled.
  */

@@ -65,7 +65,7 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
 
 /*
  * Rotate the triads (local axes) of the nodes of all supports with the key `direction`, except
- * oblique supports: the axis e1 of each triad becomes this direction, projected on the surface.
+ * oblique ones: axis e1 becomes this direction, projected on the surface.
  *   turned [nodes] in/out  1 for the nodes whose triads were rotated
  *   node   [nodes] out     work array
  * Returns 0, or -1 with error filled.

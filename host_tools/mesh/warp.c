@@ -6,18 +6,16 @@
 #include <string.h>
 
 /*
- * Size of the linear system for the factors c_k that make the warping correction of an element
- * independent of its directors (warp.h). ROWS: number of factors. TILTS: number of equations. Each
- * states that a tilt of the director of one of the four corners about one of two local axes has no
- * effect on the correction.
+ * Size of the linear system for the factors c_k of the warping correction (warp.h). ROWS: number of
+ * factors. TILTS: number of equations, one for the tilt of each corner's director about each of two
+ * local axes, which must not change the correction.
  */
 enum { ROWS = 8, TILTS = 8 };
 
 /*
  * Linear system a c = y for the eight factors c_k of the warping correction (warp.h). Row i belongs
- * to tilt i, a unit tilt of the director of one corner along its local axis e1 or e2. The entry
- * a_ik is the strain e_k that this tilt causes, and y_i is the difference of the shear strain 12
- * between both faces that it causes.
+ * to a unit tilt of the director of one corner along its local axis e1 or e2. The tilt causes the
+ * strains a_ik = e_k, and y_i, the difference of the shear strain 12 between both faces.
  */
 typedef struct tilt_system {
     double matrix[TILTS][ROWS], right_side[TILTS];
@@ -29,9 +27,8 @@ static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
 
 /*
- * Compute the derivative of the director at a corner along direction 1 or 2 of the element, for a
- * tilt of the director of one node. The tilt adds the unit vector of a local axis of the node to
- * its director.
+ * Compute the derivative of the director at a corner along direction 1 or 2 of the element, when
+ * the unit vector of a local axis of one node is added to the director of that node (a tilt).
  *   direction in   0: direction 1, 1: direction 2
  *   j         in   local axis of the node, 0: e1, 1: e2
  *   out   [3] out  derivative (1/m)
@@ -62,7 +59,7 @@ static void slope_base(const pzs_element_type *type, int corner, int direction, 
 
 /*
  * Add one corner of an element to the strains e_k (warp_fill) that a unit tilt of a node's director
- * causes. They are means over the corners of corner strains times 1, xi1 or xi2.
+ * causes: means over the corners of the strain at the corner times 1, xi1 or xi2.
  *   node, j       in      tilted node, and axis of the tilt: 0 for local axis e1, 1 for e2
  *   row   [8]     in/out  the strains e_k
  *   shear         in/out  difference of the shear strain 12 between both faces, mean over the
@@ -185,8 +182,8 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve a system of eight linear equations by elimination, also of rank r < 8. The last 8 - r
- * unknowns in the order of the pivots are then 0, and so are unknowns as small as a rounding error.
+ * Solve eight linear equations by elimination, also of a rank r < 8: the last 8 - r unknowns in
+ * pivot order are then 0. Unknowns as small as a rounding error become 0 too.
  *   factors [8] out  unknowns: factors c_k of the warping correction (warp_fill)
  * Returns 0, or -1 if one of the last 8 - r equations is not satisfied up to rounding errors, or a
  * number is not finite.
