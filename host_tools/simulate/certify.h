@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Stability tests of a control loop with a vibration model, whose results are its certificate
- * (certificate_loop in certificate.h). The loop is simulated on structures with other static
- * responses to voltages (gains) and natural frequencies than its model.
+ * Stability tests of a control loop with a vibration model, by simulation on structures whose
+ * static responses to voltages (gains) and natural frequencies differ from those of the model. The
+ * results are the loop's certificate (certificate_loop in certificate.h).
  *
  * Tests, in this order:
  *   load steps  time in which the loop compensates suddenly applied loads (load_step.h)
  *   growth      growth per tick of small vibrations without voltage limits (spectral radius of the
- *               loop); gains of 0.8, 1 and 1.33, frequencies of 0.9, 1 and 1.1 times those of the
- *               model
+ *       loop); gains of 0.8, 1 and 1.33, frequencies of 0.9, 1 and 1.1 times those of the model
  *   storms      30 simulations with fast random jumps of the target (storm.h) on the model and on
- *               four other structures; they find limit cycles, which a spectral radius below 1 does
- *               not exclude
+ *       four other structures; they find limit cycles, which a spectral radius below 1 does not
+ *       exclude
  *
- * Choice of the settings of the vibration damper:
+ * Properties of settings of the vibration damper:
  *   pass    small vibrations decay and all storms settle
  *   fast    the loop compensates a load step within two periods of the first mode
  *   robust  the settings also pass with readings one tick older or newer than the scene file states
+ *
  * The first settings that are fast and pass are chosen, unless later ones are more robust and
- * settle at most a quarter slower. If there are none, or if no fast ones are required (a period has
- * few ticks, or the scene file gives delay_margin), the choice is made among all settings.
+ * settle at most a quarter slower. The choice is made among all settings if none are fast and pass,
+ * if a period has few ticks, or if the scene file gives delay_margin.
  */
 #ifndef CERTIFY_H
 #define CERTIFY_H
@@ -28,18 +28,18 @@
 
 /*
  * Choose the settings of the vibration damper and test the stability of the control loop by
- * simulations. A loop without a vibration model, or tested before, is left as is. An unstable loop
- * is a result, not an error.
+ * simulations. Nothing is done for a loop without a vibration model, or tested before. An unstable
+ * loop is a result, not an error.
  *   analysis  in/out  in: analysis with the tables of its controller and with vibration modes; out:
- *                     chosen settings and results of the tests (analysis->certificate)
+ *       chosen settings and results of the tests (analysis->certificate)
  * Returns 0, or -1 with error filled.
  */
 int certify_loop(analysis *analysis, char *error);
 
 /*
- * Find the stability margins of a tested loop: the largest factor of the structure's response to
- * voltages, the range of the factor of its natural frequencies, and the range of the readings' age.
- * An unstable loop gets no such margins.
+ * Find the stability margins of a tested loop, if it is stable: the largest factor of the
+ * structure's response to voltages, and the ranges of the factor of its natural frequencies and of
+ * the readings' age.
  *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
  * Returns 0, or -1 with error filled.
  */

@@ -9,16 +9,15 @@ static const double two_pi = 6.283185307179586;
 
 /*
  * Settings of the vibration damper, of which the stability tests choose one row. The first three
- * rows compensate a load step fast; the rows with less noise in the voltages come first. The other
- * rows tolerate larger deviations of the readings' delay.
+ * rows compensate a load step fast; of these, rows with less noise in the voltages come first. The
+ * other rows tolerate larger deviations of the readings' delay. Units are those of damper_settings.
  *   damping  strength of the damping
  *   mix      weight of the change of velocity in the computed deviation from equilibrium
  *   follow   speed at which the voltages approach the statically optimal voltages
- *   drift    random change of the loads that the observer assumes; larger values estimate a load
- *            faster and let more sensor noise into the voltages
+ *   drift    random change of the loads that the observer assumes: a larger value estimates a load
+ *       faster, with more sensor noise in the voltages
  *   kick     random change of the velocity that the observer assumes
  *   later    assumed additional age of the sensor readings (ticks)
- * Units and definitions are those of damper_settings.
  */
 static const struct {
     double damping, mix, follow, drift, kick;
@@ -97,7 +96,7 @@ static int enough_failures(const certificate_loop *best)
 
 /*
  * Test the stability of the control loop with one choice of settings of the vibration damper by
- * simulations. They end where the loop is no better than the best one so far.
+ * simulations, which end where the loop is no better than the best one so far.
  *   older   in   1: the loop is known to tolerate readings that are one tick older; otherwise 0
  *   options out  options of the vibration damper with these settings
  * Returns 0, or -1 with error filled.
@@ -234,14 +233,14 @@ typedef struct candidate {
 } candidate;
 
 /*
- * Test the damper settings in one row of the table `choices`, and keep them if they are better than
- * the best ones so far. Settings are tested once, and only if they assume readings at most
- * PZS_DELAY_LIMIT ticks old.
- *   only_fast in      true: leave out settings that compensate a load step more slowly than in
- *                     CERTIFICATE_LOAD_STEP periods
+ * Test the damper settings in one row of the table `choices`, once, and keep them if they are
+ * better than the best ones so far. Settings that assume readings older than PZS_DELAY_LIMIT ticks
+ * are left out.
+ *   only_fast in      true: leave out settings that need more than CERTIFICATE_LOAD_STEP periods to
+ *       compensate a load step
  *   candidate in/out  results so far of this row
  *   fastest   in/out  mean number of ticks of a storm (fast jumps of the target) with the first
- *                     settings that pass
+ *       settings that pass
  * Returns 0, or -1 with error filled.
  */
 static int consider(trial *trial, int choice, bool only_fast, candidate *candidate, double *fastest,

@@ -127,17 +127,15 @@ static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 }
 
 /*
- * Determine whether the control loop is stable at a tick rate, with tables made for this rate.
- * Small vibrations must decay on the model, and on structures with 1.33 of its response to voltages
- * and 0.9 or 1.1 of its natural frequencies. On the latter, the shape must also settle after fast
- * jumps of the target. Returns 0, or -1 with error filled.
+ * Determine whether the control loop is stable at a tick rate, with tables made for this rate:
+ * small vibrations decay on three structures, and on two of them the shape settles after fast jumps
+ * of the target. Returns 0, or -1 with error filled.
  */
 static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 {
-    static const int structure[] = {0, 3, 4}; /* indices of trial_plant: the
-                                                 model, and two structures with the largest static
-                                                 response, one with lower and one with higher
-                                                 frequencies */
+    static const int structure[] = {0, 3, 4}; /* indices of trial_plant: the model, and two
+                                                 structures with 1.33 times its static response and
+                                                 0.9 or 1.1 times its natural frequencies */
     const storm_rig *rig = &trial->rig;
     damper_options options = damper_options_of(trial->analysis);
     storm_task task[2 * PLANTS];

@@ -20,10 +20,9 @@ enum {
 };
 
 /*
- * Fraction (0 to 1) of the hysteresis in the scene file that the simulated ceramic lacks. It is
- * used in those storms (simulations with fast target jumps) that run the second random sequence of
- * targets. The controller compensates the full hysteresis, twice that of the ceramic, so that small
- * voltage changes act more strongly than it assumes.
+ * Fraction (0 to 1) of the scene's hysteresis that the simulated ceramic lacks in storms (fast
+ * target jumps) with the second random sequence of targets. The controller then compensates twice
+ * the true hysteresis, so that small voltage changes act more strongly than it assumes.
  */
 #define TRIAL_LESS_HYSTERESIS 0.5
 
@@ -114,9 +113,9 @@ int trial_run_storms(const storm_rig *rig, int count, int enough, certificate_lo
 
 /*
  * Test the stability of the loop on the structure linearised about the equilibrium at its target
- * shape. If the structure has no such equilibrium, only the reason is stored in `target`.
- *   enough  in  number of storms (simulations with fast jumps of the target) that fail to settle
- *               after which the others are left out
+ * shape. If there is no such equilibrium, store only the reason in `target`.
+ *   enough  in  number of failed storms (simulations with fast jumps of the target) after which the
+ *       others are left out
  * Returns 0, or -1 with error filled.
  */
 int trial_certify_target(const trial *trial, int enough, certificate_target *target, char *error);
@@ -147,20 +146,18 @@ int trial_try_age(const storm_rig *rig, int storms, int older, bool *settles, ch
 int trial_count_ages(const storm_rig *rig, int storms, int sign, int most, int *stood, char *error);
 
 /*
- * Determine whether a loop that has passed its tests also passes them with sensor readings one tick
- * older, or one tick newer, than the scene file states. It is tested on the undeformed structure.
- * If the loop was also tested on the structure at its target shape (target->is_made), this test is
- * repeated there, too. Returns 0, or -1 with error filled.
+ * Determine whether a loop that has passed its tests also passes with readings one tick older, or
+ * one tick newer, than the scene file states: on the undeformed structure and, if tested there
+ * before (target->is_made), at the target shape. Returns 0, or -1 with error filled.
  */
 int trial_try_neighbouring_ages(const trial *trial, certificate_loop *loop, char *error);
 
 /* ---- choice of the settings (certify_choice.c) -------------------------- */
 
 /*
- * Choose the settings of the vibration damper from the table `choices`. Settings that compensate a
- * load step fast enough and pass all tests are preferred to others that pass. If the scene file
- * requires delay_margin, the settings must also pass with readings one tick older. Returns 0, or -1
- * with error filled.
+ * Choose the settings of the vibration damper from the table `choices`: preferably ones that pass
+ * all tests and compensate a load step fast enough. If the scene file requires delay_margin, they
+ * must also pass with readings one tick older. Returns 0, or -1 with error filled.
  */
 int trial_choose(trial *trial, char *error);
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The controller of a simulation as firmware. The firmware is built from firmware_demo with the
- * tables of the simulation, and runs in QEMU on the processor of a board or as a program on this
- * computer. Pipes connect the firmware to the simulated plant; firmware_demo/demos/demo_loop.c
- * describes the protocol.
+ * The controller of a simulation as firmware, built from firmware_demo with the tables of the
+ * simulation. It runs in QEMU on the processor of a board, or as a program on this computer. Pipes
+ * connect it to the simulated plant; firmware_demo/demos/demo_loop.c describes the protocol.
  */
 #ifndef DEVICE_H
 #define DEVICE_H
@@ -39,10 +38,9 @@ const device_board *device_find(const char *name);
 enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };
 
 /*
- * device_folder makes a temporary folder for the firmware. The caller then writes the tables of the
- * control loop into the file loop.h of this folder, with the prefix `demo`. device_build builds the
- * firmware, and device_remove removes the folder. The first two return 0, or -1 with error filled;
- * compiler messages go to standard error.
+ * device_folder makes a temporary folder, in which the caller writes the tables of the control loop
+ * as loop.h with the prefix `demo`. device_build builds the firmware there, with compiler messages
+ * on standard error. Both return 0, or -1 with error filled. device_remove removes the folder.
  */
 int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR]);
 int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR]);

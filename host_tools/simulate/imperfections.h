@@ -16,12 +16,9 @@ enum { PLAYS = 4, CREEPS = 3 };
 typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK } electrode_fault;
 
 /*
- * State of the electrode that an amplifier drives on the piezoelectric ceramic.
- *
- * Models:
+ * State of the electrode that an amplifier drives on the piezoelectric ceramic. Models:
  *   hysteresis  Prandtl-Ishlinskii: play operators with half widths of 1/8 to 4/8 of half the
- *               voltage range. The loop of a full cycle has the scene's hysteresis as width,
- *               relative to the voltage range
+ *       voltage range. A full cycle is as wide as the scene's hysteresis times the voltage range
  *   creep       three first-order lags, with time constants that differ by factors of ten
  */
 typedef struct electrode {
@@ -119,8 +116,8 @@ void imperfections_actuate(const imperfections *imperfections, const double *out
 
 /*
  * Compute the lowest and highest voltages that act on the ceramic if all amplifiers move to their
- * voltage limits at once. Their range differs from that of the limits by hysteresis, creep and
- * faults. The states of the electrodes do not change.
+ * voltage limits at once. Hysteresis, creep and faults make them differ from the limits. The states
+ * of the electrodes do not change.
  *   lowest, highest [amplifiers] out  voltages on the ceramic (V), infinite where the voltage limit
  *       is infinite, equal for a faulty electrode
  * Returns whether memory was available.
@@ -142,7 +139,7 @@ double imperfections_sense(const imperfections *imperfections, int sensor, doubl
  *   noise   [sensors] in      standard deviation of the noise (unit of each reading)
  *   exact   [sensors] in      readings without noise and imperfections
  *   reading [sensors] in/out  latest reading of each sensor, also of a missing one; a stuck sensor
- *                             repeats it bit for bit
+ *       repeats it bit for bit
  *   sensed  [sensors] out     readings for the controller, NaN where a sensor gives nothing
  */
 void imperfections_read(const imperfections *imperfections, int tick, const double *noise,

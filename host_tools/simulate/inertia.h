@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration of a structure about its static equilibrium, computed for each vibration mode
- * separately by an exact propagator over time intervals with constant inputs.
- *
- * State of a mode: deviation of its modal coordinate from equilibrium, and its velocity divided by
- * the angular frequency. A jump of an input moves the equilibrium, not the coordinate.
+ * Vibration of a structure about its static equilibrium: an exact propagator of each mode over time
+ * intervals with constant inputs. The state of a mode is the deviation of its modal coordinate from
+ * equilibrium, and its velocity over the angular frequency.
  */
 #ifndef INERTIA_H
 #define INERTIA_H

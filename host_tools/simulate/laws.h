@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Control laws for comparison with the library's control step. Each is a step block (the stage of a
- * control tick that computes the voltages) for a list of blocks (pzs_loop.h). All laws enforce the
- * voltage limits and the step limits by clipping. An amplifier that is held at one voltage has no
- * step limit, because its voltage is set at once.
+ * Control laws for comparison with the library's control step. Each is a step block (pzs_loop.h),
+ * the stage of a control tick that computes the voltages. All laws clip to the voltage limits and
+ * step limits. An amplifier held at one voltage has no step limit and jumps to it at once.
  */
 #ifndef LAWS_H
 #define LAWS_H

@@ -249,10 +249,9 @@ static pzs_status start_loop(load_step *step)
 }
 
 /*
- * Simulate the loop under a load that has just appeared, until the shape has settled: its distance
- * from the best shape under the load stays below 5 % of the displacements that the load causes
- * without compensation. Returns the status of the loop.
- *   size  in   norm of these displacements (m)
+ * Simulate the loop under a load that has just appeared, until the shape stays within 5 % of `size`
+ * from the best shape under the load. Returns the status of the loop.
+ *   size  in   norm of the displacements that the load causes without compensation (m)
  *   ticks out  number of ticks until the shape has settled
  */
 static pzs_status run_load(load_step *step, double size, int *ticks)

@@ -9,18 +9,19 @@
 #include "storm_rig.h"
 
 /*
- * Simulate suddenly applied loads (load steps) on a structure that equals the controller's model,
- * and measure the time until the voltages have compensated them. The shape has settled when its
+ * Measure the time in which the voltages compensate suddenly applied loads (load steps), by
+ * simulation on a structure that equals the controller's model. The shape has settled when its
  * distance from the best shape stays below 5 % of the uncompensated displacements.
  *
- * Loads: a uniform pressure, two forces at single outputs, the first and the third vibration mode.
- * They do not excite modes whose phase advances by more than 0.6 rad in a tick. To
- * compensate a load, the voltages change by at most 30 % of half their range. A load is left out if
- * the best voltages leave more than a fifth of its displacements.
+ * Loads are a uniform pressure, two forces at single outputs, and the first and third vibration
+ * mode.
+ *   modes    loads do not excite modes whose phase advances by more than 0.6 rad in a tick
+ *   size     the voltages that compensate a load change by at most 30 % of half their range
+ *   left out loads of whose displacements even the best voltages leave more than a fifth
  *   rig     in   data that all simulations of a loop share, with the control loop (storm_use)
  *   first   in   natural frequency of the first vibration mode that the loop observes (Hz)
  *   periods out  longest time of all loads, in periods of this mode, at most 8; NAN if the voltages
- *                can compensate none of the loads
+ *       can compensate none of the loads
  * Returns 0, or -1 with error filled.
  */
 int load_step_periods(const storm_rig *rig, double first, double *periods, char *error);

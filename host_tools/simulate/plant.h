@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The plant of a simulation: the structure of the scene with material constants, loads and a
- * temperature change that the controller does not know.
- *
- * Ways in which a plant moves, each a row of a table in plant.c (plant_motion.h):
+ * temperature change that the controller does not know. Ways in which a plant moves
+ * (plant_motion.h):
  *   quasi-static  every shape is the static equilibrium
  *   modal         vibration about the static equilibrium in the modes of the undeformed state
- *                 (inertia.h); modes that are not computed follow the inputs without delay. About a
- *                 nonlinear equilibrium this is valid while the deformation hardly changes the
- *                 natural frequencies
+ *       (inertia.h); other modes follow the inputs without delay. Valid while the deformation
+ *       hardly changes the natural frequencies
  *   nonlinear     all degrees of freedom move with their mass at large rotation (shell_motion.h)
  */
 #ifndef PLANT_H
@@ -107,9 +105,9 @@ double plant_vibration(const plant *plant);
 double plant_period(const plant *plant);
 
 /*
- * Compute the present shape of the plant: the static equilibrium under the given voltages, plus the
- * present vibration of a plant that moves in modes. A plant with nonlinear motion has the shape to
- * which plant_elapse has moved it, whatever the voltages.
+ * Compute the present shape of the plant: the static equilibrium under the given voltages plus the
+ * vibration in modes; with nonlinear motion, the shape to which plant_elapse has moved the plant,
+ * whatever the voltages.
  *   voltage [amplifiers] in   present voltages of the amplifiers (V)
  *   shape   [targets]    out  displacements
  * Returns 0, or -1 with error filled.

@@ -58,10 +58,10 @@ extern const plant_motion plant_quasi_static, plant_modal, plant_nonlinear;
 int plant_input(const struct plant *plant, int load);
 
 /*
- * plant_static_shape computes the static equilibrium of a plant under its present inputs, with the
- * displacements of the target rows, shape [targets]. In this equilibrium, plant_static_outputs
- * stores all outputs in the plant's member `value`; plant_static_displacement returns the
- * displacement vector [free_dof].
+ * Compute the static equilibrium of a plant under its present inputs: plant_static_shape the
+ * displacements of the target rows, shape [targets]; plant_static_displacement the displacement
+ * vector [free_dof]; plant_static_outputs all outputs, into the member `value`. Return 0, or -1
+ * with error filled.
  */
 int plant_static_shape(struct plant *plant, double *shape, char *error);
 int plant_static_outputs(struct plant *plant, char *error);

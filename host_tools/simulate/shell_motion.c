@@ -30,12 +30,11 @@ enum { SOLVES_MOST = 16 };
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * Tolerances of a time step.
- *   balanced            size of the last Newton increment, relative to the change of the
- *                       displacement in half the step, below which no further linear solve is
- *                       needed
- *   largest_correction  largest factor of this increment that balance_energy may add to correct the
- *                       energy; a larger one requires another linear solve
+ * Tolerances of a time step, for the last Newton increment.
+ *   balanced            largest size of the increment, relative to the change of the displacement
+ *       in half the step, at which no further linear solve is needed
+ *   largest_correction  largest factor of the increment that balance_energy may add; a larger one
+ *       requires another linear solve
  */
 static const double balanced = 1e-6, largest_correction = 0.1;
 
@@ -182,8 +181,8 @@ double shell_motion_step(const vibration *vibration, double interval)
 /* ---- forces and tangents of elements ---------------------------------- */
 
 /*
- * Compute the stress resultants of one element at a displacement, without the prescribed ones of
- * voltages and temperature. They are linearly extrapolated along an increment if one is given.
+ * Compute the stress resultants of one element at a displacement, without the prescribed ones.
+ * Given an increment, they are linearly extrapolated along it.
  *   displacement [4 dof_per_node] in   nodal displacement: translations (m) and dimensionless dof
  *   increment    [4 dof_per_node] in   increment of the displacement; NULL: none
  *   resultant    [22]             out  stress resultants times the area of the element (N m), of
@@ -206,10 +205,9 @@ static void gather(const shell_motion *motion, uint32_t element, const double *v
 }
 
 /*
- * Return the factor 1 + b/h by which viscosity increases the elastic part of an element's tangent
- * stiffness in a time step of length h (s). Viscosity adds b/2 times the rate of the stress
- * resultants to them, where b is motion->viscosity (s). The rate is their change over the whole
- * step, twice that in half the step, divided by h.
+ * Return the factor 1 + b/h by which viscosity b (motion->viscosity, s) increases the elastic part
+ * of an element's tangent stiffness in a time step of length h (s). Viscosity adds b/2 times the
+ * rate of the stress resultants to them.
  */
 static double tangent_factor(const shell_motion *motion, double step)
 {
@@ -362,10 +360,9 @@ static void subtract_load_tangent(shell_motion *motion)
 }
 
 /*
- * Subtract three forces from the force imbalance of a time step: inertia, mass-proportional
- * damping, and the damping of individual vibration modes. The matrix of the step does not contain
- * the damped modes, because they would make it dense. In Newton's method, errors in these modes
- * therefore decrease in each iteration only by a factor of about their damping ratio.
+ * Subtract inertia, mass-proportional damping, and the damping of individual modes from the force
+ * imbalance of a time step. The matrix of the step leaves out the damped modes, which would make it
+ * dense: a Newton iteration reduces errors in them only by about their damping ratio.
  */
 static void subtract_inertia(shell_motion *motion, double step, double *imbalance)
 {
@@ -509,10 +506,9 @@ static double relative_increment(const shell_motion *motion)
 }
 
 /*
- * Remove the energy error that the last force imbalance of Newton's method leaves in a time step. A
- * multiple of the last Newton increment is added to the displacement change; momentum is conserved,
- * because an increment has none. Returns false, with the displacement unchanged, if this multiple
- * exceeds largest_correction.
+ * Remove the energy error that Newton's last force imbalance leaves in a time step, by adding a
+ * multiple of the last increment to the displacement change. Momentum is conserved. Returns false,
+ * with the displacement unchanged, if the multiple exceeds largest_correction.
  */
 static bool balance_energy(shell_motion *motion, double step)
 {
@@ -660,10 +656,9 @@ double shell_motion_kinetic(shell_motion *motion)
 }
 
 /*
- * Work of constant stress resultants of one element from the undeformed state to the present
- * displacement. The strains are quadratic in the displacement u and zero without displacement, so
- * they are L(u/2) u with the strain-displacement matrix L, and the work is u times the internal
- * force of the resultants at u/2.
+ * Return the work of constant stress resultants of one element from the undeformed state to the
+ * present displacement u (N m). Strains are quadratic in u, hence L(u/2) u with the
+ * strain-displacement matrix L: the work is u times the internal force of the resultants at u/2.
  */
 static double work_of(const shell_motion *motion, uint32_t element, const double resultant[22])
 {

@@ -12,20 +12,18 @@
  *   F  loads at m
  *
  * Properties:
- *   - without damping and loads the step keeps the energy, and on a free structure both momenta,
- *     for any h: the strains are quadratic in u, so that L(m) (u1 - u0) is exactly their change
- *   - the energy error of Newton's last force imbalance is removed (balance_energy)
- *   - the error is of second order: the period of a mode of angular frequency w is too long by
- *     about (w h)^2/12
- *   - the linear solves use stress resultants extrapolated along the last increment
+ *   - Without damping and loads a step keeps the energy, and on a free structure both momenta, for
+ *       any h. Reason: strains are quadratic in u, so that L(m) (u1 - u0) is exactly their change.
+ *   - The energy error of Newton's last force imbalance is removed (balance_energy).
+ *   - The error is of second order: periods are too long by about (w h)^2/12, angular frequency w.
+ *   - The linear solves use stress resultants extrapolated along the last increment.
  *
  * Damping has three parts, none of which can add energy:
  *   - mass-proportional force a M (u1 - u0)/h, with the coefficient a of the scene (1/s)
- *   - viscosity b (s): damping ratio b w/2 for a mode of angular frequency w. Half of it adds b/2
- *     times the rate of the stress resultants to them. The other half adds b/2 (v1 - v0)/h to the
- *     mean velocity, because the first half hardly damps motions much faster than a step
- *   - damping of each mode that the steps resolve, up to the damping ratio that the scene file
- *     states
+ *   - viscosity b (s), which gives the damping ratio b w/2. It adds b/2 times the rate of the
+ *       stress resultants to them, and b/2 (v1 - v0)/h to the mean velocity: the first term alone
+ *       hardly damps motions much faster than a step.
+ *   - damping of each mode that the steps resolve, up to the damping ratio in the scene file
  * If the scene file states damping ratios, a is zero and b is the largest viscosity that gives no
  * resolved mode more than its ratio.
  */
@@ -92,9 +90,8 @@ typedef struct shell_motion {
 
 /*
  * Prepare the motion of a structure, which starts undeformed and at rest.
- *   equilibrium in   nonlinear equilibrium of the structure, which must outlive the motion. Both
- *                    factor their matrices in the same memory: each must factor again after the
- *                    other
+ *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. Both factor
+ *       matrices in the same memory, so that each must factor again after the other
  *   vibration   in   vibration modes to damp; NULL: the motion is not damped
  *   step_most   in   longest time step (s)
  * Returns 0, or -1 with error filled; call shell_motion_close in either case.
@@ -104,10 +101,9 @@ int shell_motion_open(shell_motion *motion, const equilibrium *equilibrium,
 void shell_motion_close(shell_motion *motion);
 
 /*
- * Return the longest time step (s) that divides the tick interval into equal parts and resolves all
- * controllable modes: their phases advance by at most 0.5 rad in a step, so that their periods are
- * at most 2 % too long. A mode is controllable if its phase advances by at most 2 rad in a tick, or
- * if it is the first one.
+ * Return the longest time step (s) that divides the tick interval into equal parts and advances the
+ * phase of each controllable mode by at most 0.5 rad (period error up to 2 %). Controllable are the
+ * first mode and those whose phase advances by at most 2 rad in a tick.
  *   interval in  time between two ticks (s)
  */
 double shell_motion_step(const vibration *vibration, double interval);
@@ -130,10 +126,9 @@ void shell_motion_kick(shell_motion *motion, uint32_t input, double seconds);
 bool shell_motion_advance(shell_motion *motion, const double *value, double seconds);
 
 /*
- * Return the deviation of the shell's present displacement from its static equilibrium under given
- * input values, computed by one step of Newton's method: exact for small deviations, zero where the
- * tangent stiffness is singular. The result [free_dof] (translations in m and dimensionless dof) is
- * valid until the next call of a function of the motion.
+ * Return the deviation of the shell from its static equilibrium under given input values,
+ * [free_dof], by one step of Newton's method: exact for small deviations, zero where the tangent
+ * stiffness is singular. It is valid until the next call of a function of the motion.
  */
 const double *shell_motion_deviation(shell_motion *motion, const double *value);
 

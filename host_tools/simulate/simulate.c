@@ -246,10 +246,9 @@ static int regularise(simulation *simulation, char *error)
 }
 
 /*
- * Make the tables of the controller. For a plant with inertia they contain a vibration model where
- * the loop needs one, like the tables that `pzs tables` writes; for a quasi-static plant they do
- * not. In firmware the supervisor of the loop may wait for a start command; in the simulation the
- * loop always starts by itself.
+ * Make the tables of the controller for a simulation. As in `pzs tables`, they contain a vibration
+ * model where the loop needs one, but never for a quasi-static plant. The loop starts by itself,
+ * also where firmware would wait for a start command.
  */
 static int make_tables(const simulation *simulation, analysis *nominal, char *error)
 {

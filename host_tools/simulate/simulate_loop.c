@@ -376,10 +376,10 @@ static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
                                            law_init, board_tick,     NULL};
 
 /*
- * List the blocks (stages of the control tick) that the simulated loop runs. The controller on the
- * host runs all blocks of the scene. Clipped least squares, and a controller on a board, replace
- * the block that computes the voltages by their own. They omit all blocks after it, the self-test
- * and the compensation of hysteresis. Returns the number of blocks.
+ * List the blocks (stages of the control tick) that the simulated loop runs: on the host, all
+ * blocks of the scene. Clipped least squares, and a controller on a board, have a step block of
+ * their own, and neither later blocks nor self-test and compensation of hysteresis. Returns their
+ * number.
  */
 static size_t list_blocks(loop *loop)
 {
@@ -691,10 +691,8 @@ static void fail_first_sensors(loop *loop, int ticks)
 }
 
 /*
- * Correct the ends of sensor failures that the scene file places in tick 0, and that began already
- * in the self-test. The tick in which such a failure ends was counted from the start of the
- * self-test. After the self-test ticks are counted from 0 again, so that the number of ticks of the
- * self-test is subtracted.
+ * Subtract the length of the self-test from the ends of sensor failures that the scene file places
+ * in tick 0 and that began in the self-test, because ticks are counted from 0 again after it.
  *   ticks in  number of ticks of the self-test
  */
 static void shift_first_sensors(loop *loop, int ticks)

@@ -126,10 +126,9 @@ const double *sense_known_loads(const loop *loop, int tick)
 }
 
 /*
- * Compute the measurement error of the simulated loop: the weighted norm of the difference between
- * true and measured shape, divided by the weighted norm of the scene's target. The controller's
- * measured shape leaves out the displacements by known loads; they are added to it before the
- * comparison. Targets without a measurement contribute zero.
+ * Compute the measurement error of the simulated loop: weighted norm of the true minus the measured
+ * shape, over that of the scene's target. Displacements by known loads, which the controller's
+ * measured shape leaves out, are added to it. Targets without a measurement contribute zero.
  */
 void sense_measurement_error(loop *loop)
 {

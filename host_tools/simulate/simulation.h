@@ -2,17 +2,15 @@
 /*
  * Simulation of a closed loop on the host: the library's controller, a plant that differs from its
  * model (plant.h), faulty sensors and amplifiers, and the events of the scene. Every run of a scene
- * gives bit-identical results.
- *
- * Order of a tick:
+ * gives bit-identical results. Order of a tick:
  *   1. time since the last tick, and events
  *   2. shape under the voltages of the previous tick, and its measurement
  *   3. controller, on the host or as firmware on a board (simulate_device)
  *   4. amplifiers
  *
- * For comparison the loop also runs with unconstrained least squares, clipped to the voltage and
- * step limits, without and with regularisation. The regularisation parameter is the best one for
- * the scene's target and limits on the controller's model.
+ * For comparison the loop also runs with clipped unconstrained least squares, without
+ * regularisation and with the parameter that is best for the scene's target on the controller's
+ * model.
  */
 #ifndef SIMULATION_H
 #define SIMULATION_H
@@ -183,8 +181,8 @@ typedef struct simulation {
  * Build the simulated structure and the phases of the simulation, each from one tick with events to
  * the next.
  *   nominal in/out  analysis of a scene with a `simulate` section and a computed influence matrix;
- *                   must outlive the simulation. For a quasi-static plant its member quasi_static
- *                   is set: the controller then has no vibration model
+ *       must outlive the simulation. A quasi-static plant sets its member quasi_static: no
+ *       vibration model
  * Returns 0, or -1 with error filled and the simulation empty.
  */
 int simulate_open(simulation *simulation, analysis *nominal, char *error);

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Storm: simulation of a control loop on a structure with mass that differs from its model, with
- * target jumps so fast that the voltage and step limits are always active. Such jumps can drive a
- * loop that is stable without limits into a limit cycle.
- *
- * Course of a storm, with times in periods of the first vibration mode:
+ * target jumps so fast that voltage or step limits are always active. They can drive a loop that is
+ * stable without limits into a limit cycle. Times in periods of the first vibration mode:
  *   jumps  10 targets, one every 0.6 periods: the scene's target, its negative, or the shape under
- *          random voltages of up to twice the limits
+ *       random voltages of up to twice the limits
  *   rest   the scene's target for 12 periods. The storm settles if the shape ends within 5 % (of
- *          the target's norm) of the best shape that the limits allow
+ *       the target's norm) of the best shape that the limits allow
  */
 #ifndef STORM_H
 #define STORM_H
@@ -33,10 +31,9 @@ typedef struct storm_result {
 int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *result, char *error);
 
 /*
- * Measure the growth factor per tick of a small vibration without any limits, which is the spectral
- * radius of the loop. The simulation starts from random positions and velocities of all vibration
- * modes and ends when the vibration has grown or decayed by a factor of 1e6, or after `ticks`.
- * Returns 0, or -1 with error filled.
+ * Measure the growth factor per tick of a small vibration without any limits (spectral radius of
+ * the loop). All modes start at random positions and velocities; the simulation ends after growth
+ * or decay by 1e6, or after `ticks`. Returns 0, or -1 with error filled.
  */
 int storm_growth(const storm_rig *rig, const storm_plant *plant, int ticks, storm_result *result,
                  char *error);

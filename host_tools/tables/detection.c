@@ -11,10 +11,9 @@
 #include "../text/append.h"
 
 /*
- * Smallest response to a test pulse, relative to the standard deviation of its noise, at which a
- * fault is found reliably. A dead electrode has a gain of 0 and counts as faulty if its measured
- * gain is below 0.35 of that of a healthy one. The threshold 0.35 must be at least six standard
- * deviations of the noise.
+ * Smallest ratio of the response to a test pulse to the standard deviation of its noise at which a
+ * fault is found reliably: a dead electrode counts as faulty if its measured gain is below 0.35 of
+ * that of a healthy one, and 0.35 must be at least six standard deviations.
  */
 static const double least_ratio = 6 / 0.35;
 

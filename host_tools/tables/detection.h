@@ -38,11 +38,11 @@ typedef struct detection {
 } detection;
 
 /*
- * Find out which electrodes the fault detector of the scene's control loop can find faulty.
+ * Find out which electrodes the fault detector of the scene's control loop can find faulty. Without
+ * such a detector, or where its loop cannot be made, the result is unused.
  *   analysis in  analysis with influence matrix and stability tests of the loop; must outlive
  *       `detection`
- * Where the scene has no such detector, or its loop cannot be made, the result is unused. Returns
- * whether memory sufficed; call detection_close in either case.
+ * Returns whether memory sufficed; call detection_close in either case.
  */
 bool detection_make(detection *detection, const analysis *analysis);
 

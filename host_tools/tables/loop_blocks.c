@@ -219,12 +219,11 @@ double loop_reachable_rms(const design *design)
 
 /*
  * Make the tables of the supervisor, the block (stage of a control tick) that monitors the loop.
- * With W, the RMS of the target (if it is zero, of the shape under half the voltage range), and the
- * period of the first vibration mode:
+ * Unit: the RMS W of the target or, if that is zero, of the shape under half the voltage range.
  *   load         tolerated effect of a sudden load: that of the scene's loads, at least 0.3 W
  *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
  *   fading       factor per tick of the tolerated effect of earlier target changes: 1/e in two
- *                periods, or in 50 ticks without a vibration model
+ *       periods of the first vibration mode, or in 50 ticks without a vibration model
  *   alarm_ticks  implausible ticks until an alarm: a period, at least 20 ticks
  */
 static const void *supervision_tables(loop_blocks *blocks)
@@ -508,8 +507,8 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 
 /*
  * Define the function name_bytes, which returns the memory of a block of the control loop (bytes),
- * and the string name_macro for the generated header. In single precision the number is an upper
- * bound: pointers, and reals in structs, count with their size on this computer.
+ * and the string name_macro for the generated header. In single precision the memory is an upper
+ * bound, because pointers and reals in structs count as on this computer.
  *   expression in  call of the library's macro for this memory, the text in name_macro
  */
 #define BLOCK_BYTES(name, expression)                                                              \
@@ -544,9 +543,8 @@ BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 
 /*
  * Types of blocks (stages of a control tick): condition for the block in a scene file, functions
- * that fill and write its tables, names, memory, and upper bound of the instructions in a tick. In
- * the generated header, the tables of a block are named PREFIX_ followed by `tables_name`. The
- * members `bytes` and `bytes_macro` are defined by BLOCK_BYTES.
+ * that fill and write its tables, names (tables: PREFIX_ and `tables_name` in the generated
+ * header), memory (BLOCK_BYTES), and upper bound of the instructions in a tick.
  */
 static const struct {
     const pzs_block_type *type;
@@ -743,9 +741,8 @@ static uint64_t usual_work(const pzs_problem *problem)
 
 /*
  * Return the limit of the optimiser's work in one tick (multiply-adds) with which all blocks
- * (stages) of the tick together take no longer than a tick, by the clock and the tick rate of the
- * scene. The limit is at least the smallest useful one; it is 0 (default of the library) where the
- * scene does not state both clock and tick rate.
+ * (stages) together fit into a tick. It is at least the smallest useful one, and 0 (the library's
+ * default) unless the scene states clock and tick rate.
  */
 static uint64_t work_limit(const loop_blocks *blocks)
 {

@@ -124,10 +124,9 @@ void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiri
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
- * Return whether a block (stage) of the control loop reads single entries of the influence matrix.
- * The tables must then hold it as a full matrix, not as sparse rows. Such blocks are the fault
- * detectors. If the outputs are the sensors, the self-test and the correction of late readings are
- * such blocks, too.
+ * Return whether a block (stage) of the control loop reads single entries of the influence matrix,
+ * which the tables must then hold in full, not as sparse rows. Fault detectors do; with sensors as
+ * outputs, also the self-test and the correction of late readings.
  */
 bool loop_blocks_read_entries(const loop_blocks *blocks);
 

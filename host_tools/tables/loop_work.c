@@ -174,9 +174,8 @@ double loop_work_row_step(const block_counts *of, const loop_processor *on)
 
 /*
  * Upper bound of the instructions of one tick that round the voltages to the steps of the
- * amplifiers' digital-to-analogue converters. If a rounded voltage violates the limit of a sum of
- * voltages, the changes of the voltages in this sum are taken back. The bound assumes that this
- * happens for every sum, and that all sums are computed again each time.
+ * amplifiers' digital-to-analogue converters. Worst case: the rounding violates the limit of every
+ * sum of voltages, is taken back there, and all sums are computed again each time.
  */
 double loop_work_amplifier(const block_counts *of, const loop_processor *on)
 {

@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Upper bounds of the processor instructions in a control tick, for each of its blocks (stages),
- * computed from the sizes of the tables. They do not cover ticks that repair damaged memory, or
- * that follow more than LOOP_WORK_MISSED missed ticks.
- *
- * Each bound counts the operations in the loops of a block, times the instructions that gcc
- * generates for an operation. The script tests/bench/count_bound.sh compares the bounds with
- * instructions counted in QEMU.
+ * from the sizes of the tables: operations in the loops of a block, times the instructions of gcc
+ * for one. Checked with QEMU by tests/bench/count_bound.sh. Not covered are ticks that repair
+ * damaged memory, or that follow more than LOOP_WORK_MISSED missed ticks.
  */
 #ifndef LOOP_WORK_H
 #define LOOP_WORK_H

@@ -10,9 +10,8 @@
 
 /*
  * Smallest ratio of all entries of an influence matrix to its nonzero entries from which sparse
- * rows pay. In a product with a vector each entry of sparse rows takes about eight times the
- * instructions of an entry of a full matrix (8 to 16 against 1.4 to 4 on a Cortex-M4F), and 1.5
- * times its flash memory.
+ * rows pay. An entry of sparse rows takes about eight times the instructions of one of a full
+ * matrix (8 to 16 against 1.4 to 4 on a Cortex-M4F), and 1.5 times its flash memory.
  */
 #define SPARSE_PAYS 8u
 

@@ -538,9 +538,8 @@ static void write_voltage_problem(emitter *emitter, const design *design,
  * Write the voltage optimisation problem and its target.
  *   image  in      part of the library that the firmware uses: control, linear or nonlinear
  *   blocks in      blocks (stages) of the control tick, with the problem to be written
- *   facts  in/out  whether the influence matrix is stored as full matrix or as sparse rows, and the
- *                  numbers of entries that decide this; out if image is TABLES_CONTROL, otherwise
- *                  in
+ *   facts  in/out  storage of the influence matrix, full or as sparse rows, and the numbers of
+ *       entries that decide it; out if image is TABLES_CONTROL, otherwise in
  * Returns 0, or -1 where memory runs out.
  */
 static int write_problem(emitter *emitter, const analysis *analysis, tables_image image,
@@ -707,10 +706,9 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 }
 
 /*
- * Write a comment about vibration and the control loop into the generated header: which vibration
- * modes the loop damps, or, without a vibration model, up to which tick rate it is stable. If a
- * loop without a vibration model is unstable at the scene's tick rate, also write the macro
- * PREFIX_QUASI_STATIC.
+ * Write a comment on stability into the generated header: which vibration modes the loop damps, or,
+ * without a vibration model, up to which tick rate it is stable. If such a loop is unstable at the
+ * scene's tick rate, also write the macro PREFIX_QUASI_STATIC.
  */
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
@@ -864,9 +862,8 @@ static void write_sizes(const emitter *emitter, const design *design)
 
 /*
  * Write the numbers of rows and columns of the influence matrix that a device computes from the
- * tables of a structure with linear kinematics. If the tables have sensors or charges, the matrix
- * has all inputs and outputs of the structure. Otherwise it has those of the controller alone:
- * amplifiers and target nodes.
+ * tables of a linear structure: with sensors or charges, all inputs and outputs of the structure;
+ * otherwise amplifiers and target nodes alone.
  */
 static void write_influence_size(const emitter *emitter, const analysis *analysis)
 {

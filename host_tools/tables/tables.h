@@ -54,10 +54,10 @@ tables_memory tables_need(const analysis *analysis, tables_image image, const ta
 bool tables_are_compact(const analysis *analysis);
 
 /*
- * Write the tables of a firmware as a C header. The same scene always gives identical bytes: the
- * header contains no dates and no paths.
+ * Write the tables of a firmware as a C header. A scene always gives identical bytes: the header
+ * contains no dates and no paths.
  *   analysis in   analysis of the scene. If the scene has a target, its influence matrix must be
- *                 computed; for image nonlinear, its displacement too
+ *       computed; for image nonlinear, its displacement too
  *   image    in   part of the library that the firmware uses: control, linear or nonlinear
  *   prefix   in   start of every name, a C identifier
  *   size     out  size of the tables
