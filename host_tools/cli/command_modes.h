@@ -10,9 +10,9 @@
 #include "options.h"
 
 /*
- * Identify vibration modes from a measurement. Print their frequencies and damping ratios with
- * standard errors, and the key `modes` of the section `influence` of a scene. Write this key to the
- * output file that the options name.
+ * Identify vibration modes from a measurement. Print frequencies and damping ratios with standard
+ * errors, and the key `modes` of the section `influence` of a scene, also written to the output
+ * file.
  *   samples  in  voltages and readings, a line for each sample
  * Returns an exit code after printing the result or an error message.
  */

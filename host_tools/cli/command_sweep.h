@@ -10,9 +10,9 @@
 #include "options.h"
 
 /*
- * Identify hysteresis and creep from a sweep: a record of position while the voltage rises and
- * falls. Print the section `hysteresis` of a scene file and the errors of the fit, and write the
- * section to the output file.
+ * Identify hysteresis and creep from positions recorded while the voltage rises and falls (sweep).
+ * Print the section `hysteresis` of a scene file, also written to the output file, and the errors
+ * of the fit.
  *   samples  in  one voltage and one or more positions per sample; the mean of the positions is
  *       used
  * Returns an exit code after printing the result or an error message.

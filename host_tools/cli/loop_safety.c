@@ -36,10 +36,10 @@ static int is_damped(const analysis *analysis, char *reason)
 }
 
 /*
- * Write the end of the error message about an unstable control loop. If the scene file names no
- * sensors, it says that the readings of the loop are the displacements of all target nodes.
- *   text [ADVICE_PART] out  end of the error message; empty where the scene file names sensors or
- *                           has a measured influence matrix, whose outputs are the sensors
+ * Write the end of the error message about an unstable control loop: if the scene file names no
+ * sensors, the readings of the loop are the displacements of all target nodes.
+ *   text [ADVICE_PART] out  end of the error message; empty where the scene names sensors or has a
+ *       measured influence matrix, whose outputs are the sensors
  */
 static void assumed_readings(const design *design, char text[ADVICE_PART])
 {

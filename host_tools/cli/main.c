@@ -407,10 +407,9 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Return the numbers that the plausibility warnings on the target use: the size of the target, and
- * properties of the optimal voltages (error, largest voltage relative to its limit, linearly
- * dependent amplifiers). The optimum is that within the first voltage limits which the user gives
- * by --limit, or within those of the scene.
+ * Return the numbers that the plausibility warnings on the target use: its size, error and largest
+ * relative voltage of the optimum within the first limits (--limit, or those of the scene), and the
+ * largest number of linearly dependent amplifiers of all results.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {
@@ -473,9 +472,8 @@ static int command_shape(const options *options, analysis *analysis)
 /* ---- simulate --------------------------------------------------------- */
 
 /*
- * Write the ticks that were simulated before the run ended with an error, for example because the
- * supervisor has parked the amplifiers: the file of --csv, and those of --npz and --csv-dir. Prints
- * how many ticks there are, or which options write them.
+ * Write the ticks that were simulated before an error, such as parked amplifiers, to the files of
+ * --csv, --npz and --csv-dir. Print how many ticks there are, or which options write them.
  *   csv in/out  open file of --csv; it is closed, and removed where no tick was simulated
  */
 static void write_first_ticks(const simulation *run, const options *options, outfile *csv,
@@ -621,9 +619,9 @@ static int modes_error(const options *options, const scene *scene, const vibrati
 }
 
 /*
- * Compute natural frequencies and mode shapes of a structure. With linear kinematics they are those
- * of the reference state, otherwise those about the equilibrium under the loads and applied
- * voltages of the scene. Returns 0, or an exit code after the message on the error.
+ * Compute natural frequencies and mode shapes of a structure: about the reference state with linear
+ * kinematics, otherwise about the equilibrium under the scene's loads and voltages. Returns 0, or
+ * an exit code after the message on the error.
  *   modes out  modes, and the first natural frequency without and with the loads
  */
 static int find_modes(const options *options, const scene *scene, loaded_modes *modes)
@@ -767,10 +765,9 @@ static int refuse_loaded(const design *design, char *error)
 }
 
 /*
- * Compute everything that `pzs tables` writes as constants for a firmware. The constants for the
- * controller alone contain the influence matrix that the simulation of the scene uses. Those for
- * the nonlinear solver contain the scene's equilibrium and, if the scene has a target, the
- * least-squares problem of the voltages. Returns 0, or an exit code with error filled.
+ * Compute what `pzs tables` writes as constants for a firmware: for the controller alone, the
+ * influence matrix that the simulation uses; for the nonlinear solver, the equilibrium and, with a
+ * target, the least-squares problem of the voltages. Returns 0, or an exit code with error filled.
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {

@@ -9,10 +9,12 @@
 #include "../tables/tables.h"
 
 /*
- * OPTIONS_WRONG: exit code for an error in the scene file or in the command line. LOOP_REFUSED:
- * exit code for a valid scene whose control loop is not stable, or whose tick takes the processor
- * longer than the tick interval. OPTIONS_PATH: size of a path (characters). MOST_SETS and
- * MOST_LIMITS: how often the options --set and --limit may be given.
+ * Exit codes and sizes of the command line.
+ *   OPTIONS_WRONG  exit code: error in the scene file or in the command line
+ *   LOOP_REFUSED   exit code: valid scene, but its control loop is not stable or a tick takes the
+ *       processor longer than the tick interval
+ *   OPTIONS_PATH   size of a path (characters)
+ *   MOST_SETS, MOST_LIMITS  how often the options --set and --limit may be given
  */
 enum {
     OPTIONS_WRONG = 2,

@@ -274,9 +274,8 @@ static void print_sparse(const sparse_facts *facts)
 }
 
 /*
- * Print one row of the table of a firmware's memory (KB): tables, workspace and stack, each in
- * float and in double. Returns whether the tables hold the influence matrix as sparse rows, and
- * why.
+ * Print one row of the table of a firmware's memory (KB): tables, workspace and stack, in float and
+ * in double. Returns whether the tables hold the influence matrix as sparse rows, and why.
  *   image in  part of the library in the firmware: control, linear or nonlinear model
  *   name  in  first entry of the row: name of the firmware
  */

@@ -38,10 +38,9 @@ void print_head(const analysis *analysis, const char *influence);
 void print_estimate_json(json *json, const estimator *estimator);
 
 /*
- * Print heights and duration of the voltage pulses of the self-test of amplifiers, cables and
- * sensors, which runs before the control loop starts. Then print on how many electrodes the fault
- * detector of the control loop can find faults, with a warning that names the other electrodes.
- * Nothing is printed where the scene has neither self-test nor fault detector.
+ * Print heights and duration of the test pulses of the self-test, which runs before the control
+ * loop starts; then on how many electrodes the fault detector can find faults, with a warning that
+ * names the others. Print nothing where the scene has neither self-test nor fault detector.
  */
 void print_test_plans(const analysis *analysis);
 

@@ -16,10 +16,9 @@
 void print_outlines(const design *design);
 
 /*
- * Write the areas of electrodes of any outline: for each item of the section `patches` that has
- * outlines, the area of each electrode in their order; nothing where no item has outlines. For each
- * layer with smeared stiffness: number of elements that its patches cover in part, and the smallest
- * and the largest covered fraction of their areas.
+ * Write the areas of electrodes with outlines, for each item of the section `patches`. For each
+ * layer with smeared stiffness, write the number of elements that its patches cover in part, and
+ * the smallest and largest covered fraction.
  */
 void print_outlines_json(json *json, const design *design);
 

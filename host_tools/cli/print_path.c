@@ -38,10 +38,9 @@ static void print_head_of_points(const analysis *analysis)
 }
 
 /*
- * Print the cause of the critical points of a load path that has reached the full load, if it is
- * known. Either the law of the material has softened, or the shell has turned so far that the
- * seventh dof of a node has lost its stiffness: the normal displacement of the middle surface,
- * relative to both faces.
+ * Print the cause of the critical points of a load path that has reached the full load, if known:
+ * the law of the material has softened, or the shell has turned so far that the seventh dof of a
+ * node (middle surface relative to both faces) has lost its stiffness.
  */
 static void print_cause(const analysis *analysis, const load_path *path)
 {

@@ -7,9 +7,9 @@
 #include "../text/json.h"
 
 /*
- * Print the forces of springs and stack actuators on the structure, along their directions; print
- * nothing where there are none. The JSON member is `springs`: for each spring entry or stack
- * actuator of the scene an array with the force of each of its springs.
+ * Print the forces of springs and stack actuators on the structure, along their directions, if
+ * there are any. The JSON member `springs` has, for each spring entry or stack actuator of the
+ * scene, an array with the force of each of its springs.
  *   displacement [free_dof] in  displacement vector of the structure
  */
 void print_springs(const analysis *analysis, const double *displacement);

@@ -7,10 +7,9 @@
 #include "../text/json.h"
 
 /*
- * Print the largest stresses and strains of a structure, each with the element, layer and height
- * where it occurs, then for each layer the largest von Mises stress, the smallest reserve factor
- * and the largest electric field. With JSON output they form the member `stress`. Nothing is
- * printed if `field` is NULL.
+ * Print the largest stresses and strains of a structure with element, layer and height, then for
+ * each layer the largest von Mises stress, smallest reserve factor and largest electric field; in
+ * JSON as member `stress`. Print nothing if `field` is NULL.
  */
 void print_stress(const stress_field *field);
 void print_stress_json(json *json, const stress_field *field);

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Export of a scene as a functional mock-up unit (FMU) by the standard FMI 2.0 for Co-Simulation:
- * its plant as `pzs simulate` runs it, or its controller as `pzs tables` writes it. An FMU is a ZIP
- * archive with the description of its variables, complete C sources and, if wanted, a shared
- * library made from them.
+ * Export of a scene as a functional mock-up unit (FMU) by FMI 2.0 for Co-Simulation: its plant as
+ * `pzs simulate` runs it, or its controller as `pzs tables` writes it. An FMU is a ZIP archive with
+ * a description of its variables, C sources and, if wanted, their shared library.
  */
 #ifndef FMU_H
 #define FMU_H
@@ -37,7 +36,7 @@ typedef struct fmu_summary {
 int fmu_check(const design *design, char *error);
 
 /*
- * Write an FMU as a ZIP archive of a scene that fmu_check accepts. The same scene gives the same
+ * Write an FMU of a scene that fmu_check accepts, as a ZIP archive. The same scene gives the same
  * bytes, unless a shared library is built.
  *   nominal  in   analysis of the scene with influence matrix; for a controller, also with the
  *       tables of its firmware

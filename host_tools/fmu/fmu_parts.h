@@ -76,9 +76,8 @@ int fmu_count(const fmu *fmu, fmu_type type);
 int fmu_count_settable(const fmu *fmu, fmu_type type);
 
 /*
- * Append variables named `group.NAME` to an FMU: one for each amplifier (fmu_add_amplifiers), one
- * for each target node (fmu_add_nodes), or, with the group `reading`, one for each sensor reading
- * (fmu_add_readings).
+ * Append variables named `group.NAME` to an FMU, one for each amplifier (fmu_add_amplifiers) or
+ * target node (fmu_add_nodes), or `reading.NAME` for each sensor (fmu_add_readings).
  *   kind  in  type, role and description of the variables
  *   start in  start value of each variable; NULL: zeros
  */

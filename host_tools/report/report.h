@@ -35,9 +35,9 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
                  const double *output, const stress_field *stress);
 
 /*
- * Write the report of `pzs shape`: for each result, the reached shape, the misfit (reached minus
- * target values), the voltages and the shape error. Where the target is a list of shapes, the
- * report also has the error of each of them.
+ * Write the report of `pzs shape`: for each result the reached shape, the misfit (reached minus
+ * target values), the voltages and the shape error; for a target that is a list of shapes, also the
+ * error of each shape.
  *   result [results] in  voltages of all amplifiers: the optimum without limits, the optimum within
  *       the first pair of limits, which the summary and the picture show, and others
  */

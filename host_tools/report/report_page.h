@@ -69,10 +69,12 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
               const char *note);
 
 /*
- * Parts of report pages: the tables of layers and materials with the text of the scene file; the
- * section of the stresses, unless there are none (NULL); the table of the voltages, with a row for
- * each amplifier and a column for each result; for a target that is a list of modes (named target
- * shapes), a section for each pair of limits with the error that each mode alone leaves.
+ * Parts of report pages:
+ *   page_structure  tables of layers and materials, with the text of the scene file
+ *   page_stress     section of the stresses; nothing where `field` is NULL
+ *   page_voltages   table of the voltages: a row for each amplifier, a column for each result
+ *   page_modes      for a target that is a list of modes (named target shapes), a section for each
+ *       pair of limits, with the error that each mode alone leaves
  */
 void page_structure(const page *page);
 void page_stress(const page *page, const stress_field *field);
@@ -80,10 +82,11 @@ void page_voltages(const page *page, const voltages *result, int results);
 void page_modes(const page *page, const modes *modes);
 
 /*
- * Let the page draw from now on the displacement vector u [dof], coloured by the length of the
- * displacement (page_displace), or the shape of a result, coloured by its misfit, reached minus
- * target [targets] (page_shape, which returns the colour scale of the misfit). page_include
- * includes the shape in the view in space, and if has_target is true also the target.
+ * Choose what a report page draws from now on.
+ *   page_displace  displacement vector u [dof], coloured by the length of the displacement
+ *   page_shape     shape of a result, coloured by its misfit, reached minus target [targets];
+ *       returns the colour scale
+ *   page_include   includes the shape in the view in space and, if has_target is true, the target
  */
 void page_displace(page *page, const double *u);
 draw_scale page_shape(page *page, const voltages *result, const double *target);
@@ -94,9 +97,8 @@ void page_include(page *page, bool has_target);
 
 /*
  * Draw the reached shape in space, coloured by its misfit (reached minus target value), and the
- * mesh lines of the target shape over it. For a measured influence matrix, which has no mesh, the
- * misfit at its outputs is drawn as coloured discs. page_keys writes the legend of the lines in
- * this picture, followed by the markup `more`.
+ * mesh lines of the target over it; for a measured influence matrix, which has no mesh, discs at
+ * the outputs. page_keys writes the legend of the lines, followed by the markup `more`.
  */
 void page_draw_shape(const page *page, const draw_scale *scale);
 void page_keys(const page *page, const char *more);

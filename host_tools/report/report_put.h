@@ -15,11 +15,10 @@
  *   %d  int                           integer
  *   %f  double                        coordinate in a picture, with one decimal
  *   %n  double                        number with four significant digits; a dash for NaN
- *   %r  double                        condition number or residual, with two digits; a dash if
- *       negative (not checked)
+ *   %r  double                        condition number or residual, two digits; a dash if negative
+ *       (not checked)
  *   %p  double                        fraction, written in percent
- *   %b  double, double                fraction in percent, with a bar; fraction at which the bar is
- *       full
+ *   %b  double, double                fraction in percent, with a bar; fraction of a full bar
  *   %q  double, const char *          quantity and unit; lengths in the most readable unit
  *   %a  double, double, const char *  quantity, largest quantity of the table column (decides the
  *       written unit), unit

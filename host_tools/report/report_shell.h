@@ -11,10 +11,9 @@
 enum { SHELL_MAP_WIDTH = 320 };
 
 /*
- * A parallel projection to a picture, with a size and a zoom in pixels, into which all included
- * points fit. Points have three coordinates: x, y, z in space, or theta1, theta2 and 0 on a map.
- * The rows of `axis` point to the right, upwards and towards the viewer; `low` and `high` are the
- * smallest and largest coordinates of the included points along the first two.
+ * A parallel projection to a picture, into which all included points fit. Points are x, y, z in
+ * space, or theta1, theta2, 0 on a map. The rows of `axis` point right, up and towards the viewer;
+ * `low` and `high` bound the points along the first two. Sizes and zoom are in pixels.
  */
 typedef struct view {
     double axis[3][3], low[2], high[2];
@@ -22,12 +21,10 @@ typedef struct view {
 } view;
 
 /*
- * Begin a view without points: a map, or a view in space of the outer side of a shell, from 30
- * degrees above the horizon.
- *
- * Orientation of the map:
+ * Begin a view without points: the outer side of a shell in space, from 30 degrees above the
+ * horizon, or a map. Orientation of the map:
  *   mesh along lines of curvature  theta1 downwards and theta2 to the right, like a printed table
- *                                  of voltages (view_has_parameters)
+ *       of voltages (view_has_parameters)
  *   mesh from a file               along its mean normal; a closed surface as in space
  *   polar plate, mesh of points    x to the right and y upwards
  */
@@ -35,10 +32,11 @@ void view_begin(view *view, const mesh *mesh, bool is_map);
 bool view_has_parameters(const mesh *mesh);
 
 /*
- * view_axes computes the axes of a view from the direction towards the viewer; the axis `up` of
- * space points upwards in the picture. view_include extends a view so that a point is visible;
- * view_fit fits the included points into a picture of a size in pixels, at least `least` pixels
- * high; view_project computes the pixel coordinates of a point.
+ * Functions of a view:
+ *   view_axes     computes the axes of a view from the direction towards the viewer; the axis `up`
+ * of space points upwards in the picture view_include  extends a view so that a point is visible
+ *   view_fit      fits the included points into a picture, at least `least` pixels high
+ *   view_project  computes the pixel coordinates of a point
  */
 void view_axes(const double towards[3], int up, double axis[3][3]);
 void view_include(view *view, const double point[3]);

@@ -192,10 +192,9 @@ static void add_points(const bicubic *function, size_t count, const double (*poi
 }
 
 /*
- * Allocate the symmetric matrix of the normal equations of the spline fit, with one row for each
- * product of two B-splines. The stored part of a row begins at the first column whose product can
- * overlap with that of the row. Returns 0, or -1 when memory runs out; the caller releases the
- * arrays in either case.
+ * Allocate the symmetric matrix of the normal equations of the spline fit, one row for each product
+ * of two B-splines. A row is stored from the first column whose product can overlap with its own.
+ * Returns 0, or -1 when memory runs out; the caller releases the arrays in either case.
  */
 static int open_equations(const bicubic *function, pzs_envelope *equations, uint16_t *first,
                           uint32_t rows)

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Bicubic spline function of two coordinates x and y, fitted to values at scattered points by least
- * squares. The rectangle that contains the points is divided into equal cells; a small penalty on
- * the second derivatives fills cells without points smoothly. The function is twice continuously
- * differentiable and equals every linear function that is given.
+ * Bicubic spline function of x and y, fitted to values at scattered points by least squares on a
+ * rectangle of equal cells. A small penalty on the second derivatives fills cells without points.
+ * The function is twice continuously differentiable and reproduces linear functions.
  */
 #ifndef BICUBIC_H
 #define BICUBIC_H

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Functions of coordinates in scenes: formulas, interpolation between values at scattered points,
- * and lists of values in the order of a target's rows.
- *
- * Formulas consist of numbers, pi, the operators + - * / ^, parentheses, common functions, and
- *   x, y, z               variables, coordinates in space
- *   theta1, theta2        variables, surface coordinates
- *   zernike(j, rho, phi)  Zernike polynomial of Noll index j, from 1 to 1000 (else NaN), with root
- *                         mean square 1 over the unit disc
+ * and lists of values in the order of a target's rows. Formulas have numbers, pi, the operators + -
+ * * / ^, parentheses, common functions, and
+ *   x, y, z               coordinates in space
+ *   theta1, theta2        surface coordinates
+ *   zernike(j, rho, phi)  Zernike polynomial of Noll index j, 1 to 1000 (else NaN), with root mean
+ *       square 1 over the unit disc
  */
 #ifndef EXPR_H
 #define EXPR_H
@@ -48,9 +47,8 @@ expr *expr_from_points(const char *text, int axes, const int *axis, size_t count
                        const double *point, const double *value);
 
 /*
- * Build a function from a list of values, one for each row of a target. A row of a target is one
- * controlled displacement: a displacement component at one node, or one output of a measured
- * influence matrix.
+ * Build a function from a list of values, one for each row of a target: one controlled
+ * displacement, or one output of a measured influence matrix.
  *   text   in           description for reports
  *   value  [count]  in  values in the order of the rows
  * Returns NULL when memory runs out.
@@ -58,9 +56,8 @@ expr *expr_from_points(const char *text, int axes, const int *axis, size_t count
 expr *expr_from_list(const char *text, size_t count, const double *value);
 
 /*
- * Return the value of a function for one row of a target (one controlled displacement). A list of
- * values (expr_from_list) has its entry number `row` as value, NAN if there is no such entry; any
- * other function is evaluated at the point.
+ * Return the value of a function for one row of a target (one controlled displacement): entry `row`
+ * of a list of values (expr_from_list), NAN if there is none; any other function at the point.
  *   at   in  coordinates of the point of the controlled displacement
  *   row  in  index of the row, from 0; negative: no row
  */

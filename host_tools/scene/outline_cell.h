@@ -65,9 +65,10 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
 
 /*
  * Find the displacement, by full turns, with which a cell (element or part of one) is moved to
- * compare it with an electrode outline. A move is needed where the outline passes the end of a
- * periodic surface coordinate (theta1 or theta2, period 2 pi). k      in       number of the
- * displacement, below OUTLINE_MOVES: 0, or a combination of 0, +1 and -1 turns of both coordinates
+ * compare it with an electrode outline that passes the end of a periodic surface coordinate (theta1
+ * or theta2, period 2 pi).
+ *   k          in   number of the displacement, below OUTLINE_MOVES: 0 for none, else a combination
+ *       of 0, +1 and -1 turns of both coordinates
  *   shift  [2] out  displacement in the plane of the electrode outlines
  * Returns whether all coordinates that are moved are periodic on the surface of the scene.
  */

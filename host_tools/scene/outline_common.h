@@ -7,9 +7,8 @@
 
 /*
  * Return the area of an element that two electrodes of different layers cover together, as a
- * fraction of the area of the element. Polygons in one plane are intersected. If one of the two
- * electrodes is given by a formula, or if their outlines lie in different planes, both areas are
- * taken as independent: the result is the product of the fractions that the electrodes cover.
+ * fraction of its area. Polygons in one plane are intersected. For formulas or different planes,
+ * the covered areas are taken as independent: product of both fractions.
  */
 double outline_common_share(const scene *scene, const scene_patches *one, int electrode,
                             const scene_patches *other, int other_electrode, int element);

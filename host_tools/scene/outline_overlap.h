@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Check that the electrodes of one layer do not overlap, beyond a tolerance of a thousandth for
- * rounding and for arcs drawn by straight sides.
- *
- * Method, by the way in which the electrodes are given:
+ * Check that the electrodes of one layer do not overlap, with a tolerance of a thousandth for
+ * rounding and for arcs drawn by straight sides. Method:
  *   polygons   the common area of two electrodes is computed exactly
- *   a formula  in each element, two electrodes overlap if their areas add up to more than that of
- *              the element, or if both cover one of its 8 x 8 equal squares
+ *   formula    in each element, two electrodes overlap if their areas add up to more than that of
+ *       the element, or if both cover one of its 8 x 8 equal squares
  */
 #ifndef OUTLINE_OVERLAP_H
 #define OUTLINE_OVERLAP_H

@@ -141,10 +141,9 @@ typedef struct keystone {
 } keystone;
 
 /*
- * Compute the electrode in sector k of a ring, in the shape of a keystone. Its two straight sides
- * are parallel to the radii that bound the sector, half a gap inside. They meet at the distance
- * (gap/2)/sin(half the angle of the sector) from the centre. The inner radius of the electrode is
- * this distance, or that of the ring plus half a gap if it is larger.
+ * Compute the electrode in sector k of a ring (keystone). Its straight sides are parallel to the
+ * radii that bound the sector, half a gap inside. Its inner radius is that of the ring plus half a
+ * gap (0 if the ring has none), and at least the distance from the centre where both sides meet.
  */
 static keystone keystone_of(const ring_pattern *pattern, int ring, int k)
 {

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Outlines of electrodes as polygons: circles, and patterns of cells. The cells of a pattern touch
- * each other; an electrode is its cell with all sides moved inwards by half of the gap.
- *
- * A circle is a polygon of 720 sides or more, whose corners lie outside of the circle so that both
- * areas are equal; the distance between polygon and circle is at most 7e-6 of the radius.
+ * Outlines of electrodes as polygons: circles, and patterns of cells that touch each other. An
+ * electrode is its cell with all sides moved inwards by half of the gap. A circle has 720 sides or
+ * more and the exact area; its distance from the polygon is at most 7e-6 of the radius.
  */
 #ifndef OUTLINE_PATTERNS_H
 #define OUTLINE_PATTERNS_H
@@ -59,10 +57,9 @@ typedef struct ring_pattern {
 } ring_pattern;
 
 /*
- * Append the electrodes of a circle or of a pattern of cells to a list of electrodes. Each function
- * returns 0, or -1 where memory runs out. The caller checks before, with outline_hexagon_size,
- * outline_grid_size or outline_ring_size, that the smallest width of an electrode (length) is
- * positive despite the gap.
+ * Append the electrodes of a circle or of a pattern of cells to a list. Each function returns 0, or
+ * -1 where memory runs out. The caller checks before, with outline_hexagon_size, outline_grid_size
+ * or outline_ring_size, that the smallest width of an electrode is positive.
  */
 int outline_circle(scene_outlines *outlines, const double centre[2], double radius, scene_at at);
 int outline_hexagons(scene_outlines *outlines, const hexagon_pattern *pattern, scene_at at);

@@ -64,10 +64,9 @@ static bool has_layer(const outline_work *work, int element)
 }
 
 /*
- * What is found about one electrode while the elements that it covers are visited: the area that
- * lies on the surface, and whether this surface shows its inner or its outer face in the plane of
- * the outlines. Both at once mean that the outline lies over two parts of the surface, such as both
- * halves of a cylinder.
+ * What is found about one electrode while the elements that it covers are visited: its area on the
+ * surface, and whether the surface shows its inner or outer face in the plane of the outlines
+ * (both: the outline lies over two parts of the surface, such as both halves of a cylinder).
  */
 typedef struct electrode_sums {
     double plane_area; /* area of the electrode's part that lies on the surface, measured in the

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Area fraction of each element that an electrode of any outline covers, from 0 to 1. Electrodes
- * that together cover an element have fractions with the sum 1.
- *
- * Outlines are drawn in a plane of two coordinates in space, or of the surface coordinates theta1
- * and theta2:
+ * Area fraction (0 to 1) of each element that an electrode of any outline covers. Fractions of
+ * electrodes that together cover an element have the sum 1. Outlines are drawn in a plane of two
+ * coordinates in space, or of theta1 and theta2:
  *   polygon  clipped to the element, with straight sides in this plane; the ratio of areas on
- *            surface and plane is taken as linear over the element. Exact on plates and polar
- *            meshes, elsewhere with an error of second order in the element size
- *   formula  region in which it is positive; taken as linear on each triangle of a 16 x 16 grid in
- *            the element
+ *       surface and plane is linear over the element. Exact on plates and polar meshes, elsewhere
+ *       with an error of second order in the element size
+ *   formula  region in which it is positive, as linear on each triangle of a 16 x 16 grid in the
+ *       element
  */
 #ifndef OUTLINE_SHARES_H
 #define OUTLINE_SHARES_H
@@ -48,10 +46,9 @@ bool outline_is_smeared(const scene *scene, int layer);
 outline_cuts outline_cuts_of(const scene *scene, int layer, int elements);
 
 /*
- * Compute, for every element, the area fraction that each electrode of one item of the section
- * `patches` covers. An electrode is refused if a part of it lies outside the surface, or on
- * elements in which its layer does not exist, unless the scene asks to cut such parts off. Returns
- * 0, or -1 with error filled.
+ * Compute, for every element, the area fraction that each electrode of one item of `patches`
+ * covers. An electrode with a part outside the surface, or where its layer does not exist, is
+ * refused unless the scene asks to cut it off. Returns 0, or -1 with error filled.
  */
 int outline_find_shares(const scene *scene, scene_patches *patches, char *error);
 

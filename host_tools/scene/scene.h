@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A scene holds everything that a user states about a structure, read from a YAML file and checked.
- * The members are plain input data in the units of the scene; ply angles are in degrees, and
- * derived quantities are not stored here. All strings and arrays are owned by the scene and are
- * released by scene_free.
+ * A scene: everything that a user states about a structure, read from a YAML file and checked. The
+ * members are plain input data in the units of the scene, ply angles in degrees. The scene owns all
+ * strings and arrays, which scene_free releases.
  */
 #ifndef SCENE_H
 #define SCENE_H
@@ -19,10 +18,13 @@
 #include "spline.h"
 
 /*
- * Sizes and limits of a scene. SCENE_NAME: bytes of a name. SCENE_LABEL: bytes of the name of an
- * amplifier or electrode, which is a name and its position _i_j in a grid. SCENE_NODES: largest
- * number of mesh nodes. SCENE_FREE: largest number of free functions of a target, such as a rigid
- * motion: a multiple of each may be added to the target without counting as error.
+ * Sizes and limits of a scene.
+ *   SCENE_NAME   bytes of a name
+ *   SCENE_LABEL  bytes of the name of an amplifier or electrode, which is a name and its position
+ *       _i_j in a grid
+ *   SCENE_NODES  largest number of mesh nodes
+ *   SCENE_FREE   largest number of free functions of a target, such as rigid motions, any multiple
+ *       of which may be added to it without counting as error
  */
 enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_NODES = 60000, SCENE_FREE = 16 };
 
@@ -114,16 +116,14 @@ typedef struct scene_element {
     double rho; /* factor (dimensionless) of a flexibility that is added to the transverse shears of
                    an element: bending flexibility 12/(E h^3) times L^2/12, with the length L of the
                    element. Without it, elements much longer than thick bend too little */
-    bool hr, lin33;   /* hr: how an element treats strains in its linear and bilinear strain
-                         modes. Each of these modes contains only some of the ten strains. true
-                         (Hellinger-Reissner): the stress resultants of all other strains are 0
-                         in the mode; false: these strains themselves are 0. lin33: true lets
-                         each ply thicken freely */
-    bool metric;      /* true: strains take the exact variation of the surface metric through the
-                         thickness; false: metric of the reference surface */
-    bool exact_area;  /* area of an element in its stiffness and loads, on a mesh along lines of
-                         constant surface coordinates. true: its exact area on the surface; false:
-                         the area from the metric of the surface at its centre */
+    bool hr, lin33;  /* hr: true (Hellinger-Reissner): strains that a linear or bilinear strain mode
+                        lacks have no stress resultants; false: they are 0. lin33: true lets each
+                        ply thicken freely */
+    bool metric;     /* true: strains take the exact variation of the surface metric through the
+                        thickness; false: metric of the reference surface */
+    bool exact_area; /* area of an element in its stiffness and loads, on a mesh along lines of
+                        constant surface coordinates. true: its exact area on the surface; false:
+                        the area from the metric of the surface at its centre */
     int dof_per_node; /* number of dof of a node, 7 or 6; the seventh is the displacement of the
                          middle surface along the normal, relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
@@ -382,10 +382,9 @@ typedef struct scene_mass {
 } scene_mass;
 
 /*
- * An actuator, with one amplifier for each position in its grids of patches; the patches at a
- * position are connected to its amplifier with signed factors. An actuator may also be one uniform
- * temperature, heaters on patches, or stacks with one amplifier each. The same struct describes a
- * sensor, which has electrodes but no amplifiers.
+ * An actuator: amplifiers for grids of patches (one for each position in the grid, connected with
+ * signed factors), one uniform temperature, heaters on patches, or stacks with one amplifier each.
+ * The same struct describes a sensor, which has electrodes but no amplifiers.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
@@ -434,18 +433,20 @@ typedef struct scene_support {
                             vector: not given */
     expr *formula[3];    /* components of the direction of an oblique support as formulas of the
                             position of the node; NULL: the direction is given by numbers */
-    unsigned fix; /* dof of the support's nodes that it holds, one bit each. Bits 0 to 2: mean
-                     displacements of both faces along the local axes of the node; 3 to 5: their
-                     differences; 6: normal displacement of the middle surface relative to the
-                     mean. The bits from 128 on (FIX_SIMPLE to FIX_ACROSS) stand for directions
-                     other than the local axes */
-    expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
-                     of the scene file); NULL: 0 */
-    unsigned move; /* dof to which the support gives the prescribed displacement `value`, one bit
-                      each as in `fix`. They are a part of the dof in `fix`; the support holds the
-                      others at 0. A normal displacement, for example, is prescribed for the mean of
-                      both faces, and their difference is 0. The bit FIX_ALONG is the mean
-                      displacement along the direction of an oblique support */
+    /*
+     * dof of its nodes that the support holds, one bit each:
+     *   0 to 2    mean displacements of both faces along the local axes of the node
+     *   3 to 5    differences of the displacements of both faces
+     *   6         normal displacement of the middle surface relative to the mean of both faces
+     *   from 128  FIX_SIMPLE to FIX_ACROSS: directions other than the local axes
+     */
+    unsigned fix;
+    expr *value; /* formula of the displacement that a support prescribes at full load (length unit
+                    of the scene file); NULL: 0 */
+    unsigned move; /* dof among those in `fix` to which the support gives the displacement `value`,
+                      in the same bits; the others are 0. For a normal displacement, for
+                      example, the mean of both faces is prescribed and their difference is 0.
+                      FIX_ALONG: mean displacement along the direction of an oblique support */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
     int turn; /* local axis about which the support rotates its nodes. 1: e2; -1: e1; 0: no
@@ -973,9 +974,8 @@ typedef struct scene_short_list {
 
 /*
  * Identified hysteresis and creep of the piezoelectric ceramic, which the control loop compensates.
- * The model (Prandtl-Ishlinskii) is a sum of a piecewise linear function of the voltage, weighted
- * play operators, and creep terms. A play operator follows the voltage only after the voltage has
- * reversed by more than the operator's slack.
+ * Model (Prandtl-Ishlinskii): a piecewise linear function of the voltage, plus weighted play
+ * operators, which follow a reversal only after a slack, plus creep terms.
  */
 typedef struct scene_hysteresis {
     bool given;
@@ -1054,9 +1054,8 @@ typedef struct scene {
 /*
  * Read and check a scene.
  *   path   in                 YAML file
- *   set    [sets] in          changes a.b.c=value (value in YAML), applied before the checks; an
- *                             item of a list is selected by its name or index from 0; the last key
- *                             may be new
+ *   set    [sets] in          changes a.b.c=value (value in YAML), applied before the checks; a
+ *       name or an index from 0 selects an item of a list; the last key may be new
  *   error  [SCENE_ERROR] out  one line "file:line:column: what is wrong and the cure"
  * Returns 0, or -1 with error filled and *scene empty.
  */

@@ -107,10 +107,10 @@ int require_kind(reader *reader, int node, tree_kind kind)
 /*
  * Search for a key at a given depth below a mapping, in the tables of keys of the scene file.
  *   form   in               table of the mapping, or of a list of mappings
- *   depth  in               1: keys of the mapping itself, 2: keys of the mappings in it, and so on
+ *   depth  in               1: keys of the mapping itself; 2: keys of the mappings in it; and so on
  *   path   [LIST_ROOM] out  names of the enclosing keys, joined by points, such as simulate.sensors
  *   length in               number of characters that the path has already
- *   left   in/out           number of places with the key that are skipped before one is reported
+ *   left   in/out           number of places with the key to skip before one is reported
  * Returns whether there is such a key.
  */
 static bool find_key(const form *form, const char *key, int depth, char *path, int length,

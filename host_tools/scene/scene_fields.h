@@ -51,10 +51,12 @@ typedef enum form_type {
 } form_type;
 
 /*
- * One of the permitted combinations of keys in a mapping. `keys` lists the keys, separated by
- * blanks: "a" is required, "?a" is optional, of "a|b" exactly one is required, and "a=w" is
- * required with the word w (or one of the words of "a=w/v"). Keys of the table that no combination
- * mentions are permitted in all combinations.
+ * One of the permitted combinations of keys in a mapping. `keys` lists keys, separated by blanks;
+ * keys of the table that no combination mentions are always permitted.
+ *   a      required
+ *   ?a     optional
+ *   a|b    exactly one is required
+ *   a=w/v  required, with the word w or v
  */
 typedef struct form_case {
     const char *keys;

@@ -221,8 +221,8 @@ static int take_named(reader *reader, const function_text *text, const number_ta
  * the scene, if the column names a unit, such as "u3 [um]".
  *   node  in      YAML node of the key that the values belong to
  *   text  in/out  in: scale as the scene file states it; out: scale to the units of the scene
- * Returns 0, or -1 after writing an error message about the scene file: the unit has another
- * dimension than the key, or both the unit and `scale` convert the numbers.
+ * Returns 0, or -1 after an error message about the scene file: the unit has another dimension than
+ * the key, or unit and `scale` both convert the numbers.
  */
 static int convert_values(reader *reader, int node, const number_table *table, int column,
                           function_text *text)

@@ -34,9 +34,8 @@ int scene_file_axis(const char *name);
 
 /*
  * Readers of a function: a formula, or a mapping {file: FILE, columns: [x, y, value], column: NAME,
- * scale: 1}. A file with coordinates is interpolated between its points; a file without is a list
- * of values by rows. read_row_function also accepts a list in the scene file, in the order of a
- * target's rows.
+ * scale: 1}. A file is interpolated between its points, or is a list of values by rows if it has no
+ * coordinates. read_row_function also accepts a list in the scene file, by rows of a target.
  */
 field_read read_row_function, read_place_function;
 extern const form row_function_form, place_function_form, list_form, list_file_form;

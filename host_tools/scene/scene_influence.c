@@ -74,10 +74,9 @@ static void remove_unit(char *name)
 }
 
 /*
- * Convert the columns of a measured influence matrix whose names end with a unit, such as "a1
- * (um/V)", to the units of the scene, and remove the unit from the name. Returns 0, or -1 after
- * writing an error message about the scene file: the unit is none of an influence matrix, or the
- * key `scale` converts the numbers, too.
+ * Convert columns of a measured influence matrix whose names end with a unit, such as "a1 (um/V)",
+ * to the units of the scene, and remove the unit from the name. Returns 0, or -1 after an error
+ * message: it is no unit of an influence matrix, or `scale` also converts the numbers.
  */
 static int convert_columns(reader *reader, influence_text *text)
 {
@@ -127,10 +126,9 @@ static double entry(const influence_text *text, int output, int actuator, char *
 }
 
 /*
- * Check that a list of names, points or flags in the scene file has as many entries as the measured
- * influence matrix has outputs (or actuators). If a list for outputs has as many entries as there
- * are actuators, or the other way round, the error message says that the matrix is transposed.
- * Returns 0, or -1 after writing an error message about the scene file.
+ * Check that a list in the scene file (names, points or flags) has as many entries as the measured
+ * influence matrix has outputs, or actuators. A list with the number of the other kind gets the
+ * message that the matrix is transposed. Returns 0, or -1 after writing the error message.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)

@@ -38,10 +38,9 @@ static const form mass_form = {.type = FORM_MAP, .fields = mass_fields, .cases =
 const form masses_form = {.type = FORM_LIST, .item = &mass_form};
 
 /*
- * Check the keys of an item of masses. It is attached either to nodes of the mesh, by one of the
- * keys `at`, `edge` and `set`, or to points, by `points`. A mass per length or area (key `per`)
- * excludes `points` and moments of inertia. Returns 0, or -1 after writing an error message about
- * the scene file.
+ * Check the keys of an item of masses, which is attached to nodes by one of `at`, `edge` and `set`,
+ * or to points by `points`. A mass per length or area (key `per`) excludes `points` and moments of
+ * inertia. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_place(reader *reader, int node, const scene_mass *mass)
 {

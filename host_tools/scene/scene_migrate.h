@@ -10,13 +10,13 @@
 
 /*
  * Rewrite the text of a scene file with the present names of keys and words. The retired step limit
- * `slew` (V a tick) becomes a rate limit (V/s); it remains a step limit without a tick rate, or if
- * rounding would change it.
+ * `slew` (V a tick) becomes a rate limit (V/s); without a tick rate, or if rounding would change
+ * it, it remains a step limit.
  *   text, bytes                out  new text and its length, to be released with free; NULL after
- *                                   an error
+ *       an error
  *   error        [SCENE_ERROR] out  one line with the position of the fault
- * Returns 0, or -1 with error filled: the file cannot be read, a name cannot be replaced in the
- * text, or the new text is no valid scene.
+ * Returns 0, or -1 with error filled: the file cannot be read, a name cannot be replaced, or the
+ * new text is no valid scene.
  */
 int scene_migrate(const char *path, char **text, size_t *bytes, char *error);
 

@@ -124,10 +124,11 @@ static int read_alpha(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Elastic constants of a material as the user gives them. E and nu define an isotropic material.
- * Otherwise, engineering constants that are not given follow from transverse isotropy in the plane
- * 23. Alternatively, the stiffnesses c11 c22 c33 c12 c13 c23 c44 c55 c66 are given, and missing
- * ones follow from transverse isotropy in the plane 12, as for a ceramic poled along 3.
+ * Elastic constants of a material as the user gives them, in one of three forms:
+ *   E, nu      isotropic
+ *   E1 ...     engineering constants; missing ones follow from transverse isotropy in the plane 23
+ *   c11 c22 c33 c12 c13 c23 c44 c55 c66  stiffnesses; missing ones follow from transverse isotropy
+ *       in the plane 12, as for a ceramic poled along 3
  */
 typedef struct material_text {
     scene_material material;

@@ -73,10 +73,11 @@ int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[
 int read_place(reader *reader, int node, scene_where *where);
 
 /*
- * Complete a mesh from a file after the scene has been read. check_regions groups its elements into
- * regions with the same layers. check_triads applies the supports: symmetry planes turn the
- * directors (unit normals) of their nodes into the plane, directions of supports become the local
- * axis e1, and the held dof are marked. Each returns 0, or -1 with error filled.
+ * Complete a mesh from a file after the scene has been read. Each returns 0, or -1 with error
+ * filled.
+ *   check_regions  groups the elements into regions with the same layers
+ *   check_triads   applies the supports: marks held dof, turns directors (unit normals) into
+ *       symmetry planes and the local axis e1 into directions of supports
  */
 int check_regions(scene *scene, char *error);
 int check_triads(scene *scene, char *error);
@@ -228,10 +229,10 @@ extern const int place_components[];
 
 /*
  * Macros that expand to rows of a table of keys (array of `field`, scene_fields.h).
- *   DIRECTIONS        keys u1, u2, u3 (local axes), x, y, z (in space), read by the function
- *                     `read`, whose argument `rule` tells the direction
+ *   DIRECTIONS        keys u1, u2, u3 (local axes), x, y, z (in space); the argument `rule` of the
+ *       function `read` tells the direction
  *   PLACE             keys for a place on the mesh (set, edge, at); `offset` is the position
- *                     (bytes) of the scene_where in the C struct that the table fills
+ *       (bytes) of the scene_where in the C struct that the table fills
  *   PLACE_ON_SURFACE  the keys of PLACE without `set`, the name of a set of a mesh file
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \

@@ -15,9 +15,9 @@ typedef struct points_text {
 } points_text;
 
 /*
- * Record that column k of a file of points in space holds the coordinate number `axis` (0, 1, 2 for
- * x, y, z); a column of any other quantity is ignored. Returns 0, or -1 after writing an error
- * message about the scene file if an earlier column holds the same coordinate.
+ * Record that column k of a file of points in space holds coordinate number `axis` (0, 1, 2 for x,
+ * y, z; others are ignored). Returns 0, or -1 after writing an error message about the scene file
+ * if an earlier column holds the same coordinate.
  *   column [3] in/out  index of the column of x, y and z, or -1
  */
 static int take_column(reader *reader, int node, int axis, int k, int column[SCENE_AXES])

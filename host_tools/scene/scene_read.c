@@ -299,10 +299,9 @@ static void set_defaults(scene *scene)
 }
 
 /*
- * Choose the number of dof of a node, 7 or 6, where the scene file does not state it. The seventh
- * dof is the displacement of the middle surface relative to the faces. It is left out at large
- * rotations if the element option lin33 is on, by which every ply thickens freely. The dof then has
- * no effect and could lose its stiffness. A support that names the seventh dof keeps it.
+ * Choose 6 or 7 dof of a node where the scene file does not state the number. The seventh, the
+ * displacement of the middle surface relative to the faces, is left out at large rotations with
+ * lin33, where it has no effect and could lose its stiffness. A support that names it keeps it.
  */
 static void choose_dof_per_node(scene *scene, const tree *tree)
 {

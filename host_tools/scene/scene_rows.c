@@ -11,8 +11,8 @@
 #include "scene_parts.h"
 
 /*
- * Append a limit of a weighted sum of voltages to the limits of the scene. It is placed before the
- * limits of sums of absolute values.
+ * Append a limit of a weighted sum of voltages to the scene, before the limits of sums of absolute
+ * values.
  *   count  in  number of voltages in the sum
  * Returns the limit with coefficients of 1, whose amplifiers the caller has to fill in, or NULL
  * after writing an error message about the scene file.

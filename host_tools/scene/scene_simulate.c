@@ -732,9 +732,8 @@ static int refuse_beside(reader *reader, int plant, const char *key, const char 
 
 /*
  * Refuse keys of the simulated structure (plant) that have no effect on its motion, such as `modes`
- * (vibration modes) if the motion is nonlinear. With `inertia: false`, keys of a motion in
- * vibration modes are accepted, although they have no effect: users can then compare simulations
- * with and without inertia by changing this one word.
+ * if the motion is nonlinear. With `inertia: false`, keys of modal motion are accepted without
+ * effect, so that users can switch inertia off by this one word.
  */
 static int check_motion_keys(reader *reader, int plant)
 {

@@ -80,10 +80,9 @@ static const char *text_of(const tree *tree, int map, const char *key)
 }
 
 /*
- * Return the physical dimension of the value that a support prescribes. For a rotation it is an
- * angle. It is a dimensionless number for dof that are displacements divided by the thickness: the
- * difference of both faces' displacements, and the normal displacement of the middle surface minus
- * the mean of both faces. For all other dof it is a length.
+ * Return the physical dimension of the value that a support prescribes: an angle for a rotation; a
+ * dimensionless number for displacements divided by the thickness (difference of both faces, middle
+ * surface relative to them); otherwise a length.
  */
 static dimension of_support(const tree *tree, int map)
 {
@@ -226,10 +225,10 @@ static int outlines_owner(const tree *tree, int node)
 }
 
 /*
- * Return the physical dimension of a number in the outline of an electrode. An outline in a plane
- * of space has lengths alone. In an outline over the surface coordinates theta1 and theta2, the two
- * numbers of a point have the dimensions of these coordinates. A radius or gap is then a length,
- * provided that both coordinates are lengths.
+ * Return the physical dimension of a number in the outline of an electrode: a length in a plane of
+ * space; over theta1 and theta2, the two numbers of a point have the dimensions of these
+ * coordinates. A radius or gap there is a length if both coordinates are lengths, else a number
+ * without unit.
  */
 static dimension of_outline(const reader *reader, int node)
 {

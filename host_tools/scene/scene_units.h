@@ -17,8 +17,8 @@ enum { SCENE_UNITS_TEXT = UNITS_NUMBER + 8 };
  *   node   in   YAML node, a scalar
  *   text   out  memory for the converted text
  *   plain  out  text without a unit: `text`, or that of the node if it has no unit
- * Returns 0, or -1 after writing an error message about the scene file: unknown unit, other
- * dimension than the key, scene without units, or too many digits.
+ * Returns 0, or -1 after writing an error message about the scene file: unknown unit, unit of
+ * another dimension, scene without units, or too many digits.
  */
 int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], const char **plain);
 
@@ -31,14 +31,14 @@ int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], cons
 int scene_units_ten(const scene *scene, const units_unit *unit, int *ten);
 
 /*
- * Find the factor that converts a column of a file to the units of the scene. The name of the
- * column states its unit in brackets, as in "x [mm]" or "u3 (um)".
+ * Find the factor that converts a column of a file to the units of the scene, if the name of the
+ * column states a unit in brackets, as "x [mm]" or "u3 (um)".
  *   node    in   YAML node of the key whose numbers stand in the column
  *   of      in   physical dimension of the key
  *   column  in   name of the column
  *   factor  out  factor of the numbers; 1 where the scene has no SI units
- * Returns 1 after a conversion, 0 where the name states no unit, or -1 after writing an error
- * message about the scene file: the unit has another dimension than the key.
+ * Returns 1 after a conversion, 0 without a unit, or -1 after writing an error message about the
+ * scene file: the unit has another dimension than the key.
  */
 int scene_units_column(reader *reader, int node, dimension of, const char *column, double *factor);
 

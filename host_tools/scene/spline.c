@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Cubic splines (spline.h): least squares under linear conditions, solved for each coordinate as
- * one banded linear system.
- *
- * The values y_i and second derivatives m_i at the knots minimise
+ * Cubic splines (spline.h) by least squares under linear conditions, one banded linear system for
+ * each coordinate. The values y_i and second derivatives m_i at the knots minimise
  *   sum (p_i - y_i)^2 + lambda integral m^2
- * with p_i the given points and lambda the smoothing. Each knot has one condition with a Lagrange
+ * with the given points p_i and the smoothing lambda. Each knot has one condition with a Lagrange
  * multiplier: a continuous slope, or the end condition.
  */
 #include "spline.h"
@@ -77,9 +75,9 @@ static void solve_band(double *band, double (*solution)[2], int rows)
 }
 
 /*
- * The unknowns of the linear system of a spline are, for each knot, its ordinate, its second
- * derivative and the multiplier of one linear condition. The matrix is symmetric. Add `value` to
- * the factor of an unknown of knot j in the condition of knot i, and to the transposed entry.
+ * Add `value` to the factor of an unknown of knot j in the linear condition of knot i of a spline,
+ * and to the transposed entry of the symmetric matrix. The unknowns of a knot are its ordinate,
+ * second derivative and Lagrange multiplier.
  *   kind in  unknown of knot j: VALUE (ordinate) or SECOND (second derivative)
  */
 static void condition(double *band, int i, int j, int kind, double value)

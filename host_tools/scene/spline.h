@@ -13,10 +13,9 @@ typedef struct spline spline;
  * curve minimises
  *   sum |p_i - s(t_i)|^2 + lambda integral |s''|^2 dt
  *   point      [knots][2] in  points p_i in order, neighbours distinct; at least 4, or 2 with
- *                             tangents
+ *       tangents
  *   tangent    [2][2]     in  directions at the first and the last point, of any length; NULL:
- *                             not-a-knot (third derivative continuous at the second and the last
- *                             but one point)
+ *       not-a-knot (third derivative continuous at the second and the last but one point)
  *   smoothing             in  lambda >= 0 (length^3); 0: the curve interpolates the points
  * Returns the curve, to be released with spline_free, or NULL when memory runs out, two neighbours
  * coincide or the numbers leave the range of a double.

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Points and areas of reference surfaces, and the ranges of their coordinates (surface.h). The
- * functions and constants of each type of surface come from the table SURFACE_TYPES
- * (surface_types.h). The Lame parameter A1 (arc length per unit of the surface coordinate theta1)
- * of these surfaces never depends on theta2.
+ * Points, areas and coordinate ranges of reference surfaces (surface.h), by the functions in the
+ * table SURFACE_TYPES (surface_types.h). The Lame parameter A1 (arc length per unit of theta1) of
+ * these surfaces never depends on theta2.
  */
 #include "surface.h"
 #include "gauss.h"

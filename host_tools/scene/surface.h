@@ -35,9 +35,8 @@ int surface_is_angle(const scene_surface *surface, int direction);
 int surface_revolves(const scene_surface *surface);
 
 /*
- * Find the range of the surface coordinate theta1 (direction 1) or theta2 (direction 2) beyond
- * which the surface does not exist: the chord length of a meridian through points, or the angle of
- * a spiral.
+ * Find the range of theta1 (direction 1) or theta2 (direction 2) beyond which the surface does not
+ * exist: chord length of a meridian through points, or angle of a spiral.
  *   range  [2] out  lowest and highest value
  * Returns 1, or 0 if the surface does not limit the coordinate.
  */

@@ -14,8 +14,8 @@ static void set(double vector[3], double x, double y, double z)
 }
 
 /*
- * Return the point of a cylinder whose cross-section is given by its radius as a function of the
- * polar angle phi.
+ * Return the point of a cylinder whose cross-section is a radius as function of the polar angle
+ * phi.
  *   axis   in  0: axis x, with the coordinate theta1; 1: axis z, with the coordinate theta2
  *   along  in  coordinate along the axis
  *   phi    in  polar angle (rad), from +z towards +y for axis x, from +x towards +y for axis z

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Types of FMI 2.0 for Co-Simulation, with the names and the binary interface of the standard
- * (Modelica Association, https://fmi-standard.org). The functions of a shared library have the
- * names of the standard. A program that links several FMUs statically defines the macro
- * FMI2_FUNCTION_PREFIX, a text that is put before every function name.
+ * (Modelica Association, https://fmi-standard.org). A program that links several FMUs statically
+ * defines FMI2_FUNCTION_PREFIX, a text put before every function name.
  */
 #ifndef FMI2_H
 #define FMI2_H
