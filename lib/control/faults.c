@@ -8,23 +8,20 @@
  *   B f + load
  *   B  influence matrix
  *   f  voltages by which the effects of the electrodes exceed their commands, estimated by least
- *      squares; x + f is the response: about x if the electrode follows, otherwise about 0
+ *      squares; x + f is about x if an electrode follows, otherwise about 0
  *
  * An electrode is suspected in two cases:
- *
  *   - Its voltage was changed by at least the amplitude of a test signal, and the shape hardly
- *     responded: the electrode is stuck, or was dead before.
+ *     responded: it is stuck, or was dead before.
  *   - The shape jumped as if the voltage of this electrode, more than that of any other, had
  *     vanished: it has just died.
  *
- * A load may cause either. The suspected electrode is therefore set to two voltages in turn, one
- * amplitude above and below its present voltage, inside voltage limits and step limits. The
- * controller compensates with the other electrodes. The electrode is faulty if it does not respond;
- * the effect of a load does not correlate with these moves.
+ * A load may cause either. The suspected electrode is therefore set alternately one amplitude above
+ * and below its voltage, inside all limits. It is faulty if it does not respond; a load does not
+ * correlate with these moves.
  *
  * Work of a tick for m outputs and n inputs: (m + n) n multiply-adds and less than 40 (m + n) other
- * operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return. Nothing else
- * depends on the data.
+ * operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -372,9 +369,8 @@ static pzs_real faded_sum(pzs_real sum, pzs_real term)
 
 /*
  * Estimate by least squares, into state.deviation, the voltage change of each electrode that the
- * shape indicates minus its commanded change (V). Then update three exponentially decaying sums for
- * each electrode: squared commanded changes, squared indicated changes, and deviations. Returns the
- * sum of the squared deviations (V2).
+ * shape indicates minus its commanded change (V). Also update the decaying sums of each electrode.
+ * Returns the sum of the squared deviations (V2).
  */
 static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *voltage)
 {
@@ -406,10 +402,10 @@ static bool is_held(const pzs_control *control, uint32_t j)
 }
 
 /*
- * Whether electrode j seems to have lost about all of its voltage since the last shape. The lost
- * voltage that the least-squares estimate indicates must be 40 % to 160 % of the voltage. Its
- * square must be at least a quarter of deviation2, the sum over all electrodes of the squared
- * differences between indicated and commanded voltage changes (V2).
+ * Whether electrode j seems to have lost about all of its voltage since the last shape: 40 % to 160
+ * % of it according to the least-squares estimate, and at least half of the norm of all deviations.
+ *   deviation2 in  sum over all electrodes of the squared differences between indicated and
+ *                  commanded voltage changes (V2)
  */
 static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                             pzs_real deviation2)
@@ -516,13 +512,13 @@ static void set_test_voltages(pzs_fault_detector *detector)
 }
 
 /*
- * Mark an electrode that has passed a test, so that the fault detector does not test it again for a
- * fixed number of measured shapes (CLEARED_SHAPES). The decaying sums of its voltage changes, which
- * led to the test, start anew: otherwise a sum that damaged memory has made very large would cause
- * test after test until it has decayed.
+ * Mark an electrode that has passed a test, so that the fault detector does not test it again for
+ * CLEARED_SHAPES measured shapes.
  */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
+    // The decaying sums start anew: a sum that damaged memory has made very large would cause test
+    // after test.
     detector->state.moved[j] = 0;
     detector->state.response[j] = 0;
     detector->state.lost_voltage[j] = 0;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Model of hysteresis and creep of piezoelectric ceramic, and its inverse. The effect of an
- * electrode is the voltage that would move the structure as far without hysteresis and creep.
- *
- * The effect u at the voltage v, with s = v - middle of the voltage range, is
+ * Model of hysteresis and creep of piezoelectric ceramic, and its inverse. The effect u of an
+ * electrode is the voltage that would move the structure as far without hysteresis and creep. At
+ * the voltage v, with s = v - middle of the voltage range,
  *
  *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j
  *   m    piecewise linear function of four slopes
@@ -14,16 +13,14 @@
  *   x_j  creep term of first order
  *
  *   - The plays are computed in series: play i follows play i - 1 with the slack r_i - r_(i-1), and
- *     play 0 follows s. Even damaged positions thus become positions that some voltages cause.
+ *     play 0 follows s. Even damaged positions thus become possible ones.
  *   - u always rises with v, because slopes are positive and weights are not negative. The inverse
- *     is therefore unique, and limits of the voltage become limits of the effect.
- *   - From the present voltage on, u is a piecewise linear function of v: the plays begin to move,
- *     and cross the middle, in the order of their slack. The inverse goes through the straight
- *     pieces and ends with one division, without iterations.
+ *     is therefore unique.
+ *   - u is a piecewise linear function of v. The inverse visits the pieces in turn and ends with
+ *     one division, without iterations.
  *
- * Work of a tick for each input: `plays` steps of the plays, and one step for each play that moves
- * on the way to the lowest or highest voltage of the tick; the inverse goes through at most 2 plays
- * + 4 pieces.
+ * Work of a tick for each input: `plays` steps, and one for each play that moves on the way to the
+ * lowest or highest voltage of the tick; the inverse visits at most 2 plays + 4 pieces.
  */
 #include <string.h>
 #include "hysteresis.h"
@@ -248,10 +245,10 @@ static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 }
 
 /*
- * Return the piecewise linear part of the effect of an electrode (voltage that would move the
- * structure as far without hysteresis) at `offset`, the distance of the voltage from the middle of
- * the voltage range (V). It is 0 in the middle, and its slope changes there and at the quarters of
- * the voltage range (V).
+ * Return the piecewise linear part of an electrode's effect (voltage that would move the structure
+ * as far without hysteresis) (V). It is 0 in the middle of the voltage range; its slope changes
+ * there and at the quarters of the range.
+ *   offset in  distance of the voltage from the middle of the range (V)
  */
 static pzs_real line_at(const electrode_tables *electrode, pzs_real offset)
 {
@@ -306,10 +303,11 @@ static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 }
 
 /*
- * Return a creep term of the hysteresis model of an electrode (V) after it has gone the fraction
- * `rate` of the way to its final value, which is `gain` (1) times the voltage. A creep term whose
- * absolute value exceeds `gain` times `most`, the largest possible voltage (V), shows damaged
- * memory and is first set to the final value.
+ * Return a creep term of the hysteresis model (V) after it has gone the fraction `rate` of the way
+ * to its final value gain * voltage.
+ *   gain in  final value per volt (1)
+ *   most in  largest possible voltage (V); a creep term above gain * most shows damaged memory and
+ *            is first set to the final value
  */
 static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_real voltage,
                             pzs_real most)
@@ -430,10 +428,9 @@ typedef struct effect_walk {
      */
     const pzs_real *play;
     /*
-     * [plays] weight of each play (element with backlash) in the effect (voltage that would move
-     * the structure as far without hysteresis), while the play is in one half of the voltage range
-     * (dimensionless): in the upper half if `sign` is 1, in the lower half if it is -1. A search
-     * for a voltage enters this half last
+     * [plays] weight of each play (element with backlash) in the effect, while the play is in the
+     * half of the voltage range that the search for a voltage enters last: the upper half if `sign`
+     * is 1, the lower half if it is -1 (dimensionless)
      */
     const pzs_real *ahead;
     /*
@@ -508,10 +505,9 @@ static pzs_real next_move(const effect_walk *walk)
 }
 
 /*
- * Part of the search for the voltage with a wanted effect: return the next voltage at which a play
- * (element with backlash) that moves with the voltage reaches the middle of the voltage range. The
- * weight of the play, and with it the slope of the effect, changes there. The result is relative to
- * the middle of the range, in the direction of the search (V).
+ * Part of the search for the voltage with a wanted effect: return the next voltage at which the
+ * slope of the effect changes because a moving play (element with backlash) reaches the middle of
+ * the voltage range. The result is relative to the middle, in the direction of the search (V).
  */
 static pzs_real next_crossing(const effect_walk *walk)
 {
@@ -765,13 +761,13 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 /*
  * Replace the controller's voltages of the last tick, from which it starts, by their effects. The
  * effect of a voltage is the voltage that would move the structure as far without hysteresis and
- * creep (V). Where the effects differ from those of the controller's last prediction by rounding
- * only, as after a tick whose voltages were applied unchanged, the prediction stays valid.
+ * creep (V).
  */
 static void take_effects(const pzs_compensator *compensator, pzs_control *control)
 {
     const pzs_hysteresis *tables = compensator->state.tables;
     const pzs_real *effect = compensator->state.effect, *base = control->state.optimiser.base;
+    // Effects equal to those of the last prediction up to rounding keep the prediction valid.
     bool is_known = control->state.behind == PZS_BEHIND_NOTHING;
     for (uint32_t k = 0; k < tables->inputs && is_known; k++) {
         const size_t set = set_of(tables, k);
@@ -787,9 +783,9 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
 }
 
 /*
- * Compute the effects of input k at the voltage `given` of the last tick: state.effect[k] is that
- * of the last tick, state.present[k] that of this tick, after creep. The function also updates the
- * plays (elements with backlash) and the creep terms of the input.
+ * Compute the effects of input k (voltages that would move the structure as far without hysteresis)
+ * at the voltage `given` of the last tick: state.effect[k] for the last tick, state.present[k] for
+ * this tick, after creep. Also updates the plays and creep terms of the input.
  *   rate [creeps] in  part of the way to its final value that each creep term goes in between
  *                     (dimensionless)
  */

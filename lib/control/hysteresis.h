@@ -35,10 +35,10 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
 
 /*
  * Update the memory of the hysteresis model of an electrode after a voltage has been applied. A
- * damaged memory becomes the nearest state that voltages can cause.
+ * damaged memory becomes the nearest possible state.
  *   ticks in  number of ticks with this voltage, at least 1
- * Returns the effect of the voltage in the first of these ticks (V): the voltage that would move
- * the structure as far without hysteresis and creep.
+ * Returns the effect in the first of these ticks (V): the voltage that would move the structure as
+ * far without hysteresis and creep.
  */
 pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
                                  hysteresis_memory memory, pzs_real voltage, uint32_t ticks);
@@ -60,10 +60,11 @@ pzs_real pzs_hysteresis_identified(const pzs_compensator *compensator, uint32_t 
                                    pzs_real voltage);
 
 /*
- * Return the voltage at which electrode `input` has a wanted effect (voltage that would move the
- * structure as far without hysteresis), starting from its present voltage `from` (V). The result is
- * exact up to rounding. The effect is a piecewise linear function of the voltage; the search for
- * the voltage visits at most 2 n + 4 pieces, with n plays (elements with backlash).
+ * Return the voltage (V) at which electrode `input` has a wanted effect (voltage that would move
+ * the structure as far without hysteresis), exact up to rounding. The search visits at most 2 n + 4
+ * linear pieces, with n plays (elements with backlash).
+ *   from   in  present voltage of the electrode (V)
+ *   effect in  wanted effect (V)
  */
 pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
                                 hysteresis_memory memory, pzs_real from, pzs_real effect);

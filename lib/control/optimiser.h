@@ -15,12 +15,12 @@
 
 /*
  * Return the number of entries that a loop over the inputs (voltages) visits: the number of inputs.
- * For vector processors, where PZS_TILE is above 4, it is rounded up to a multiple of PZS_TILE; the
- * entries beyond the inputs are zero. Clearing the lowest bits of the result, which are zero
- * already, tells the compiler that the loop has no remainder.
+ * For vector processors it is rounded up to a multiple of PZS_TILE; the entries beyond the inputs
+ * are zero.
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
+    // Clearing bits that are zero already tells the compiler that the loop has no remainder.
     return IS_WIDE || PZS_TILE > 4 ? optimiser->width & ~(PZS_TILE - 1u) : optimiser->inputs;
 }
 
@@ -35,14 +35,11 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
     return PZS_DUAL_INPUTS <= PZS_INPUT_LIMIT && optimiser->is_dual;
 }
 
-/*
- * Return whether the work limit of the optimiser allows `cost` more multiply-adds now. One product
- * of the Hessian with a vector stays in reserve for the gradient at the end of the round (sequence
- * of iterations); a second one if the gradient at its start was only predicted, in case the round
- * is undone.
- */
+/* Return whether the work limit of the optimiser allows `cost` more multiply-adds now. */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {
+    // Reserve: products of the Hessian with a vector for the gradient at the end of the iterations,
+    // and to undo them where the gradient at their start was only predicted.
     const uint64_t products = optimiser->is_predicted ? 2u : 1u;
     const uint64_t to_end = products * PZS_PRODUCT_WORK(optimiser->inputs);
     return optimiser->work + cost + to_end <= optimiser->work_limit;

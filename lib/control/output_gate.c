@@ -60,7 +60,7 @@ static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage,
  * Where voltages violate a limit row (limit of a weighted sum of voltages), scale them back towards
  * the voltages of the last tick, and fill gate->frame, the array of checked voltages, again.
  *   sum in  checksum of the voltage limits and step limits of all inputs
- * Returns this checksum, continued over the coefficients and limits of the limit rows.
+ * Returns this checksum, continued over the limit rows.
  */
 static uint32_t keep_rows(const output_gate *gate, pzs_real *voltage, uint32_t sum, int32_t *where)
 {

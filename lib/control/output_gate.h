@@ -24,8 +24,8 @@ uint32_t pzs_output_limit_sum(const pzs_problem *problem);
 
 /*
  * Correct voltages that may not be applied to the amplifiers, and fill gate->frame with all
- * voltages. A voltage is clamped to the step limit (not if pzs_hold keeps it fixed) and to the
- * voltage limits, which take precedence. One that is not finite becomes the last voltage.
+ * voltages. A voltage is clamped to the step limit (unless pzs_hold fixes it), then to the voltage
+ * limits. One that is not finite becomes the last voltage.
  *   voltage [inputs] in/out  voltages of the controller (V)
  *   limit_sum        in      checksum of the limits while the tables were last known to be intact
  *   where            out     first corrected input, or -1

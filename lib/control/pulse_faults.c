@@ -4,34 +4,29 @@
  * electrodes from the readings of the sensors, while the loop goes on.
  *
  * Suspicion, at the end of each window of time:
- *
  *   - The mean readings and mean voltages of the window are compared with those of an earlier
  *     interval in which the target stood still. Weights that fall to 0 at both ends of the window
  *     suppress vibration.
- *   - find_losses estimates the voltage errors of all electrodes from these changes by regularised
- *     least squares.
+ *   - find_losses estimates the voltage errors of all electrodes from these changes.
  *   - find_suspect chooses the electrode whose error explains most of the change of the readings.
  *
  * Proof:
- *
  *   - The suspected electrode and a reference electrode, which seems healthy, make slow test pulses
  *     (test_pulse.h) at the same time. Meanwhile the loop damps vibration, but does not follow the
  *     target.
- *   - The sums of the readings over a pulse have weights that suppress constant loads, drift and
- *     vibration. A fit of modelled responses to these sums (pulse_fit.h) gives the gains of both
- *     electrodes.
+ *   - A fit of modelled responses to weighted sums of the readings (pulse_fit.h) gives the gains of
+ *     both electrodes. The weights suppress constant loads, drift and vibration.
  *   - The suspected electrode is faulty if its gain is small or negative compared with that of the
  *     reference electrode. Hysteresis, a wrong model or missing readings change both gains alike.
  *   - A pulse during which a load has jumped proves nothing.
  *   - A motion of the target interrupts a proof, which begins anew after a pause of the target.
  *
- * Where the loop compensates hysteresis, this file uses the effects of the voltages, according to
- * the measured model of hysteresis. The compensation itself assumes less hysteresis to be robust;
- * with its model, healthy electrodes would seem to miss a part of their voltages.
+ * Where the loop compensates hysteresis, this file predicts readings with the measured model of
+ * hysteresis. The compensation assumes less hysteresis to be robust; with its model, healthy
+ * electrodes would seem to miss a part of their voltages.
  *
  * Work in operations: outputs + 8 (inputs + sensors) in a tick, and about 3 for each play of each
  * electrode where hysteresis is compensated. In addition:
- *
  *   end of a window                  3 inputs sensors + 2 inputs^2
  *   choice of a reference electrode  inputs sensors
  *   end of a pulse                   2 inputs sensors
@@ -74,9 +69,8 @@
 #define MANY_READINGS PZS_R(24)
 /*
  * Smallest resolution at which a fault of an electrode can be found. The resolution is the part of
- * a missing voltage that the least-squares estimate of all missing voltages finds at the right
- * electrode, if only this electrode lacks voltage. In single precision the resolution has an error
- * of about 0.003.
+ * a missing voltage that the least-squares estimate assigns to the right electrode. In single
+ * precision it has an error of about 0.003.
  */
 #define LEAST_RESOLUTION PZS_R(0.01)
 /*
@@ -104,8 +98,7 @@
 /*
  * Smallest gain (response to a test pulse, divided by the modelled response) of the reference
  * electrode, a healthy one with which a suspected electrode is compared. A pulse with a smaller
- * gain of the reference electrode proves nothing. The next pulses are higher, or those of another
- * reference electrode.
+ * gain proves nothing and is repeated, higher or with another reference electrode.
  */
 #define LEAST_REFERENCE PZS_R(0.5)
 /*
@@ -132,9 +125,8 @@
 #define JUMPED PZS_R(0.1)
 /*
  * Largest jump of the readings during a test pulse, divided by the modelled response of the
- * reference electrode, a healthy one with which the suspected electrode is compared. A pulse with a
- * larger jump proves no fault. This limit is larger than JUMPED, the limit for the suspected
- * electrode, because the gain of the reference electrode need not be accurate.
+ * reference electrode (a healthy one); a larger jump proves no fault. The limit is larger than
+ * JUMPED, because the gain of the reference electrode need not be accurate.
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
@@ -205,10 +197,9 @@ static pzs_real square(pzs_real number)
  */
 #define GROWTH PZS_R(4)
 /*
- * Limit of the predicted motion of an electrode in a test pulse of normal height, divided by the
- * motion without hysteresis. If a loop that compensates hysteresis predicts less for the suspected
- * or for the reference electrode, all test pulses of both are higher (GROWTH). The prediction uses
- * the measured hysteresis model.
+ * Smallest predicted motion of an electrode in a test pulse, relative to the motion without
+ * hysteresis. If a loop that compensates hysteresis predicts less for the suspected or for the
+ * reference electrode, the test pulses of both are made higher (GROWTH).
  */
 #define WEAK_PULSE PZS_R(0.25)
 
@@ -311,10 +302,9 @@ static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 /* ---- readings and voltages ------------------------------------------------ */
 
 /*
- * Return the voltages [inputs] with which the model predicts the readings of the sensors (V).
- * Without compensation of hysteresis they are the voltages of the last tick. With it, they are the
- * effects of these voltages, that is, the voltages that would move the structure as far without
- * hysteresis, according to the measured hysteresis model.
+ * Return the voltages [inputs] with which the model predicts the readings of the sensors (V): those
+ * of the last tick or, in a loop that compensates hysteresis, their effects (voltages that would
+ * move the structure as far without hysteresis) by the measured model.
  */
 static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
                                        const pzs_loop_signals *signals)
@@ -479,9 +469,8 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 
 /*
  * Return the height of the test pulse of input j (V), negative if the voltage `start` is nearer to
- * the upper voltage limit than to the lower one. It is the height in the tables, or a larger one
- * (GROWTH) while state->is_grown: where hysteresis may make the response too small. The larger
- * height is limited by half the voltage range and by the step limit.
+ * the upper voltage limit. It is the height in the tables or, while state->is_grown because of
+ * hysteresis, GROWTH times that, limited by half the voltage range and by the step limit.
  */
 static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs_real start)
 {
@@ -632,10 +621,9 @@ static void compare_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Estimate the voltage errors of all electrodes by regularised least squares, from the changes of
- * the mean readings. A voltage error is the voltage that the readings show minus the given one.
- * Returns the sum of squares of the changes that remain unexplained, divided by the weight of the
- * regularisation (V2).
+ * Estimate by regularised least squares, from the changes of the mean readings, the voltage errors
+ * of all electrodes: voltages that the readings show minus those given. Returns the sum of squares
+ * of the unexplained changes, divided by the weight of the regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -654,9 +642,9 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 
 /*
  * Compute which changes of the electrode voltages the regularised least-squares estimate would find
- * from readings without noise, given the true changes (V). They are the resolution matrix 1 - r (G
- * + r)^-1 times the true changes, with the weight r of the regularisation and the matrix G + r of
- * the estimate.
+ * from readings without noise: the resolution matrix R times the true changes (V).
+ *   R = 1 - r (G + r)^-1
+ *   r, G + r  weight of the regularisation, matrix of the estimate
  */
 static void resolve_moves(pzs_pulse_detector_state *state)
 {
@@ -668,10 +656,9 @@ static void resolve_moves(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums over the electrodes whose voltages are not fixed, for a least-squares estimate. The voltage
- * error of an electrode is the voltage that the readings show minus the given one. A structure
- * whose gain differs from the model makes the voltage errors of all electrodes proportional to
- * their voltage changes. The factor of proportion is estimated as both / moves.
+ * Sums over the electrodes whose voltages are not fixed. If the gain of the structure differs from
+ * the model, the voltage errors of all electrodes (voltages that the readings show minus those
+ * given) are proportional to their voltage changes, with the factor both / moves.
  */
 typedef struct loss_sums {
     pzs_real losses; /* sum of the squared voltage errors of the electrodes (V2) */
@@ -709,10 +696,9 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
- * Result of a least-squares fit of the readings on two assumptions. Only one electrode is faulty,
- * and the gain of the structure differs from the model, so that the voltage errors of all
- * electrodes have a part proportional to their voltage changes. A voltage error is the voltage that
- * the readings show minus the given one.
+ * Result of a least-squares fit of the readings for one faulty electrode in a structure whose gain
+ * may differ from the model. A voltage error is the voltage that the readings show minus the given
+ * one.
  */
 typedef struct own_loss {
     pzs_real common; /* voltage error of each electrode that the gain of the structure explains,
@@ -940,10 +926,9 @@ static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, b
 }
 
 /*
- * Choose the reference electrode, a healthy one with which the suspected electrode is compared. An
- * earlier reference electrode is replaced by another one. Without any reference electrode the
- * suspicion ends. The test pulses begin at once or, if the target has moved, after an interval in
- * which it stands still.
+ * Choose the reference electrode, a healthy one with which the suspected electrode is compared, or
+ * another one than before. Without any, the suspicion ends. The test pulses begin at once or, after
+ * a motion of the target, once it stands still.
  */
 static void choose_reference(pzs_pulse_detector *detector)
 {
@@ -1007,13 +992,14 @@ static void change_reference(pzs_pulse_detector_state *state)
 }
 
 /*
- * Return the number of test pulses without a response that prove a fault, from the gain (measured
- * divided by modelled response) of the reference electrode, a healthy one. More pulses are needed
- * if the loop does not model the hysteresis and this gain is small: depending on its earlier
- * voltages, a healthy electrode may then hardly respond to a single pulse.
+ * Return the number of test pulses without a response that prove a fault.
+ *   reference in  gain (measured divided by modelled response) of the reference electrode, a
+ *                 healthy one
  */
 static uint32_t silent_pulses(const pzs_pulse_detector_state *state, pzs_real reference)
 {
+    // Without a model of hysteresis, a small gain of the reference electrode shows that a healthy
+    // electrode may hardly respond to a single pulse.
     return state->compensator == NULL && reference < WEAK ? WEAK_PULSES : SILENT_PULSES;
 }
 
@@ -1223,9 +1209,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 
 /*
  * Compute the resolution of each electrode (0 to 1), the diagonal of the resolution matrix of the
- * least-squares estimate. If electrode j alone lacks a voltage, the estimate assigns this part of
- * the lacking voltage to electrode j. It assigns the rest to other electrodes, which move the
- * sensors in similar ways.
+ * least-squares estimate: if this electrode alone lacks a voltage, the part that the estimate
+ * assigns to it. The rest goes to electrodes that move the sensors in similar ways.
  */
 static void find_resolutions(pzs_pulse_detector_state *state)
 {

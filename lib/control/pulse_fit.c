@@ -14,10 +14,10 @@
  */
 #define DISTURBED PZS_R(0.25)
 /*
- * Weight of an additional equation in the least-squares fit of a test pulse, relative to the sum of
- * squares of the modelled response to the suspected electrode. The equation states that the common
- * gain (measured divided by modelled response) of all electrodes without a pulse is 1. The
- * controller goes on to change the voltages of these electrodes during the pulse.
+ * Weight of an additional equation in the least-squares fit of a test pulse, relative to the
+ * squared modelled response to the suspected electrode: the common gain (measured divided by
+ * modelled response) of all electrodes without a pulse is 1. The controller may change their
+ * voltages meanwhile.
  */
 #define EXPECTED PZS_R(0.05)
 /*

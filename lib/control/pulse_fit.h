@@ -43,11 +43,9 @@ typedef struct pulse_response {
      */
     pzs_real gain[2];
     /*
-     * size of a jump of the readings in the middle of the test pulse, for example by a load: as a
-     * multiple of the modelled response to the electrode suspected of a fault [0], and of that to
-     * the healthy one [1] (dimensionless). A large jump makes the gains unreliable. The multiples
-     * are found by a least-squares fit, after the jumps that the voltages explain have been
-     * subtracted
+     * jump of the readings in the middle of the test pulse, for example by a load: as a multiple of
+     * the modelled response to the electrode suspected of a fault [0], and to the healthy one [1]
+     * (dimensionless). A large jump makes the gains unreliable
      */
     pzs_real jumped[2];
     /*
@@ -62,9 +60,9 @@ typedef struct pulse_response {
 
 /*
  * Compute the gains (measured divided by modelled response) of the electrode suspected of a fault
- * and of the healthy reference electrode from the readings during their test pulses. The member
- * is_measured of the result is false, and all other members are zero, if the modelled responses to
- * both electrodes are not independent.
+ * and of the healthy reference electrode from the readings during their test pulses. If the
+ * modelled responses to both are not independent, all members of the result are zero, with
+ * is_measured false.
  */
 pulse_response pzs_pulse_response(pzs_pulse_detector_state *state);
 

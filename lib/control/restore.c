@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Repair of damaged working memory, as by radiation or by a wrong pointer of the firmware.
- *   - What stays constant from tick to tick is derived again from the tables in flash at the start
- *     of each tick, so that damage lasts for one tick at most.
+ *   - What stays constant is derived again from the tables in flash at the start of each tick, so
+ *     that damage lasts for one tick at most.
  *   - The optimiser's Hessian is compared with the tables one row in each tick.
  *   - What changes from tick to tick is corrected by the measurements and by the checks of the
  *     optimiser.

@@ -31,8 +31,8 @@ uint32_t pzs_scrub_crc(const pzs_table_part *part, uint32_t parts);
  * Continue the checksum of constant tables, which consist of several arrays, with the next slice of
  * their bytes.
  *   crc in  expected checksum of all arrays in this order
- * Returns false if the computed checksum was wrong twice in succession: the tables are damaged. A
- * single wrong checksum may come from damage of *scrub itself.
+ * Returns false if the tables are damaged: the checksum was wrong twice in succession. A single
+ * wrong one may come from damage of *scrub itself.
  */
 bool pzs_scrub_slice(pzs_scrub *scrub, const pzs_table_part *part, uint32_t parts, uint32_t crc);
 

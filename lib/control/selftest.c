@@ -4,10 +4,8 @@
  * test_pulse.h has the shape of the pulses and the weights of the readings, selftest_evaluation.c
  * the evaluation.
  *
- *   - The amplifiers are moved one after the other, because the response to a single electrode can
- *     be recognised even if gains, natural frequencies and hysteresis differ much from the model.
- *     Patterns of many amplifiers would need as many pulses and hide a weak electrode behind strong
- *     ones.
+ *   - The amplifiers are moved one after the other: the response to a single electrode can be
+ *     recognised even if gains, natural frequencies and hysteresis differ much from the model.
  *   - All amplifiers make one slow pulse together before. It brings the ceramic of every electrode
  *     into the minor hysteresis loop of the later pulses, so that their gains can be compared.
  */
@@ -266,8 +264,7 @@ static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading,
 /*
  * Finish one pulse duration of the self-test: turn the weighted sums of the readings into the
  * response of all sensors to the pulse, or, if no amplifier moved, into the squared response to
- * noise and vibration. The variance of the noise is measured only after the last pulse, because
- * modes of high frequency may still vibrate at the beginning.
+ * noise and vibration.
  */
 static void end_window(pzs_selftest *selftest, uint32_t window)
 {
@@ -286,6 +283,8 @@ static void end_window(pzs_selftest *selftest, uint32_t window)
             state->null[i] = energy;
         state->even[i] = 0;
         state->odd[i] = 0;
+        // The variance of the noise is measured only after the last pulse, because high modes may
+        // still vibrate at the beginning.
         if (window + 1u == inputs + WINDOWS_BEFORE)
             state->noise[i] = 0;
     }

@@ -9,10 +9,9 @@
 #include "pzs_loop.h"
 
 /*
- * Make one tick of the evaluation of the self-test. The evaluation begins in the tick after all
- * test pulses have been measured. It has ended when selftest->state.core[0].verdict, the verdict of
- * the self-test, is no longer PZS_SELFTEST_RUNNING. The tick compares about settings.work_limit
- * entries of the measured responses with the model.
+ * Make one tick of the evaluation of the self-test, from the tick on after all test pulses have
+ * been measured. It compares about settings.work_limit entries of the measured responses with the
+ * model. The evaluation has ended when selftest->state.core[0].verdict is not PZS_SELFTEST_RUNNING.
  */
 void pzs_selftest_evaluate(pzs_selftest *selftest);
 

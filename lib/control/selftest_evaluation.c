@@ -8,16 +8,15 @@
  *   1. The column or row that differs most from the model is reported if it is reversed.
  *   2. Pairs of similar columns and of similar rows are compared, because exchanged cables may make
  *      neither look faulty alone.
- *   3. The amplifier or sensor whose column or row differs most is reported and excluded from later
- *      comparisons, until nothing differs. One at a time: a faulty amplifier also changes the rows
- *      of sensors near it, by less than its own column, and a faulty sensor columns likewise.
+ *   3. The column or row that differs most is reported and excluded from later comparisons, until
+ *      nothing differs. One at a time: a faulty amplifier also changes the rows of sensors near it,
+ *      and a faulty sensor columns likewise.
  *
- * The evaluation is a sequence of stages. Each step of a stage compares one measured with one
- * modelled column or row; the last step decides what the comparisons mean, and which stage is next.
+ * Each stage is a sequence of steps. A step compares one measured with one modelled column or row;
+ * the last step decides what the comparisons mean, and which stage is next.
  *
  * A tick makes steps until it has compared settings.work_limit entries, so that its time hardly
- * depends on the size of the structure. The findings are the same for any number of ticks, because
- * the results that later steps need are stored.
+ * depends on the size of the structure. The findings are the same for any number of ticks.
  */
 #include "selftest.h"
 #include "../core/numbers.h"
@@ -61,10 +60,11 @@
 #define SWAP_GAIN PZS_R(4)
 #define SWAP_NOISE PZS_R(9)
 /*
- * Bound below which two amplifiers, or two sensors, are so similar that exchanged cables cannot be
- * noticed. The squared sine of the angle between their modelled responses is compared with SIMILAR
- * * N / M + SAME_DIRECTION. N is the expected sum of squares of the noise in a response, M the sum
- * of squares of the modelled response.
+ * Two amplifiers, or two sensors, are so similar that exchanged cables cannot be noticed if the
+ * squared sine of the angle between their modelled responses is below
+ *   SIMILAR * N / M + SAME_DIRECTION
+ *   N  expected sum of squares of the noise in a response
+ *   M  sum of squares of the modelled response
  */
 #define SIMILAR PZS_R(36)
 #define SAME_DIRECTION PZS_R(1e-4)
@@ -127,11 +127,9 @@ typedef struct selftest_axis {
      */
     size_t model_line, model_entry;
     /*
-     * findings of the self-test (healthy or kind of fault): `line` one for each line of the matrix
-     * of responses, `entry` one for each entry of a line. Where the lines are the columns of the
-     * amplifiers, their entries belong to sensors: `line` [inputs] is about amplifiers, `entry`
-     * [sensors] about sensors. Where the lines are the rows of the sensors (is_row), it is the
-     * reverse
+     * findings of the self-test about the lines of the matrix of responses (`line`) and about the
+     * entries of a line (`entry`). If lines are columns: `line` [inputs] is about amplifiers,
+     * `entry` [sensors] about sensors; if they are rows (is_row), the reverse
      */
     pzs_wiring *line, *entry;
     bool has_gains; /* whether, before measured and modelled responses are compared, each modelled
@@ -172,10 +170,11 @@ static selftest_axis rows_of(const pzs_selftest *selftest)
 }
 
 /*
- * Return sums over the products and squares of two responses: the measured one of the amplifier (or
- * sensor) number `measured` and the modelled one of the amplifier (or sensor) number `modelled`.
- * The response of an amplifier has an entry for each sensor, that of a sensor an entry for each
- * amplifier; entries at which the self-test has found a fault do not count.
+ * Compare two responses: return sums over their products and squares. The response of an amplifier
+ * has an entry for each sensor, that of a sensor an entry for each amplifier; entries at which the
+ * self-test has found a fault do not count.
+ *   measured in  number of the amplifier (or sensor) whose measured response is compared
+ *   modelled in  number of the amplifier (or sensor) whose modelled response is compared
  */
 static pzs_selftest_sums compare_lines(const pzs_selftest *selftest, const selftest_axis *axis,
                                        uint32_t measured, uint32_t modelled)
@@ -260,10 +259,7 @@ static void mark_sensors(pzs_selftest *selftest)
 
 /*
  * Raise the entries of state.null [sensors], the squared responses to noise and vibration measured
- * while no amplifier moved, to at least
- *   - the mean squared response that the noise of the sensor causes;
- *   - that of LEAST_NOISE times the largest plausible noise, because readings without any noise
- *     still have rounding errors.
+ * while no amplifier moved, to at least the mean squared response to the noise of the sensor.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -271,6 +267,7 @@ static void find_noise_responses(pzs_selftest_state *state)
     const pzs_real factor = PZS_SELFTEST_NOISE_ENERGY / (pzs_real)tables->pulse_ticks;
     for (uint32_t i = 0; i < tables->sensors; i++) {
         const pzs_real measured = factor * state->noise[i];
+        // Readings without any noise still have rounding errors.
         const pzs_real least = factor * square(LEAST_NOISE * tables->noise[i]);
         const pzs_real noise = measured > least ? measured : least;
         state->null[i] = noise > state->null[i] ? noise : state->null[i];
@@ -328,10 +325,9 @@ static pzs_real mean_above(const pzs_selftest *selftest, pzs_real least)
 }
 
 /*
- * Set info.gain to the mean absolute gain (measured divided by modelled response) of the healthy
- * amplifiers. Silent amplifiers are left out, because they would make the healthy ones seem too
- * strong. An amplifier counts as silent if its gain is much smaller than the mean of the others.
- * This mean is computed three times more, each time without the silent amplifiers.
+ * Set info.gain to the mean absolute gain (measured divided by modelled response) of the amplifiers
+ * that respond. Silent amplifiers would make the others seem too strong, so the mean is repeated
+ * GAIN_ROUNDS times, without amplifiers far below the last mean.
  */
 static void find_mean_gain(pzs_selftest *selftest)
 {
@@ -429,10 +425,10 @@ static void find_difference(pzs_selftest *selftest, const selftest_axis *axis, u
 }
 
 /*
- * Return how much the measured response of an amplifier or sensor differs from a modelled response.
- * The result is the squared sine of the angle between both vectors (0 to 1), because gains of
- * amplifiers differ. With axis->has_gains the modelled responses contain the gains: the result is
- * then the squared difference of the vectors (1/V2).
+ * Return how much the measured response of an amplifier or sensor differs from a modelled response:
+ * the squared sine of the angle between both vectors (0 to 1), because gains differ. With
+ * axis->has_gains the modelled responses contain the gains: the squared difference of the vectors
+ * (1/V2).
  */
 static pzs_real response_error(const selftest_axis *axis, const pzs_selftest_sums *sums)
 {
@@ -473,9 +469,8 @@ static void find_nearest(pzs_selftest *selftest, const selftest_axis *axis, uint
 
 /*
  * Whether the cable of the amplifier (or sensor) `line` is exchanged with that of another one,
- * whose modelled response is the nearest to the measured response of `line`. The measured response
- * must exceed noise and vibration, must point, as a vector, in the direction of that modelled
- * response, and must have at least a plausible fraction of its size.
+ * whose modelled response is nearest to its measured response. The measured response must exceed
+ * noise and vibration, and have the direction and about the size of that modelled response.
  */
 static bool is_other_line(const pzs_selftest *selftest, uint32_t line, pzs_real gain)
 {
@@ -511,9 +506,8 @@ static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis,
 
 /*
  * Report the amplifier or sensor whose measured response differs most from the model if it responds
- * with the wrong sign (reversed). This comes before exchanged cables are looked for: where there
- * are few sensors, a reversed one makes the responses to healthy amplifiers resemble those to other
- * amplifiers.
+ * with the wrong sign (reversed). This precedes the search for exchanged cables: where there are
+ * few sensors, a reversed one makes healthy amplifiers resemble others.
  */
 static void report_reversed(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -550,10 +544,9 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
 }
 
 /*
- * Compare the modelled response of the amplifier (or sensor) `subject` with that of another
- * amplifier (or sensor), a different one in each step. If both are too similar, the self-test could
- * not notice exchanged cables of the two. The index of the most similar one of this kind is stored
- * as `similar` in the finding about `subject`.
+ * Compare the modelled response of the amplifier (or sensor) `subject` with that of another one, a
+ * different one in each step. If they are too similar for the self-test to notice exchanged cables,
+ * the most similar one is stored as `similar` in the finding about `subject`.
  */
 static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                          uint32_t step)
@@ -574,8 +567,8 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 
 /*
  * Return how much the measured responses of two amplifiers (or sensors) differ from two modelled
- * responses: the sum of the squared sines of the angles between measured and modelled vectors. With
- * axis->has_gains it is the squared sine of one angle, between the joined vectors of both.
+ * ones: the sum of the squared sines of the angles between measured and modelled vectors. With
+ * axis->has_gains it is the squared sine of one angle, between the joined vectors.
  *   one   in  comparison of the measured response of the first amplifier (or sensor) with a
  *             modelled response: its own or, to find exchanged cables, that of the second
  *   other in  the same for the second, with its own modelled response or that of the first
@@ -707,11 +700,9 @@ static uint32_t count_lines(const pzs_selftest *selftest)
 }
 
 /*
- * Return the plan (list of comparisons) of a stage of the self-test's evaluation that finds the
- * modelled response nearest to a measured one. The stage examines the amplifier (or sensor) whose
- * response differs most from the model. It compares its measured response with the modelled
- * responses of all amplifiers (or sensors). The plan is empty if no amplifier and no sensor
- * differs.
+ * Return the plan (list of comparisons) of a stage of the self-test's evaluation: compare the
+ * measured response that differs most from the model with the modelled responses of all amplifiers
+ * (or all sensors). The plan is empty if no response differs.
  */
 static stage_plan plan_of_worst(const pzs_selftest *selftest)
 {
@@ -729,8 +720,8 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
  * the three that look for exchanged cables of the amplifier or sensor number `core->pair`. The plan
  * is empty if a fault of it is known or no healthy partner can be found.
  *   STAGE_PAIR_SIMILAR, STAGE_PAIR_NEAREST  compare it with all amplifiers (or sensors)
- *   STAGE_PAIR_EXCHANGED                    two comparisons for its possible partner
- *                                           (compare_partner), whose modelled response is nearest
+ *   STAGE_PAIR_EXCHANGED                    two comparisons with its possible partner
+ *       (compare_partner)
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {
@@ -869,15 +860,15 @@ static uint32_t make_step(pzs_selftest *selftest)
 }
 
 /*
- * The first tick of the self-test's evaluation only prepares the measured responses, and the last
- * one only sets the verdict (passed or not). The last tick must be short: if there is no fault, the
- * loop controls the voltages already in this tick. A stage number beyond the last stage shows
- * damaged memory; then no amplifier may pass.
+ * The first tick of the self-test's evaluation only prepares the measured responses. The last one
+ * only sets the verdict: it must be short, because without a fault the loop controls the voltages
+ * in the same tick.
  */
 void pzs_selftest_evaluate(pzs_selftest *selftest)
 {
     pzs_selftest_core *core = &selftest->state.core[0];
     uint32_t work = 0;
+    // A stage number beyond the last stage shows damaged memory; then no amplifier may pass.
     if (core->stage > STAGE_VERDICT) {
         core->disturbed = 1;
         core->stage = STAGE_VERDICT;

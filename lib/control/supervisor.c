@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Supervisor of the control loop: a table of transitions between operating modes, a monitor that
- * detects a diverging loop, and ramps of the voltages. A ramp is a straight line: each tick moves
- * the voltages by 1 / (remaining ticks) of the way to the end. A ramp whose voltages had to be
- * corrected thus still ends in time, unless a step limit prevents it.
+ * detects a diverging loop, and ramps of the voltages. Each tick of a ramp goes 1 / (remaining
+ * ticks) of the way, so that a corrected ramp still ends in time unless a step limit prevents it.
  */
 #include <string.h>
 #include "control.h"

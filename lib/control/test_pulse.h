@@ -5,9 +5,10 @@
  *   even weight  b^3 (1 - 9 s^2), whose sum is zero
  *   odd weight   1.5 s b^2 (3 s^2 - 1), proportional to the derivative of the even one
  *   s            time, from -1 to 1 over the duration of the pulse;  b = 1 - s^2
- * The measured response is sum(readings * even weight) / sum(pulse * even weight). Without a pulse,
- * even and odd sums give the amplitude of a vibration. Polynomials have the same values on all
- * processors, trigonometric functions do not.
+ *   response     sum(readings * even weight) / sum(pulse * even weight)
+ *
+ * Without a pulse, even and odd sums give the amplitude of a vibration. Polynomials have the same
+ * bits on all processors, trigonometric functions do not.
  */
 #ifndef PZS_LIB_TEST_PULSE_H
 #define PZS_LIB_TEST_PULSE_H
