@@ -382,10 +382,9 @@ static int solve_applied(analysis *analysis, int warm, double *displacement, cha
 }
 
 /*
- * Return the norm of the difference of two displacement vectors divided by the norm of the second
- * vector. Both are root sums of squares in which each entry is divided by the scale of its dof
- * (`state.scale` of the model). This scale is about the inverse square root of the diagonal
- * stiffness of the dof.
+ * Return the norm of the difference of two displacement vectors over the norm of the second. Each
+ * entry is divided by the scale of its dof (`state.scale` of the model), about the inverse square
+ * root of the diagonal stiffness.
  *   first, second [free_dof] in  displacement vectors
  */
 static double distance(const analysis *analysis, const double *first, const double *second)
@@ -457,8 +456,8 @@ int analysis_find_reactions(analysis *analysis, const double *displacement, char
 
 /*
  * Compute what follows from a displacement: the reactions, and the strains and stresses that the
- * scene names as outputs. If the computation of the displacement failed, nothing is done, except
- * where the load steps ended at an equilibrium below the full load.
+ * scene names as outputs; nothing after a failure, unless load steps ended at an equilibrium below
+ * the full load.
  *   failed in  return value of the computation of the displacement
  * Returns `failed`, or -1 with error filled.
  */
@@ -558,9 +557,8 @@ int analysis_linearise(analysis *analysis, char *error)
 }
 
 /*
- * Compute the influence matrix of the structure linearised about the equilibrium that the nonlinear
- * solver has reached. Then set up the least-squares problem for the voltages: they are to cause the
- * target minus the displacement at this equilibrium.
+ * Compute the influence matrix at the equilibrium that the nonlinear solver has reached, and set up
+ * the least-squares problem for the voltages that cause the target minus the displacement there.
  *   displacement  [free_dof] in  displacement vector at the equilibrium
  */
 static int influence_at(analysis *analysis, const double *displacement, char *error)
@@ -684,10 +682,9 @@ static double work_of_loads(analysis *analysis, double *value)
 }
 
 /*
- * Ratio of the stiffness with open electrodes to the stiffness with short-circuited ones. It is the
- * inverse ratio of the works that the same loads do in both states. The work is smaller with open
- * electrodes; the difference is the sum over the electrodes of their open-circuit voltage times
- * their short-circuit charge.
+ * The ratio is the inverse ratio of the works that the same loads do in both states. The work with
+ * short-circuited electrodes exceeds that with open ones by the sum over the electrodes of
+ * open-circuit voltage times short-circuit charge.
  */
 double analysis_stiffening(analysis *analysis)
 {

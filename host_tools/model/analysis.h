@@ -108,8 +108,8 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
 
 /*
  * Compute the displacement under the scene's loads and applied voltages from the reference state.
- * With kinematics `auto`, the linear one is returned if it agrees with the nonlinear one within the
- * scene's tolerance (analysis->is_nonlinear).
+ * Kinematics `auto`: the linear one, if it agrees with the nonlinear one within the scene's
+ * tolerance (analysis->is_nonlinear).
  *   displacement [free_dof] out  displacement of the structure; the last equilibrium where the load
  *       steps end before the full load, of which `error` then tells
  * Returns 0, or -1 with error filled.
@@ -141,8 +141,8 @@ int analysis_continue(analysis *analysis, double *displacement, char *error);
  * Compute the nonlinear displacement again with twice as many load steps, and compare. A large
  * difference says that the result may not lie on the load path. The solver's state is restored.
  *   displacement [free_dof] in  nonlinear displacement from analysis_solve
- * Returns the relative difference; HUGE_VAL where the full load is not reached; NAN where memory
- * runs out, and for bare faces, whose potentials cost many linear solves.
+ * Returns the relative difference; HUGE_VAL if the full load is not reached; NAN without memory or
+ * with bare faces (their potentials cost many linear solves).
  */
 double analysis_path_difference(analysis *analysis, const double *displacement);
 
@@ -191,10 +191,9 @@ double analysis_reaction(const analysis *analysis, const reactions *reactions, i
 /* Number of values (nodes or electrodes) of the scene's output with index k. */
 int analysis_outputs(const analysis *analysis, int k);
 /*
- * Return the index of the mesh node at which the i-th value of the scene's output with index k is
- * read. Where the output gives one value for several nodes, such as the force on a support, this is
- * the first of these nodes. Returns -1 for outputs without a node: voltages and charges of
- * electrodes, and force and number of nodes of the whole contact.
+ * Return the index of the mesh node at which the i-th value of the scene's output k is read; the
+ * first of several nodes that share one value, such as the force on a support; -1 for outputs
+ * without a node (voltages and charges, force and number of nodes of the whole contact).
  */
 int analysis_output_node(const analysis *analysis, int k, int i);
 /*
@@ -210,18 +209,16 @@ const char *analysis_output_electrode(const analysis *analysis, int k, int i);
 double analysis_capacitance(const analysis *analysis, int k, int is_free);
 
 /*
- * Ratio of the work that the scene's loads do on the structure with short-circuited sensor
- * electrodes to the work with open ones, in the reference state and without temperature changes.
- * Open electrodes make the structure stiffer, so that the ratio is at least 1. Returns NAN where
- * the scene has no loads or no open sensors, and for nonlinear kinematics.
+ * Return the ratio (at least 1) of the work of the scene's loads with short-circuited to that with
+ * open sensor electrodes, in the reference state without temperature changes: open electrodes
+ * stiffen the structure. NAN without loads or open sensors, and for nonlinear kinematics.
  */
 double analysis_stiffening(analysis *analysis);
 
 /*
- * Compute the influence of every input on every output, and the data of the least-squares problem
- * for the optimal voltages. The influence belongs to the reference state, or to the equilibrium
- * under the scene's loads where the scene asks for it (simulate.influence). Further calls do
- * nothing. Returns 0, or -1 with error filled.
+ * Compute the influence of every input on every output and the least-squares problem for the
+ * optimal voltages, in the reference state or, with simulate.influence, at the equilibrium under
+ * the scene's loads. Further calls do nothing. Returns 0, or -1 with error filled.
  */
 int analysis_influence(analysis *analysis, char *error);
 

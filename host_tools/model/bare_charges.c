@@ -61,9 +61,8 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
 }
 
 /*
- * Bare faces (faces of a layer without electrodes) have an unknown electric potential at each node.
- * Add the charges at these nodes, for one layer of an element, to the matrix of charges, in the
- * column of a temperature input (temperature load or heater).
+ * Add the charges at the nodes of one element on a bare face (without electrode) of a layer to the
+ * matrix of charges, in the column of a temperature input (temperature load or heater).
  *   factor in  temperature of the layer per kelvin of the input
  */
 static void add_temperature(const design *design, int layer, int element,

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Nodal charges of bare faces: faces of piezoelectric layers without electrodes, with an unknown
- * electric potential at each node. The nodal charge (C) is conjugate to the potential. The charge
- * matrix [electrodes and potentials][inputs] has the charges per unit of each input: first rows for
- * the electrodes of amplifiers and sensors, last rows for the potentials.
+ * Nodal charges (C) of bare faces: faces of piezoelectric layers without electrodes, whose electric
+ * potential at each node is unknown. Charge matrix [electrodes and potentials][inputs]: charges per
+ * unit of each input, first for the electrodes of amplifiers and sensors, last for the potentials.
  */
 #ifndef BARE_CHARGES_H
 #define BARE_CHARGES_H
@@ -13,8 +12,8 @@
 /*
  * Add to a matrix the charges, at zero strain, at the nodes of one element on bare faces (without
  * electrodes): under 1 V at each of these nodes and 1 K of each temperature input.
- *   dense [electrodes][inputs] in/out  charges (C) per unit of each input, potentials of bare faces
- *       included. Rows: first the electrodes, then the nodes of bare faces
+ *   dense [electrodes][inputs] in/out  charges (C) per unit of each input. Rows: electrodes, then
+ *       nodes of bare faces; columns include the potentials of these nodes
  */
 void bare_charges_add(const design *design, int element, double *dense);
 

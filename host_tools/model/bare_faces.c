@@ -38,9 +38,8 @@ static bool face_is_bare(const bare_faces *bare, int layer, int face)
 
 /*
  * Disjoint sets of slots (union-find). A slot is a node on an interface between two layers or on an
- * outer face of the laminate. Slots on bare faces (without electrodes) of the same layer in the
- * same element belong to the same set. A set without an electrode at 0 V determines its potentials
- * only up to a constant.
+ * outer face. Slots on bare faces (without electrodes) of one layer in one element belong to one
+ * set. A set without an electrode at 0 V determines its potentials only up to a constant.
  */
 typedef struct slot_sets {
     bool *used, *grounded; /* [slots] one entry for each node on an interface between layers. used:

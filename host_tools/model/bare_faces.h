@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Electric potentials of the bare faces of a scene: faces of piezoelectric layers without an
- * electrode. Each node on a bare face has a potential of its own, which is an input of the
- * structure as the voltage of an open electrode is, and whose charge is zero. The other face of a
- * layer with one bare face is an electrode at 0 V.
+ * Electric potentials of bare faces: faces of piezoelectric layers without an electrode. Each node
+ * on a bare face has a potential, an input of the structure like the voltage of an open electrode,
+ * with zero charge. The other face of a layer with one bare face is an electrode at 0 V.
  */
 #ifndef BARE_FACES_H
 #define BARE_FACES_H
@@ -41,14 +40,12 @@ typedef struct bare_faces {
                                                                 four corners of two faces */
     double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] capacitance
                                                                 matrices [8][8] (C/V), one for each
-                                                                element type (set of equal elements)
-                                                                and each pair of layers. An entry is
-                                                                the charge at one nodal potential of
-                                                                the first layer per volt of one
-                                                                nodal potential of the second layer.
-                                                                A layer has eight nodal potentials
-                                                                in an element: four corners on two
-                                                                faces. */
+                                                                element type and pair of layers:
+                                                                charge at a nodal potential of the
+                                                                first layer per volt of one of the
+                                                                second. The eight potentials are
+                                                                those of four corners on two faces
+                                                              */
 } bare_faces;
 
 /*
@@ -83,9 +80,8 @@ void bare_faces_numbers(const bare_faces *bare, int layer, int element,
 
 /*
  * Return the capacitance matrix [8][8] of the bare faces (without electrodes) of two layers in one
- * element (C/V). A layer has eight nodes with a potential in an element, four corners on each of
- * its two faces. Row: charge at such a node of `layer`; column: per volt at such a node of `other`,
- * at zero strain.
+ * element, at zero strain (C/V): charge at a node of `layer` (row) per volt at a node of `other`
+ * (column). The eight nodes are four corners on each of two faces.
  */
 const double (*bare_faces_capacitance(const bare_faces *bare, int layer, int other,
                                       int element))[POTENTIAL_NODES];
@@ -101,7 +97,7 @@ double bare_faces_potential(const bare_faces *bare, const double *value, int lay
                             int node);
 
 /*
- * Compute the electric field of a layer with bare faces (without electrodes), as means over the
+ * Compute the electric field of a layer with bare faces (without electrodes), as mean over an
  * element.
  *   value [inputs] in   input values, with the computed potentials
  *   voltage        out  voltage across the layer (V)

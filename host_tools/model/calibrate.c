@@ -174,8 +174,8 @@ static double unlikelihood(const spectrum *spectrum, double ratio)
 
 /*
  * Choose the most likely ratio of the variances of noise and model error from a logarithmic grid
- * around the mean eigenvalue. If the smallest ratio is almost as likely, it is chosen, so that the
- * measurements are trusted: noise and model error cannot be separated.
+ * around the mean eigenvalue, or the smallest ratio if it is almost as likely: measurements are
+ * then trusted, because noise and model error cannot be separated.
  *   is_separable out  whether they can be separated; not, for example, with few orthogonal pokes
  */
 static double choose_ratio(const spectrum *spectrum, bool *is_separable)

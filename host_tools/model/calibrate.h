@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Influence matrix from measurements. A poke is a measurement of the shape under known voltages of
- * all actuators, so that S = V B' + noise. Without a model, B is the least-squares solution, which
- * needs as many independent pokes as actuators. With a model, fewer pokes suffice, and the most
- * likely B is
+ * all actuators, so that S = V B' + noise. Without a model, B is the least-squares solution, from
+ * as many independent pokes as actuators. With a model, fewer pokes suffice:
  *   B' = B0' + V' (V V' + q I)^-1 (S - V B0').
  *   S   [pokes][outputs] measured shapes
  *   V   [pokes][actuators] voltages
@@ -84,8 +83,8 @@ enum { WIRING_FAULTS = 16 };
 /*
  * Find faults of electrodes and cables that explain the difference between measured shapes and a
  * model: first pairs of exchanged cables, then electrodes that do not act or act with the opposite
- * sign. A pair counts if its exchange lowers the sum of squared differences by the fraction
- * WIRING_GAIN or more.
+ * sign. A pair counts if its exchange lowers the sum of squared differences by at least the
+ * fraction WIRING_GAIN.
  *   fault          out  faults found, each with the index of its electrode
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns the number of faults, or -1 where memory runs out.

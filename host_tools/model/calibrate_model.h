@@ -38,8 +38,8 @@ typedef struct calibration_model {
 
 /*
  * Fit the factors of the scene's materials to the pokes (shapes measured under known voltages),
- * find wiring faults, and fit again. The logarithms of the factors have the prior standard
- * deviation MODEL_SPREAD, because pokes do not determine all of them.
+ * find wiring faults, and fit again. Pokes do not determine all factors; their logarithms have the
+ * prior standard deviation MODEL_SPREAD.
  *   nominal in  checked scene with a structure; its target nodes are the outputs of the pokes
  * Returns 0, or -1 with error filled; call calibration_model_free in either case.
  */

@@ -22,12 +22,12 @@ static const double decayed = 20;
 
 /*
  * Transition matrix of a control loop over one tick, while it is filled. It multiplies the states
- * just before a tick. Static coordinates are modal coordinates in equilibrium according to the
- * model. States of each vibration mode, each for all modes in turn:
+ * just before a tick. States of each vibration mode, each for all modes in turn (static
+ * coordinates: modal coordinates in equilibrium according to the model):
  *   e       deviation of the modal coordinate from equilibrium under the mean output voltages
  *   p       modal velocity divided by the angular frequency
  *   h       [delay + 1] static coordinates under the voltages that answer the last delay + 1
- *       measurements, the newest first; the commanded voltages are -h of `delay` ticks before
+ *       measurements, newest first; the commanded voltages are -h of `delay` ticks before
  *   output  only where the amplifiers lag: static coordinates under their output voltages at the
  *       tick, and under their mean output voltages in the interval before it
  */
@@ -118,10 +118,10 @@ static void fill_vibration(const transition *transition, size_t i, const double 
 }
 
 /*
- * Fill the rows of vibration mode i in the transition matrix for the states that hold former
- * values. One row computes the newest measured coordinate h. Each of the next `delay` rows takes
- * over the value of the measurement one tick newer. If the amplifiers lag, two more rows advance
- * the static coordinates under their output voltages and their mean output voltages.
+ * Fill the rows of vibration mode i in the transition matrix that hold former values: the newest
+ * measured coordinate h, then `delay` rows that take over the value one tick newer. If the
+ * amplifiers lag, two more rows hold the static coordinates under their output and mean output
+ * voltages.
  */
 static void fill_memory(const transition *transition, size_t i)
 {

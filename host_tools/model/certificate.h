@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Certificate of stability: whether the control loop, whose step treats each shape as an
- * equilibrium, is stable on a structure with mass. The simulated plant has the lowest vibration
- * modes and the static response of the others. The controller is pzs_tick without limits:
+ * equilibrium, is stable on a structure with mass. The plant has the lowest vibration modes and the
+ * static response of the others. The controller is pzs_tick without limits, which only slow the
+ * growth of vibration:
  *   v' = -F (q - g v),  F = (B'W^2 B + regularisation)^-1 B'W^2 C.
  *   v, v'  voltages before and after the tick
  *   q, g   modal coordinates measured `delay` ticks before, and their static response per volt
  *   B, C   influence matrix and mode shapes
  *   W      weights of the targets
- * Limits only slow the growth of vibration down. Stability depends on the product g F alone.
+ * Stability depends on the product g F alone.
  */
 #ifndef CERTIFICATE_H
 #define CERTIFICATE_H
@@ -67,13 +68,11 @@ typedef struct certificate_target {
     double worst;     /* largest distance of the shape, at the end of a storm (simulation with fast
                          target jumps), from the one at which the loop should come to rest; relative
                          to the norm of the target */
-    double at_gain, at_frequency; /* the simulated structure on which the loop did worst: its static
-                                     response to voltages (at_gain) and its natural frequencies
-                                     (at_frequency), both relative to the deformed structure. If a
-                                     storm (simulation with fast target jumps) failed, it is the
-                                     structure whose storm ended farthest from the best shape.
-                                     Otherwise it is the structure on which small vibrations grow
-                                     most. */
+    double at_gain, at_frequency; /* structure on which the loop did worst: static response to
+                                     voltages (at_gain) and natural frequencies (at_frequency),
+                                     relative to the deformed structure. If a storm (fast target
+                                     jumps) failed, the one whose storm ended farthest from the best
+                                     shape; else the one on which small vibrations grow most */
 } certificate_target;
 
 /*
@@ -102,10 +101,9 @@ typedef struct certificate_loop {
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
     double worst; /* largest distance, at the end of a storm (simulation with fast jumps of the
-                     target), of the shape from the best shape within the voltage limits. It is
-                     divided by the norm of the target, or by a fiftieth of a reference norm if that
-                     is larger. The reference norm is the root mean square norm of the shapes under
-                     half the voltage range of all amplifiers with random signs. */
+                     target), of the shape from the best shape within the voltage limits, over the
+                     norm of the target; at least over a fiftieth of the root mean square norm of
+                     shapes under half the voltage range with random signs */
     double worst_gain, worst_frequency,
         worst_step; /* worst_gain, worst_frequency: static response to voltages and natural
                        frequencies of the structure in the worst storm (simulation with fast target
@@ -148,12 +146,10 @@ typedef struct certificate_loop {
                                         relative to the controller's model, with which the control
                                         loop is stable */
     bool has_rates;                  /* true after stable tick rates have been searched */
-    double rate_from, rate_to; /* range of tick rates (1/s) around that of the scene at which the
-                                  control loop passes the tests of small vibrations and two storms
-                                  (simulations with fast jumps of the target), with constants of the
-                                  controller made for each rate; around the nearest such rate where
-                                  the loop of the scene is unstable; 0: none was found, or not
-                                  searched */
+    double rate_from, rate_to; /* range of tick rates (1/s) around that of the scene, or around the
+                                  nearest stable one, at which the loop, with tables made for each
+                                  rate, passes the tests of small vibrations and two storms (fast
+                                  jumps of the target); 0: none was found, or not searched */
 } certificate_loop;
 
 typedef struct certificate {
@@ -194,20 +190,18 @@ typedef struct certificate {
                                  simulations with fast jumps of the target */
     certificate_loop loop;    /* result of the stability tests of the loop whose control tick damps
                                  vibration */
-    double stable_rate; /* tick rate (1/s) up to which a control loop without a vibration model is
-                           stable at all rates tested. It is then stable on the model, and on
-                           structures with 0.8 to 1.33 times its response to voltages and 0.9 to 1.1
-                           times its natural frequencies. 0: no stable rate was found; infinite:
-                           every rate is stable */
+    double stable_rate; /* tick rate (1/s) up to which a loop without a vibration model is stable at
+                           all rates tested, on the model and on structures with 0.8 to 1.33 times
+                           its response to voltages and 0.9 to 1.1 times its natural frequencies; 0:
+                           none was found; infinite: every rate is stable */
 } certificate;
 
 void certificate_free(certificate *certificate);
 
 /*
- * certificate_older returns by how many ticks the sensor readings may be older than the scene file
- * states, and certificate_newer by how many ticks they may be newer, while the loop is stable.
- * Where the loop was also tested on the structure deformed to its target, both numbers hold for
- * this structure, too.
+ * Return by how many ticks the sensor readings may be older (certificate_older) or newer
+ * (certificate_newer) than the scene file states while the loop is stable. If the loop was also
+ * tested at its target shape, both numbers hold there, too.
  */
 int certificate_older(const certificate_loop *loop);
 int certificate_newer(const certificate_loop *loop);

@@ -34,26 +34,26 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Tick rates for which the stability of the control loop is tested. The lowest rate (1/s) is
- * scan_from x damping ratio x angular frequency of the first vibration mode (rad/s). Each further
- * rate is scan_step times the one before. The highest rate is scan_to x natural frequency of the
- * loop's last vibration mode (Hz).
+ * Tick rates for which the stability of the control loop is tested.
+ *   scan_from  lowest rate (1/s), over damping ratio times angular frequency of the first vibration
+ *       mode (rad/s)
+ *   scan_step  each further rate over the one before
+ *   scan_to    highest rate over the natural frequency of the loop's last vibration mode (Hz)
  */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
 /*
- * Structures on which the control loop must be stable, besides the model of the controller:
- * `responses` are their static responses to voltages, `lowest_frequency` their lowest natural
- * frequencies, both relative to the model. Higher frequencies need no test: they have the same
- * effect as the model's frequencies at a lower tick rate, and lower tick rates are tested.
+ * Structures on which the control loop must be stable besides the model: static responses to
+ * voltages (`responses`) and lowest natural frequencies, relative to the model. Higher frequencies
+ * need no test, because they act like the model's at a lower tick rate, and lower tick rates are
+ * tested.
  */
 static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
 
 /*
- * Natural frequencies, relative to the model's, of the structures on which a loop must be stable if
- * its amplifiers lag. Without lag, frequencies that are higher by a factor have the same effect as
- * a tick rate that is lower by this factor, and lower rates are tested anyway. With lag this is not
- * so, because the time constant of the amplifiers stays the same.
+ * Natural frequencies, relative to the model's, of the structures on which a loop with amplifier
+ * lag must be stable. The lag is why higher frequencies need a test of their own: they do not act
+ * like a lower tick rate, because the time constant of the amplifiers stays the same.
  */
 static const double frequencies[] = {1, 0.9, 1.1};
 
@@ -240,10 +240,10 @@ static bool fill_gains(gains *gains)
 }
 
 /*
- * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions. If
- * the controller measures mode j with the coordinate 1, it subtracts certain voltages from those
- * commanded. Entry (i, j) is the modal coordinate of mode i in static equilibrium under these
- * voltages. The caller frees the matrix; it is NULL where it cannot be computed.
+ * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions; NULL
+ * where it cannot be computed. Entry (i, j) is the modal coordinate of mode i in static equilibrium
+ * under the voltages that the controller subtracts for a measured unit of mode j. The caller frees
+ * it.
  */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
                           bool *assumes_measured)
@@ -287,9 +287,8 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Return the conditions of a stability test on a structure that differs from the model. The tick
- * interval and the lag are multiplied by `frequency`, which has the same effect as multiplying all
- * natural frequencies.
+ * Return the conditions of a stability test on a structure that differs from the model. `frequency`
+ * multiplies tick interval and lag, which has the effect of multiplying all natural frequencies.
  *   gain      in  static response of the structure to voltages, relative to the model
  *   frequency in  natural frequencies of the structure, relative to the model
  *   interval  in  time between ticks (s)
@@ -323,10 +322,9 @@ static bool is_stable_at(const assessed_loop *loop, double interval)
 }
 
 /*
- * Whether the control loop is stable at a tick rate, on all structures to be tested. If the tick
- * interval contains more than four periods of the first vibration mode, stability also depends on
- * the phase of the vibration at the tick. The loop must then also be stable at longer tick
- * intervals, which add fractions k / PHASES of one period.
+ * Return whether the control loop is stable at a tick rate on all structures to be tested. Above
+ * four periods of the first vibration mode in a tick, the phase of the vibration counts: the
+ * interval is then also tested with fractions k / PHASES of a period added.
  */
 static bool is_stable(const assessed_loop *loop, double rate)
 {

@@ -7,8 +7,8 @@
 
 /*
  * Compute the vibration modes of the scene and the stability of its control loop in the reference
- * state, unless the certificate has them already. What is unknown, and why, is a member of the
- * certificate, not an error.
+ * state, unless the certificate has them. What is unknown, and why, is stored in the certificate;
+ * it is no error.
  *   analysis in  analysis of the scene in the reference state; a target needs the influence matrix,
  *       not yet replaced by that of the deformed structure
  */

@@ -3,7 +3,7 @@
  * Clipped least squares, for comparison with the optimum within the voltage limits: least-squares
  * voltages without limits, each then clipped. The regularised variant (Tikhonov) minimises
  *   |W (B v - wanted)|^2 + (r + lambda s) |v - v0|^2.
- *   v, v0   voltages before clipping, and reference voltages
+ *   v, v0   voltages before clipping, and reference voltages (V)
  *   B, W    influence matrix and weights
  *   r       regularisation of the scene
  *   lambda  parameter; larger values give smaller voltages, of which fewer are clipped
@@ -57,8 +57,7 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage);
 
 /*
  * Find the regularisation parameter lambda with which the clipped voltages leave the smallest
- * weighted shape error: the best of 0 and a logarithmic grid, refined to three digits by golden
- * sections.
+ * weighted shape error, from 0 and a logarithmic grid, refined to three digits by golden sections.
  *   voltage [amplifiers] out  clipped voltages (V)
  *   lambda               out  the parameter found
  * Returns PZS_OK, PZS_E_WORKSPACE where memory runs out, or PZS_E_NONFINITE.

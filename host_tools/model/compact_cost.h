@@ -22,9 +22,9 @@ typedef struct compact_cost {
 } compact_cost;
 
 /*
- * Measure the time that this computer needs for the nodal forces and the stiffness matrix of one
- * element. A compact element type leaves out the tables that a device can compute from the nodes; a
- * full one stores them.
+ * Measure the time of this computer for the nodal forces and the stiffness matrix of one element:
+ * of a compact element type, without the tables that a device computes from the nodes, and of a
+ * full one.
  *   cost out  times; filled only where the mesh has compact element types
  * Returns whether the mesh has such types.
  */

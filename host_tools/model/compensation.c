@@ -52,9 +52,9 @@ static double offset_of(const pzs_hysteresis *tables)
 static const double least_after_reversal = 0.6;
 
 /*
- * Weaken the hysteresis model on one side of the middle of the voltage range. Weight moves from
- * play operators, those with the smallest slack first, to the slopes, until the smallest slope is
- * `least_after_reversal` of the sum of this slope and all weights.
+ * Weaken the hysteresis model on one side of the middle of the voltage range: weight moves from
+ * play operators, smallest slack first, to the slopes, until the smallest slope is
+ * `least_after_reversal` of its sum with all weights.
  *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part (dimensionless)
  *   weight                              in/out  weights of the play operators (dimensionless)
  */

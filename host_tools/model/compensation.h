@@ -10,10 +10,9 @@
 #include "pzs.h"
 
 /*
- * Hysteresis tables for two blocks (stages of computation) that a control loop runs in each tick.
- * Effect is the name for a voltage that acts on a ceramic without hysteresis as the true voltage
- * acts on the ceramic with hysteresis. One block computes effects from the present voltages. The
- * other computes voltages from effects. All amplifiers use the same numbers.
+ * Hysteresis tables for two blocks (stages of a control tick): one computes effects from the
+ * present voltages, the other voltages from effects. An effect is the voltage that would act alike
+ * on a ceramic without hysteresis. All amplifiers use the same numbers.
  */
 typedef struct compensation {
     bool is_used; /* true where the scene has a section `hysteresis`; otherwise all other members

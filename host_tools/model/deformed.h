@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A structure linearised about the equilibrium at its target: the influence matrix and the
- * vibration modes of the deformed, prestressed structure. At this equilibrium the output rows have
- * the displacements y0, the voltages are v0, and the influence matrix is B. Near it the output rows
- * are y = offset + B v with the offset y0 - B v0.
+ * A structure linearised about the equilibrium at its target, with influence matrix B and vibration
+ * modes of the deformed, prestressed structure. At this equilibrium the output rows are y0 and the
+ * voltages v0; near it the output rows are y = offset + B v with offset = y0 - B v0.
  */
 #ifndef DEFORMED_H
 #define DEFORMED_H
@@ -27,8 +26,8 @@ typedef struct deformed {
 } deformed;
 
 /*
- * Compute the equilibrium at the voltages with the smallest shape error for the target of the
- * scene, and linearise the structure there.
+ * Compute the equilibrium at the voltages with the smallest shape error for the scene's target, and
+ * linearise the structure there.
  *   nominal in  analysis of a scene with a target and all densities, whose kinematics is not linear
  *   modes   in  number of vibration modes
  * Returns 0, or -1 with error filled; call deformed_close in either case.

@@ -397,9 +397,8 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
 
 /*
  * Append columns of nodal forces per unit of input (1 V or 1 K): one for each amplifier of an
- * actuator, or for each electrode of a sensor. A column is a sum over the patches of the amplifier.
- * The voltage at a patch is the voltage of the amplifier times a factor of the scene file, which
- * multiplies its term in the sum.
+ * actuator, or electrode of a sensor. A column is the sum over the patches of the amplifier, each
+ * times the factor that the scene file gives to its voltage.
  */
 static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_builder *columns,
                           double *dense)

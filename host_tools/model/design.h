@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Design: the numerical model that is built from a scene (description of a structure and its task
- * in a file). Its inputs are columns of nodal forces, its outputs rows of weights of the dof. Once
- * the influence matrix is known, the design contains the voltage optimisation problem (least
- * squares for the voltages within their limits). All arrays are in double precision.
+ * Design: the numerical model of a scene, in double precision. Inputs are columns of nodal forces,
+ * outputs are rows of weights of the dof. With the influence matrix, the design also contains the
+ * voltage optimisation problem (least squares for the voltages within their limits).
  */
 #ifndef DESIGN_H
 #define DESIGN_H
@@ -21,7 +20,7 @@ enum { DESIGN_FREE = SCENE_FREE };
 
 /*
  * Source of the voltage limits that all amplifiers share. Held amplifiers keep their voltage with
- * the last two.
+ * LIMITS_GIVEN and LIMITS_NONE.
  *   LIMITS_SCENE  key `limits.voltage` of the scene file
  *   LIMITS_GIVEN  members lower and upper of common_limits; they only narrow an amplifier's own
  *       limits and those of the depolarisation field
@@ -75,12 +74,13 @@ typedef struct design {
     const scene *scene; /* the scene from which this numerical model is built, used only by the
                            functions that build the numerical model */
     mesh mesh;
-    pzs_structure structure;   /* linear structure. Inputs: amplifiers, loads, extra inputs,
-                                  electrodes of sensors, potentials of bare faces (without
-                                  electrodes). Outputs: target nodes, named outputs. Extra inputs
-                                  exist under nonlinear kinematics: follower loads, prescribed
-                                  displacements, motion of a contact's body. Their nodal forces are
-                                  empty: the equilibrium solver computes them */
+    /*
+     * Linear structure. Inputs: amplifiers, loads, extra inputs, electrodes of sensors, potentials
+     * of bare faces (without electrodes). Outputs: target nodes, named outputs. Extra inputs exist
+     * under nonlinear kinematics (follower loads, prescribed displacements, moved body); their
+     * nodal forces are empty here.
+     */
+    pzs_structure structure;
     pzs_electrodes electrodes; /* electrodes of the amplifiers and of the sensors, and potentials of
                                   bare faces (without electrodes); empty unless the scene has
                                   sensors or bare faces or asks for charges */
@@ -190,8 +190,8 @@ int design_control(design *design, const double *influence, char *error);
 
 /*
  * Compute the voltage limits of every amplifier.
- *   common  in  common limits of all amplifiers: those of the scene file (LIMITS_SCENE, as
- *       design_control has computed them), given limits (LIMITS_GIVEN), or none (LIMITS_NONE)
+ *   common  in  limits that all amplifiers share: of the scene file (LIMITS_SCENE, after
+ *       design_control), given (LIMITS_GIVEN), or none (LIMITS_NONE)
  *   lower, upper  [amplifiers] out  voltage limits (V)
  * Returns 0, or -1 with error filled where no voltage is allowed for an amplifier.
  */
@@ -327,7 +327,7 @@ void design_shape(const design *design, const double *displacement, double *shap
 double design_squares(const design *design, const double *shape, const double *wanted);
 
 /*
- * Difference between a shape and the wanted displacements, without its part along the free
+ * Compute the misfit: the shape minus the wanted displacements, without its part along the free
  * functions (shapes that may be added to the target at no cost).
  *   shape, wanted [targets] in  reached and wanted displacements
  *   misfit        [targets] out  the difference
@@ -346,8 +346,7 @@ void design_take_free(const design *design, double *shape);
 
 /*
  * Make the influence matrix for the least-squares problem of the voltages: without its part along
- * the target's free functions (shapes that may be added at no cost), and with rows on constrained
- * dof set to 0.
+ * the free functions (shapes that may be added to the target at no cost), and 0 on constrained dof.
  *   influence [outputs][stride]     in   influence matrix, the amplifiers' columns first
  *   column    [targets]             out  work array
  *   out       [targets][amplifiers] out  influence matrix for the least-squares problem

@@ -266,9 +266,8 @@ static int check_park_rows(const design *design, char *error)
 
 /*
  * Compute the park voltages, to which the supervisor returns after a fault: the scene's one for all
- * amplifiers, or the nearest to 0 within each amplifier's limits. If the nearest ones violate
- * limits between amplifiers, voltages that obey all limits replace them. Returns 0, or -1 with
- * error filled if the scene's park voltage violates limits.
+ * amplifiers, or the nearest to 0 within each amplifier's limits, changed where limits between
+ * amplifiers ask for it. Returns 0, or -1 with error filled if the scene's one violates limits.
  */
 static int build_park(design *design, char *error)
 {

@@ -42,8 +42,7 @@ static double row_sum(const scene_limit_row *row, const double *voltage)
 /*
  * Project voltages [amplifiers] on the set where a weighted sum of their absolute values is at most
  * `limit` (V): each absolute value falls by c times its weight, but not below 0. The number c
- * (`common`) is found iteratively. It is first computed as if no voltage reached 0, then again
- * without those that do, until no further voltage reaches 0.
+ * (`common`) is found by iteration, each time without the voltages that reach 0.
  */
 static void shrink(const scene_limit_row *row, double limit, double *voltage)
 {
@@ -88,8 +87,8 @@ static double project(const design *design, int k, double *voltage)
 }
 
 /*
- * Look for voltages that obey all limit rows (limits of sums of voltages) and voltage limits, by
- * projections on each limit in turn. They converge if such voltages exist.
+ * Search for voltages that obey all voltage limits and limit rows (limits of sums of voltages), by
+ * projections on each limit in turn, which converge if such voltages exist.
  *   is_used [rows] in  false: the limit row is ignored; NULL: all limit rows are used
  * Returns the largest violation after the last projections (V); 0 if all limits are obeyed.
  */

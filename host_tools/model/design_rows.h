@@ -18,8 +18,8 @@
 int design_rows_build(design *design, char *error);
 
 /*
- * Find voltages that obey all voltage limits and limit rows (limits of sums of voltages). They lie
- * near the reference voltages, to which the regularisation draws the optimum.
+ * Find voltages near the reference voltages, to which the regularisation draws the optimum, that
+ * obey all voltage limits and limit rows (limits of sums of voltages).
  *   lower, upper [amplifiers] in   voltage limits (V)
  *   safe         [amplifiers] out  the voltages found (V)
  * Returns 0, or -1 with error filled; the error names limits that contradict each other.

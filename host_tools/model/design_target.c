@@ -2,7 +2,7 @@
 /*
  * Target rows that no voltage can change, because they depend on constrained dof alone (their
  * weights become 0), and free functions, which may be added to the target at no cost. The projector
- * that removes from a vector its weighted least-squares fit by the free functions is
+ * that removes the weighted least-squares fit by the free functions from a vector is
  *   P = I - F F'W^2, with F orthonormal: F'W^2 F = I.
  *   W  weights of the target rows
  *   F  free functions at the target nodes

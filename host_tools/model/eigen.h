@@ -15,9 +15,9 @@
 void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligible);
 
 /*
- * Spectral radius of any square matrix A by repeated squaring: the norm of A^k to the power 1/k
- * with k = 2^squarings (Gelfand's formula). The result exceeds the spectral radius by a factor of
- * at most about (condition of the eigenvectors)^(1/k).
+ * Return the spectral radius of a square matrix A by repeated squaring, |A^k|^(1/k) with k =
+ * 2^squarings (Gelfand's formula). It is too large by a factor of at most about (condition of the
+ * eigenvectors)^(1/k).
  *   a    [n][n] in/out  matrix A; overwritten
  *   work [n][n] out  work array
  */

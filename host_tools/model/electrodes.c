@@ -44,8 +44,8 @@ static void make_room(across_list *list, int more)
 
 /*
  * Append the voltages that one actuator or sensor applies in an element to a list. An entry names a
- * ply, an input (the voltage of an amplifier or of an open electrode), and the voltage across the
- * ply per volt of this input. A ply may appear several times.
+ * ply, an input (voltage of an amplifier or open electrode), and the voltage across the ply per
+ * volt of the input. A ply may appear several times.
  *   first in  index of the first input of the actuator or sensor
  */
 static void append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
@@ -145,10 +145,9 @@ static void add_element(const design *design, int element, across_list *list, do
 }
 
 /*
- * List the inputs that are voltages: first the amplifiers, except those that drive a temperature or
- * a stack actuator; then the electrodes of sensors; then the potentials of bare faces. Potentials
- * count as open electrodes, because no charge comes to a face without electrode. Returns the number
- * of these inputs.
+ * List the inputs that are voltages and return their number: amplifiers, except those of
+ * temperatures and stack actuators; electrodes of sensors; potentials of bare faces. Potentials
+ * count as open electrodes, because no charge comes to a face without electrode.
  */
 static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open)
 {

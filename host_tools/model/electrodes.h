@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Table of the library for the electrodes of a scene. It has rows for the electrodes of amplifiers
- * and sensors, and for the nodes of bare faces (faces of a layer without electrodes), whose
- * electric potentials are unknown. The table contains the charge that each input causes on each
- * electrode and at each of these nodes while the shell does not deform.
+ * Table of the library for the electrodes of a scene, with rows for the electrodes of amplifiers
+ * and sensors and for the nodes of bare faces (without electrodes), whose potentials are unknown.
+ * Entries: charge that each input causes there while the shell does not deform.
  */
 #ifndef ELECTRODES_H
 #define ELECTRODES_H

@@ -449,9 +449,8 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
 
 /*
  * Set full_input, the input values of the scene at full load: applied voltages (V), and load
- * factors of 1. A follower load (load that turns with the shell) has two inputs. The one in the
- * list of loads stays 0, because it would not turn. The one among the extra inputs, which follow
- * the list of loads, is 1.
+ * factors of 1. A follower load (turns with the shell) has a second input among the extra ones,
+ * which is 1; its input in the list of loads, which would not turn, stays 0.
  */
 static void set_full(equilibrium *equilibrium)
 {

@@ -37,7 +37,8 @@ typedef struct equilibrium {
 /*
  * Build the tables of prescribed resultants, follower loads and contact, and an equilibrium solver
  * in the reference state.
- *   design in numerical model of a scene whose kinematics is not linear; must outlive `equilibrium`
+ *   design in      numerical model of a scene whose kinematics is not linear; must outlive
+ *       `equilibrium`
  *   model  in/out  model initialised on the structure of the design
  * Returns PZS_OK or the status of the library; after an error `equilibrium` is empty.
  */

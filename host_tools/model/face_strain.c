@@ -51,10 +51,9 @@ static cell cell_of(const mesh *mesh, int element, int face, double (*point)[2][
 }
 
 /*
- * Compute both principal strains of one face of an element. They are the eigenvalues of the
- * generalised eigenproblem e x = lambda g x. e is the strain tensor and g the metric tensor of the
- * face, both 2 x 2 with components in the basis of the two vectors between the midpoints of
- * opposite edges.
+ * Compute both principal strains of one face of an element: the eigenvalues of e x = lambda g x
+ * with the strain tensor e and metric tensor g, 2 x 2 in the basis of the two vectors between the
+ * midpoints of opposite edges.
  *   strain [2] out  the lower and the higher principal strain
  */
 static void principal_strains(const cell *cell, bool is_linear, double strain[2])

@@ -161,8 +161,8 @@ static void full_force(arc_search *arc_search)
 }
 
 /*
- * Add to a change of the displacement what follows from the open electrodes, which keep their
- * charge: the changes of their voltages, and the displacement that these cause.
+ * Complete a change of the displacement where open electrodes keep their charge: compute the
+ * changes of their voltages, and add the displacement that these cause.
  *   input  in  cause of the change: index of an input of one unit; NEWTON: residual forces and
  *       charges; NO_INPUT: nodal forces without charges
  *   change [free dof, then open electrodes] in/out  changes of displacement and voltages
@@ -202,7 +202,7 @@ static bool add_charges_of_load(arc_search *arc_search)
 /*
  * Factor the tangent stiffness matrix at the present point of an arc-length step, and solve for the
  * changes of displacement and voltages under the residual forces and per unit of the load factor.
- *   uses_true_resultants in  true: the geometric stiffness comes from the stress resultants of the
+ *   uses_true_resultants in  true: geometric stiffness from the stress resultants of the
  *       displacement; false: from resultants extrapolated from the previous iteration
  * Returns false if the tangent stiffness matrix is singular.
  */
@@ -226,10 +226,9 @@ static bool solve_both(arc_search *arc_search, bool uses_true_resultants)
 /* ---- one step --------------------------------------------------------- */
 
 /*
- * Change c of the load factor with which the corrected increment of the displacement, increment +
- * by_residual + c by_load, has the length `arc`. The vectors by_residual and by_load are the
- * changes of displacement by the residual forces and per unit of the load factor. Of the two
- * solutions, the one that turns the increment less is returned; NAN where there is none.
+ * Return the change c of the load factor with which increment + by_residual + c by_load (changes of
+ * the displacement by the residual forces, and per unit of the load factor) has the length `arc`.
+ * Of two solutions, the one that turns the increment less counts; NAN where there is none.
  */
 static double constrained_change(const arc_search *arc_search, double arc)
 {
@@ -252,10 +251,9 @@ static double constrained_change(const arc_search *arc_search, double arc)
 }
 
 /*
- * Complete one iteration of an arc-length step: change the load factor by `change`, and add two
- * parts to the increment of displacement and voltages: the part that the residual forces cause
- * (by_residual), and the part that the change of the load factor causes (change times by_load).
- * Returns the squared norm of what was added.
+ * Complete one iteration of an arc-length step: change the load factor by `change`, and add
+ * by_residual + change by_load (effects of the residual forces and of the load factor) to the
+ * increment of displacement and voltages. Returns the squared norm of what was added.
  */
 static double add_changes(arc_search *arc_search, double change)
 {
@@ -328,8 +326,8 @@ static bool restore_start(arc_search *arc_search)
  * stiffness is factored; then correct it.
  *   change in  first change of the load factor
  *   arc    in  length of the step; 0: the load factor stays at its first change
- * Returns whether the step has converged without reversing the direction of the path. The tangent
- * stiffness then belongs to the new point; `start` is still the old one.
+ * Returns whether the step has converged without reversing the path. The tangent stiffness is then
+ * that of the new point; `start` is the old point.
  */
 static bool make_step(arc_search *arc_search, double change, double arc)
 {
@@ -487,9 +485,8 @@ typedef struct step_control {
 
 /*
  * Choose the length of the next step on the load path: longer after fewer iterations than
- * control->usual, shorter after more. With follower loads the tangent is approximate, and shorter
- * steps do not converge faster. Where a shortened step has taken at least as many iterations as the
- * one before, control->usual is therefore raised to this number.
+ * control->usual, shorter after more. A shortened step with no fewer iterations than the one before
+ * raises `usual`: follower loads have an approximate tangent, so that shorter steps do not help.
  */
 static void adapt_length(step_control *control, double arc, int iterations)
 {

@@ -11,8 +11,8 @@
 
 /*
  * Compute the load path from the reference state to the full load, and leave the solver of the
- * analysis at the last point. A path that ends early is kept: is_complete is 0 and `error` says
- * where the path ended.
+ * analysis at the last point. A path that ends early is kept: is_complete is 0, and `error` says
+ * where it ended.
  *   analysis in/out  with an equilibrium solver in the reference state
  * Returns 0, or -1 with error filled.
  */

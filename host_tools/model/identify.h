@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Identification of hysteresis and creep of a ceramic from one measured sweep of voltage and
- * position. Bounded least squares fit the slopes, weights and creep amplitudes of the section
- * `hysteresis` of a scene file; slacks and time constants are prescribed. The model is
+ * position, best a triangle of decreasing amplitude and then a constant voltage. Bounded least
+ * squares fit the section `hysteresis` of a scene file, with prescribed slacks and time constants,
+ * to the model
  *   position = position at the start + gain x effect.
  *   effect  voltage (V) that would act alike without hysteresis and creep (pzs_hysteresis)
  *   gain    position per volt of the effect
- * The best sweep is a triangle of decreasing amplitude, then a constant voltage.
  */
 #ifndef IDENTIFY_H
 #define IDENTIFY_H
@@ -37,7 +37,7 @@ typedef struct identification {
 } identification;
 
 /*
- * Fit the numbers of the hysteresis and creep model to a measured sweep of an actuator.
+ * Fit the hysteresis and creep model to a measured sweep of an actuator.
  *   plays in   number of play operators, 1 to SCENE_PLAYS; more than 8 hardly improve the fit
  *   gain  in   position per volt without hysteresis and creep; 0: unknown, taken as the change of
  *       position over that of voltage, from the lowest to the highest voltage

@@ -115,9 +115,9 @@ static bool invert_steps(steps *steps, double *factor)
 /* ---- responses ------------------------------------------------------------ */
 
 /*
- * Compute by how much each voltage step changes the static value of a mode's coordinate. The
- * coordinate does not jump, so that the free vibration about the static value jumps by minus this
- * change; the changes are real if the assumed delay is right.
+ * Compute by how much each voltage step changes the static value of a mode's coordinate: minus the
+ * jump of the free vibration, because the coordinate itself does not jump. The changes are real if
+ * the assumed delay is right.
  *   delay in          assumed delay with which the voltages act (samples)
  *   value [count] out  real parts of the changes (multiples of the mode's shape)
  *   total in/out      sum to which the squared absolute values of the changes are added
@@ -176,9 +176,9 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return the unexplained fraction of the static changes by the voltage steps, for an assumed delay
- * (samples): squared residuals of a fit linear in the voltages, over the squared changes. Residuals
- * include the imaginary parts of the changes, which are zero at the right delay.
+ * Return the fraction of the static changes by the voltage steps that a fit linear in the voltages
+ * leaves unexplained, for an assumed delay (samples): squared residuals over squared changes.
+ * Imaginary parts of the changes, zero at the right delay, count as residuals.
  *   squares  out  sum of the squared residuals (multiples of the mode shapes, squared)
  */
 static double unexplained(const steps *steps, double delay, double *squares)

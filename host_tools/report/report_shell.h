@@ -33,8 +33,9 @@ bool view_has_parameters(const mesh *mesh);
 
 /*
  * Functions of a view:
- *   view_axes     computes the axes of a view from the direction towards the viewer; the axis `up`
- * of space points upwards in the picture view_include  extends a view so that a point is visible
+ *   view_axes     computes the axes of a view from the direction towards the viewer; the axis
+ *       `up` of space points upwards in the picture
+ *   view_include  extends a view so that a point is visible
  *   view_fit      fits the included points into a picture, at least `least` pixels high
  *   view_project  computes the pixel coordinates of a point
  */
