@@ -150,9 +150,9 @@ static double area_below(const side *one, const side *other, double base)
 }
 
 /*
- * Return the area common to two polygons, as a sum over all pairs of their sides. A pair
- * contributes the area between the height `base` and the lower side, over their common range of x:
- * positive where both run in the same direction of x, otherwise negative.
+ * Return the area common to two polygons, as a sum over pairs of their sides: area between the
+ * height `base` and the lower side over the common range of x, negative where both run in opposite
+ * directions of x.
  *   one, other out  work arrays for the sides of each polygon
  */
 static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,
@@ -170,9 +170,8 @@ static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one
 
 /*
  * The area of a polygon is the sum, with signs, of the areas between its sides and a horizontal
- * line below it. The same sum over all pairs of a side of one polygon and a side of the other, with
- * the area below both sides, is the area of their intersection. Both polygons are first clipped to
- * the rectangle that their bounding boxes have in common.
+ * line below. Summed over pairs of sides of two polygons, the areas below both sides give the
+ * intersection. Both polygons are first clipped to the common rectangle of their bounding boxes.
  */
 double polygon_common_area(const polygon *one, const polygon *other)
 {

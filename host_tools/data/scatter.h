@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Interpolation between values at scattered points by moving least squares: a linear function is
- * fitted to the points nearest to a place, weighted with the inverse squares of their distances.
- * The result equals the given value at a point, is exact for linear functions in all directions
- * that the points span, and is constant in a direction that they do not span.
+ * Interpolation between values at scattered points by moving least squares: a linear function
+ * fitted to the nearest points, with weights 1/distance^2. It equals the value at a point, is exact
+ * for linear functions in directions that the points span, and constant in others.
  */
 #ifndef SCATTER_H
 #define SCATTER_H

@@ -9,9 +9,9 @@
 #include "../mesh/mesh.h"
 
 /*
- * Return the largest change of the angle between the lines through the thickness at the two nodes
- * of an element's side (degrees). Above about 15 degrees at a moving sharp fold, the mesh adds
- * limit points that the shell does not have.
+ * Return the largest change of the angle between the lines through the thickness at both ends of an
+ * element's side (degrees). Above about 15 degrees at a moving sharp fold, the mesh adds limit
+ * points that the shell does not have.
  *   displacement [free_dof] in   displacement vector of the structure
  *   element                 out  index of the element with that side
  */

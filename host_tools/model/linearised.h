@@ -21,7 +21,8 @@ typedef struct linearised {
 
 /*
  * Compute the tangent stiffness matrix and the forces of all inputs at the equilibrium of a solver.
- * The factors in the solver's model are overwritten: compute the influence matrix there before.
+ * Compute the influence matrix there before, because the factors in the solver's model are
+ * overwritten.
  *   solver in/out  equilibrium solver of the structure, at an equilibrium
  * Returns whether memory sufficed; call linearised_free in either case.
  */

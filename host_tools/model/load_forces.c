@@ -18,10 +18,9 @@ static bool has_vector(const scene_load *load)
 }
 
 /*
- * Compute the vector of a load at a node, in the local axes of the node: the direction of the load
- * times its value. If the scene gives the load per area of the loaded face, the value is multiplied
- * by the ratio of this area to the area of the reference surface. A pressure acts along the
- * thickness direction.
+ * Compute the vector of a load at a node, in its local axes: the direction of the load (thickness
+ * direction for a pressure) times the value. A load per area of the loaded face is multiplied by
+ * the ratio of this area to that of the reference surface.
  */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
                         double vector[3])

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Load path: the curve of equilibria from the reference state, with all input values multiplied by
- * one load factor. The arc-length method (Crisfield 1981), with steps of prescribed length, follows
- * it beyond limit points, where the load decreases. Prescribed displacements, moving contact bodies
- * and shells held by contact alone need equal steps of the load factor, which end at a limit point.
+ * Load path: the curve of equilibria from the reference state, with one load factor on all input
+ * values. The arc-length method (Crisfield 1981) follows it beyond limit points, where the load
+ * decreases. Prescribed displacements, moving contact bodies and shells held by contact alone need
+ * equal steps of the load factor, which end at a limit point.
  */
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H

@@ -42,9 +42,9 @@ typedef struct loaded_modes {
 } loaded_modes;
 
 /*
- * Compute the vibration modes of a scene. If its kinematics is not linear and loads, applied
- * voltages or prescribed displacements deform it, the modes belong to the deformed equilibrium;
- * otherwise to the reference state.
+ * Compute the vibration modes of a scene: about the deformed equilibrium if its kinematics is not
+ * linear and loads, applied voltages or prescribed displacements deform it; otherwise about the
+ * reference state.
  *   number in  number of modes, reduced to the number that the structure has
  * Returns 0, or -1 with error filled; call loaded_modes_close in either case.
  */

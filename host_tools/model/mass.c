@@ -47,9 +47,9 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
 
 /*
  * Compute integrals over the thickness of an element, per area, for its mass matrix: density times
- * two displacement functions times (1 + k1 z)(1 + k2 z), over the plies, each of which counts by
- * the fraction of the area that it covers. The functions are constant, linear and quadratic in the
- * height z; k1 and k2 are the principal curvatures.
+ * two displacement functions (constant, linear, quadratic in the height z) times (1 + k1 z)(1 + k2
+ * z) with the principal curvatures k1, k2. Each ply counts by the fraction of the area that it
+ * covers.
  *   m [FUNCTIONS][FUNCTIONS] out  integral for each pair of displacement functions
  */
 static void moments(const laminate *laminate, const laminate_place *place, double per_area,
@@ -116,10 +116,9 @@ static void fill_element(const mesh *mesh, int element, double lumped,
 }
 
 /*
- * Motion of a concentrated mass for a unit of one dof of a corner of its element, as vectors in
- * space: the displacement of the face with which the mass moves, and its rotation. With the normal
- * D, and with beta the difference of both faces' displacements over the thickness, the rotation is
- * D x beta.
+ * Compute the displacement and rotation of a concentrated mass for a unit of one dof of a corner of
+ * its element, as vectors in space. The rotation is D x beta, with the normal D, and beta, the
+ * difference of both faces' displacements over the thickness.
  *   index in  dof of the corner, 0 to 6
  */
 static void motion_of_mass(const mesh *mesh, const mesh_mass *mass, int corner, int index,

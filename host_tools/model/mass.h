@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mass matrix of a mesh, for the same dof as the stiffness matrix. Displacement vectors, not
- * components, are interpolated between the nodes, so that a rigid translation has exactly the mass
- * of the structure. A concentrated mass is part of one element that contains its point. At a node,
+ * components, are interpolated, so that a rigid translation has exactly the mass of the structure.
+ * A concentrated mass is part of one element that contains its point. At a node,
  *   u(t) = mean + t difference + h (1 - 4 t^2/h^2) q e3.
  *   t           height above the middle of a laminate of thickness h
  *   mean        mean of both faces' displacements
@@ -29,7 +29,7 @@ typedef struct mass {
 
 /*
  * Build the element mass matrices as a weighted mean of the consistent and the lumped matrix, with
- * the metric of curved plies, the scene's additional mass per area and its concentrated masses.
+ * curved plies and the scene's additional mass per area and concentrated masses.
  *   lumped in  weight of the lumped matrix, from 0 to 1
  * Returns 0, or -1 with error filled where a material has no density or memory runs out.
  */

@@ -174,9 +174,9 @@ static double find_rest(const comparison *c)
 
 /*
  * Return by how much the explained fraction |Q B|^2/|B|^2 of the influence matrix B
- * [outputs][amplifiers] grows if its rows i and j are swapped. Q [modes][outputs] is an orthonormal
- * basis of the mode shapes. The swap adds the product of two vectors to Q B: column i minus column
- * j of Q, times row j minus row i of B.
+ * [outputs][amplifiers] grows if its rows i and j are swapped, with the orthonormal basis Q
+ * [modes][outputs] of the mode shapes. The swap adds (column i - column j of Q)(row j - row i of B)
+ * to Q B.
  */
 static double gain_of_swap(const comparison *c, size_t i, size_t j)
 {
@@ -257,8 +257,8 @@ static void sum_up(const double *value, size_t count, size_t stride, double *sum
 
 /*
  * Return the fraction of the influence matrix's squared entries that the mode shapes would leave
- * unexplained on average if the outputs were in random order. A vector x of their orthonormal basis
- * explains (x . y)^2 of a column y with n entries, of which the mean over all orders is
+ * unexplained on average with the outputs in random order. A vector x of their orthonormal basis
+ * explains (x . y)^2 of a column y with n entries; its mean over all orders is
  *   |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
  */
 static double random_rest(const comparison *c)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Comparison of measured vibration modes with a measured influence matrix B [outputs][amplifiers].
- * The static part of a mode is its shape times its static response to each amplifier. B is the sum
- * of the static parts of all modes and a remainder. A large remainder shows that the mode shapes
- * list the outputs in another order than B; swapping rows of B then makes it smaller.
+ * B is the sum of the modes' static parts (shape times static response to each amplifier) and a
+ * remainder. A large remainder that falls when rows of B are swapped shows outputs in another
+ * order.
  */
 #ifndef MATRIX_MODES_H
 #define MATRIX_MODES_H
@@ -52,8 +52,8 @@ enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle);
 
 /*
- * Compute the static modal coordinates of all vibration modes under 1 V at one amplifier: those of
- * the scene file, or a least-squares fit of the mode shapes to the amplifier's column of the
+ * Compute the static modal coordinates of all vibration modes under 1 V at one amplifier: from the
+ * scene file, or by a least-squares fit of the mode shapes to the amplifier's column of the
  * influence matrix.
  *   basis     [modes][outputs] in   orthonormal basis of the mode shapes, from matrix_modes_basis
  *   triangle  [modes][modes]   in   mode shapes in this basis

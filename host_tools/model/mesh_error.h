@@ -43,8 +43,8 @@ typedef struct mesh_error {
 
 /*
  * Estimate the discretisation error from the results on two or three meshes, the element size of
- * which halves from one to the next. The result is extrapolated with second order, the order of the
- * element's displacement. The uncertainty, at least 1e-9 of the result, is
+ * which halves from one to the next. The result is extrapolated with second order. The uncertainty,
+ * at least 1e-9 of the result, is
  *   1.5 |d|                                      for two meshes
  *   max(|d|, |c|/4)                              for three meshes
  *   max(|d|, |c|/4) + |d|/(c/d - 1) - |d|/3      for three meshes, convergence below second order

@@ -8,9 +8,9 @@
 #include "vibration.h"
 
 /*
- * Damping ratio of a vibration mode, from the scene's section `dynamics`. The section gives one
- * ratio for all modes, or a list whose last entry also applies to all later modes, or Rayleigh
- * damping a/(2 w) + b w/2 with the angular frequency w.
+ * Return the damping ratio of a vibration mode from the scene's section `dynamics`: one ratio for
+ * all modes, a list whose last entry also applies to all later modes, or Rayleigh damping a/(2 w) +
+ * b w/2 with the angular frequency w.
  *   mode      in  0 for the first mode that is not a rigid motion
  *   frequency in  angular frequency (rad/s)
  */

@@ -33,8 +33,8 @@ void node_add(const mesh *mesh, int node, double factor, const double *weight, d
 /*
  * Add the nodal forces that prescribed stress resultants of one element cause in the reference
  * state to a vector over the free dof.
- *   h0  [10] in  resultants times the area of the element (N m) for mean and difference of both
- *       faces for the strains 11, 22, 33 and 12; then the strains 13 and 23
+ *   h0  [10] in  resultants times the area of the element (N m), in the order of the ten strains
+ *       (laminate.h)
  *   dense  [free_dof] in/out  nodal forces of the structure
  */
 void node_add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],

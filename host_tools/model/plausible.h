@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Plausibility of a scene and of its results: rules that compare a number with its usual range, or
- * with the range in which the theory is valid. A number outside the range leads to a warning: the
- * result is valid, but the user should be told. Rules on numbers with units apply to scenes whose
- * `units` are SI units; rules on ratios apply to every scene.
+ * with the range in which the theory is valid. A number outside causes a warning; the result is
+ * valid. Rules on numbers with units apply to scenes in SI units, rules on ratios to every scene.
  */
 #ifndef PLAUSIBLE_H
 #define PLAUSIBLE_H
@@ -99,9 +98,9 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
 void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded);
 
 /*
- * Warn where the loads of a scene, which the supervisor of its loop tolerates at once, move the
- * target nodes so far compared with the voltages that reversed amplifiers may not be noticed.
- * Displacements are root mean squares over the target nodes (length unit of the scene).
+ * Warn where the supervisor may not notice reversed amplifiers, because the loads of a scene, which
+ * it tolerates at once, move the target nodes far compared with the voltages. Displacements are
+ * root mean squares over the target nodes (length unit of the scene).
  *   load  in  displacement under all loads
  *   reach in  displacement under half the voltage range of all amplifiers with random signs
  */
@@ -126,11 +125,10 @@ void plausible_print(FILE *file, const plausible *warnings);
 void plausible_json(json *json, const plausible *warnings);
 
 /*
- * Largest absolute principal strain at the centres of the elements, on both faces: linear strain
- * where the displacement is linear, otherwise Green's strain. Rigid motions cause no strain; with
- * linear strain this holds to first order.
- *   where out  index of the element with the largest strain
- * Returns the strain, or NAN where memory runs out.
+ * Return the largest absolute principal strain at the centres of the elements, on both faces, or
+ * NAN where memory runs out. Rigid motions cause no strain; linear strains only to first order.
+ *   is_linear in   whether the displacement is linear: linear strain, otherwise Green's strain
+ *   where     out  index of the element with the largest strain
  */
 double plausible_strain(const mesh *mesh, const double *displacement, int is_linear, int *where);
 

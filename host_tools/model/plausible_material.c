@@ -253,9 +253,9 @@ static double strongest_piezo(const scene *scene, const scene_material *material
 
 /*
  * Measure the largest piezoelectric strain constant of a material times the square root of its
- * largest Young's modulus. This number is the electromechanical coupling factor times the square
- * root of the permittivity; from quartz and PVDF to single crystals it varies by little more than a
- * factor of 100.
+ * largest Young's modulus: the electromechanical coupling factor times the square root of the
+ * permittivity. From quartz and PVDF to single crystals it varies by little more than a factor of
+ * 100.
  */
 int measure_piezo_coupling(const subject *of, int k, measured *found)
 {

@@ -11,10 +11,9 @@
 /* ---- irregular meshes --------------------------------------------------- */
 
 /*
- * Start a plausibility rule on irregular meshes, which checks one number of the mesh. A rule is
- * asked for its numbers k = 0, 1, ... until there is none. Store the place in the scene file in
- * `found`. Returns true for k = 0 on a mesh of quadrilaterals, and false otherwise, because a mesh
- * along lines of curvature is regular.
+ * Start a plausibility rule on irregular meshes, which has one number, k = 0, and store its place
+ * in the scene file. Returns whether k is 0 and the mesh is of quadrilaterals; a mesh along lines
+ * of curvature is regular.
  */
 static int is_first(const subject *of, int k, measured *found)
 {
@@ -130,8 +129,8 @@ int measure_points_height(const subject *of, int k, measured *found)
 }
 
 /*
- * Compute the bending and shear stiffnesses of the laminate, for the one number of a plausibility
- * rule on transverse shear.
+ * Compute the bending and shear stiffnesses of the laminate for a plausibility rule on transverse
+ * shear, which has one number, k = 0.
  *   k       in   index of the number that the rule is asked for
  *   bending out  stiffnesses
  *   wave    out  squared wave number of a half sine wave over the shorter side of the structure

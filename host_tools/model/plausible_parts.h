@@ -68,10 +68,9 @@ typedef struct measured {
 } measured;
 
 /*
- * Function that computes a number which a plausibility rule compares with its usual range, from the
- * scene, mesh or result `of`. Some rules have several numbers, for example one for each material:
- * the function is called with k = 0, 1, ... until it returns 0. Returns 1 with the number stored in
- * `found`, or 0 if the rule has no k-th number.
+ * Function that computes number k, from 0, which a plausibility rule compares with its usual range,
+ * from the scene, mesh or result `of`; some rules have several, such as one for each material.
+ * Returns 1 with the number stored in `found`, or 0 if the rule has no k-th number.
  */
 typedef int measure(const subject *of, int k, measured *found);
 

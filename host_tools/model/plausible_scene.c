@@ -169,8 +169,8 @@ typedef struct bend {
 
 /*
  * Return the number of elements that a point force requires on a quarter turn of a curved shell:
- * two for each wave of its dent, at most one for each bending length sqrt(R h). A strip narrower
- * than this length bends like a ring and gives 0. The dent has (R/h)^(1/4) (R/L)^(1/2) waves.
+ * two for each of the (R/h)^(1/4) (R/L)^(1/2) waves of its dent, at most one for each bending
+ * length sqrt(R h). A strip narrower than this length bends like a ring and gives 0.
  *   R, h, L  radius, thickness and length of the shell
  */
 static double elements_needed(const bend *bend)

@@ -10,7 +10,7 @@
  *   frequency in   angular frequency w (rad/s)
  *   damping   in   damping ratio
  *   interval  in   length of the time interval (s)
- *   r [4]     out  entries 11, 12, 21 and 22 of the matrix
+ *   r [4]     out  factors in both equations (dimensionless)
  */
 void modal_propagator(double frequency, double damping, double interval, double r[4]);
 

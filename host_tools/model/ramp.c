@@ -9,11 +9,11 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * Settings of a second computation of an equilibrium with loads that rise more slowly. With these a
- * test scene, a soft hyperboloid shell, converges in one load step on every mesh.
- *   LONG_RAMP        linear solves at the start of a load step over which the loads rise
+ * Settings of a second computation of an equilibrium with loads that rise more slowly.
+ *   LONG_RAMP        linear solves at the start of a load step over which the loads rise; enough
+ *       for a soft hyperboloid shell to converge in one load step on every mesh
  *   SOLVES_PER_STEP  largest number of linear solves for each load step that the scene asks for;
- *       the test scene needs a third of them
+ *       three times as many as that shell needs
  */
 enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 
@@ -55,7 +55,7 @@ static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *s
 
 /*
  * Compute an equilibrium a second time with loads that rise more slowly. The second result is kept
- * if the first try failed or both end at the same displacement; otherwise the first is restored.
+ * if the first try failed or both have the same displacement; otherwise the first is restored.
  *   status in             status of the first try
  *   first  [free_dof] in  displacement of the first try
  *   state  in             state of the equilibrium solver after the first try

@@ -6,9 +6,9 @@
 #include "equilibrium.h"
 
 /*
- * Compute the equilibrium at given input values from the reference state. If the first try fails or
- * shortens load steps, a second one with more slowly rising loads follows, unless the scene states
- * `ramp_solves`. The settings of the better try stay in the solver.
+ * Compute the equilibrium at given input values from the reference state; again with more slowly
+ * rising loads if that fails or shortens load steps, unless the scene states `ramp_solves`. The
+ * settings of the better try stay in the solver.
  *   value [inputs] in  input values (V, K, Pa or load factors)
  * Returns the status of the solver.
  */

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reactions: forces and moments of the supports on the shell. The reaction on a constrained dof is
- * the internal force of the elements minus the forces of loads, springs and contact. Points and
- * directors are those of the deformed shell under nonlinear kinematics, otherwise of the undeformed
- * shell. Host only: device tables have no constrained dof.
+ * Reactions: forces and moments of the supports on the shell, at the deformed shell under nonlinear
+ * kinematics. The reaction on a constrained dof is the internal force of the elements minus the
+ * forces of loads, springs and contact. Host only: device tables have no constrained dof.
  */
 #ifndef REACTIONS_H
 #define REACTIONS_H

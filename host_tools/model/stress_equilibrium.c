@@ -191,9 +191,9 @@ static void stretches(const stress_field *field, const stencil *stencil, int sam
 }
 
 /*
- * Integrate values at the sample heights over the thickness of the laminate, starting with 0 at its
- * inner face. The integral is exact where the values are quadratic within each layer. A layer that
- * is absent in the element adds nothing.
+ * Integrate values at the sample heights over the thickness of the laminate, from its inner face.
+ * The integral is exact where the values are quadratic within each layer. Absent layers add
+ * nothing.
  *   rate [samples] in   values to be integrated
  *   sum  [samples] out  integral from the inner face to each sample height
  */
@@ -394,9 +394,8 @@ static int solve_system(double matrix[PATTERNS][PATTERNS + 1], double x[PATTERNS
 
 /*
  * Correct a profile of transverse shear stresses so that it vanishes at the outer face and has the
- * shear resultants of the element. Four unknown gradients are solved for: those of both normal
- * forces and of both bending moments. Each contributes the transverse shear stresses that are in
- * equilibrium with it. Returns 0, or -1 if the plies cannot carry the shear.
+ * shear resultants of the element, by adding the shear stresses of four gradients: of both normal
+ * forces and both bending moments. Returns 0, or -1 if the plies cannot carry the shear.
  */
 static int correct(const stress_field *field, const stencil *stencil, profile values)
 {

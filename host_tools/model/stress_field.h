@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Stresses and strains of a solved structure at the centres of its elements, recovered from its
- * displacement on the host.
+ * displacement on the host; at large rotations Green's strains and second Piola-Kirchhoff stresses,
+ * in the directions of the undeformed shell.
  *   in-plane strains   linear through the thickness, with the exact lengths at each height of a
  *       curved shell
  *   thickness strain   linear, or with the element option lin33 that of each ply under one normal
  *       stress 33 of all plies
  *   shear and normal stresses 13, 23, 33   from equilibrium (stress_equilibrium.c)
- * At large rotations, strains are Green's and stresses second Piola-Kirchhoff stresses, in the
- * directions of the undeformed shell.
  */
 #ifndef STRESS_FIELD_H
 #define STRESS_FIELD_H

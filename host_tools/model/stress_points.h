@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Values at nodes from values of elements. Each node has one or more averaging points. The value at
- * a point is the mean over the elements of the point, weighted with their areas. Elements at the
- * same node belong to different points if their plies or voltages differ or a fold separates them.
- * A node on the border of a patch therefore has a point for each side.
+ * Values at nodes from values of elements: the value at an averaging point is the mean over its
+ * elements, weighted with their areas. A node has several points where plies or voltages of its
+ * elements differ or a fold separates them, such as one for each side of a patch's border.
  */
 #ifndef STRESS_POINTS_H
 #define STRESS_POINTS_H

@@ -10,9 +10,9 @@ enum {
 }; /* number of control ticks that are simulated to find the longest one */
 
 /*
- * Return the largest number of multiply-adds of the optimiser in one control step (0 where memory
- * runs out): maximum over TICK_WORK_TICKS simulated steps without damping of vibration, with
- * targets that jump between the shapes of random voltages.
+ * Return the largest number of multiply-adds of the optimiser in one control step: maximum over
+ * TICK_WORK_TICKS simulated steps without damping of vibration, with targets that jump between the
+ * shapes of random voltages; 0 where memory runs out.
  *   design in  model of a scene with amplifiers, target and influence matrix
  *   limit  in  limit of the optimiser's work in a tick (multiply-adds)
  */

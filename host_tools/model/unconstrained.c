@@ -69,10 +69,9 @@ static double diagonal(const unconstrained *solver, size_t k)
 }
 
 /*
- * Choose the input that the Cholesky factorisation eliminates next: the one that depends least on
- * the inputs eliminated so far. It has the largest ratio of its remaining to its original diagonal
- * entry of the normal matrix. Where this ratio is only a rounding error for all inputs, the number
- * of inputs is returned, which is the index of no input.
+ * Return the input that the Cholesky factorisation eliminates next: the one that depends least on
+ * those eliminated, by the largest ratio of its remaining to its original diagonal entry of the
+ * normal matrix. Where all ratios are rounding errors, return the number of inputs.
  */
 static size_t next_pivot(const unconstrained *solver)
 {
@@ -147,10 +146,9 @@ static void renew_gradient(unconstrained *solver, const double *error, const dou
 }
 
 /*
- * Add a correction to the voltages: the solution of the normal equations of the least-squares
- * problem with the present gradient as right-hand side. Inputs without a pivot in the Cholesky
- * factor keep their voltage; they are linearly dependent on others. The solution overwrites the
- * gradient entries of the inputs with a pivot.
+ * Add a correction to the voltages: the solution of the normal equations with the present gradient,
+ * which it overwrites, as right-hand side. Inputs that depend linearly on others (no pivot in the
+ * Cholesky factor) keep their voltage.
  */
 static void add_solution(unconstrained *solver, double *voltage)
 {

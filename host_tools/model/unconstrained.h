@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Weighted least squares without voltage limits, for comparison with the optimum within the limits.
- * The normal equations are factored by pivoted Cholesky and the solution refined with residuals
- * from B:
+ * Weighted least squares without voltage limits, for comparison with the optimum within the limits:
  *   (B'W^2 B + r I) v = B'W^2 e + r v0.
  *   v, v0  voltages and reference voltages
  *   W, B   weights and influence matrix
  *   e, r   error to be corrected, and regularisation
- * A voltage whose column of B depends linearly on others stays at 0 V.
+ * Factored by pivoted Cholesky, and refined with residuals from B. A voltage whose column of B
+ * depends linearly on others stays at 0 V.
  */
 #ifndef UNCONSTRAINED_H
 #define UNCONSTRAINED_H
@@ -34,9 +33,10 @@ typedef struct unconstrained {
 } unconstrained;
 
 /*
- * Allocate the arrays of the solver, form the normal matrix B'W^2 B of influence matrix B and
- * weights W, and factor it with the regularisation of the least-squares problem for the voltages.
- *   problem in  with its influence matrix; it must outlive *solver
+ * Allocate the arrays of the solver, and factor the normal matrix B'W^2 B of influence matrix B and
+ * weights W with the regularisation of the problem.
+ *   problem in  least-squares problem for the voltages with its influence matrix; must outlive
+ *       *solver
  * Returns whether memory sufficed; call unconstrained_close in either case.
  */
 bool unconstrained_open(unconstrained *solver, const pzs_problem *problem);

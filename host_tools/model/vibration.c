@@ -52,9 +52,8 @@ static const double two_pi = 6.283185307179586;
 
 /*
  * State of the Lanczos search for the lowest vibration modes with the operator A = (K + shift M)^-1
- * M (stiffness K, mass M), so far applied to the first `done` basis vectors. Entry (i, j) of the
- * projection is the M-product of basis vector i and A times vector j; entries with i >= done are
- * the residual.
+ * M (stiffness K, mass M), applied to `done` basis vectors so far. Entry (i, j) of the projection
+ * is the M-product of basis vector i and A times vector j; entries with i >= done are the residual.
  */
 typedef struct search {
     const design *design;

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Natural frequencies and mode shapes of a structure in its reference state with short-circuited
- * electrodes: the lowest solutions of
+ * electrodes, or those of the scene with a measured influence matrix (vibration_measured.c). They
+ * are the lowest solutions of
  *   K x = w^2 M x.
  *   K, M  stiffness and mass matrix
  *   w     angular frequency
- * The method is band Lanczos on (K + shift M)^-1 M; the shift is 0 unless rigid motions are
- * possible. The negative pivots of K - s M, with s just above the last w^2, prove that no mode is
- * missing. With a measured influence matrix the modes are those of the scene
- * (vibration_measured.c).
+ * Method: band Lanczos on (K + shift M)^-1 M; the shift is 0 unless rigid motions are possible. The
+ * negative pivots of K - s M, with s just above the last w^2, prove that no mode is missing.
  */
 #ifndef VIBRATION_H
 #define VIBRATION_H
@@ -59,10 +58,10 @@ bool vibration_copy(vibration *to, const vibration *from, const design *design);
 bool vibration_allocate(vibration *vibration, const design *design, size_t count);
 
 /*
- * Take the measured vibration modes of a scene with a measured influence matrix. If the scene file
- * gives no static response of a mode to the voltages, it is determined by least squares: the sum
- * over all modes of shape times static response must fit the influence matrix best. Returns 0, or
- * -1 with error filled; call vibration_free in either case.
+ * Take the measured vibration modes of a scene with a measured influence matrix. Static responses
+ * that the scene file does not give are fitted: the sum over all modes of shape times static
+ * response is the least-squares fit to the matrix. Returns 0, or -1 with error filled; then call
+ * vibration_free.
  */
 int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
 
@@ -90,11 +89,10 @@ int vibration_check_measured(const scene_influence *measured, char *error);
 int vibration_first(const vibration *vibration);
 
 /*
- * Modal coordinate of a vibration mode in equilibrium under one unit of an input: the work of the
- * input's forces on the mode shape, divided by the squared angular frequency. This value times the
- * largest displacement of the mode shape is the largest displacement of this static response.
+ * Return the modal coordinate of a vibration mode in equilibrium under one unit of an input: the
+ * work of the input's forces on the mode shape over the squared angular frequency; NAN for a rigid
+ * motion. Times the mode shape it is the static displacement.
  *   input in  index of an input of the structure
- * Returns NAN for a rigid motion.
  */
 double vibration_static(const vibration *vibration, const design *design, int mode, int input);
 

@@ -37,8 +37,7 @@ static void trial_free(trial *trial)
 /*
  * Set up a controller that minimises the shape error under limits other than the scene's.
  *   influence  [targets][amplifiers] in  influence matrix; NULL: that of the reference state
- *   common                           in  limits that apply to all amplifiers: those of the scene,
- *       given limits, or none
+ *   common                           in  limits of all amplifiers: of the scene, given, or none
  * Returns the status of the library; PZS_E_LIMITS with error filled if an amplifier has no
  * permitted voltage.
  */
@@ -515,10 +514,10 @@ static double largest_change(const analysis *analysis, const newton *newton, con
 }
 
 /*
- * Move the voltages to the optimum of the linearised structure within the trust radius, the largest
- * change of any voltage. The radius follows the ratio of the actual to the predicted decrease of
- * the objective. A step that does not decrease the objective is undone and repeated with a smaller
- * radius. Returns the relative decrease of the objective; 0: no step decreases it.
+ * Move the voltages to the optimum of the linearised structure within the trust radius (largest
+ * change of any voltage), which follows the actual over the predicted decrease of the objective. A
+ * step without a decrease is undone and repeated with a smaller radius. Returns the relative
+ * decrease; 0: none.
  */
 static double make_trust_region_step(analysis *analysis, common_limits common, newton *newton,
                                      voltages *result, pzs_status *status, char *error)

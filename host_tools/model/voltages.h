@@ -62,8 +62,9 @@ typedef struct voltages {
 } voltages;
 
 /*
- * Compute voltages for the scene's target. The influence matrix must be computed before. `common`
- * selects limits common to all amplifiers (design.h); the limits of each amplifier always apply.
+ * Compute voltages for the scene's target within `common` limits of all amplifiers (design.h) and
+ * the limits of each. The influence matrix must be computed before. Each returns 0, or -1 with
+ * error filled.
  *   voltages_optimum      optimum within the limits; for analysis->is_nonlinear a Gauss-Newton
  *       method with a trust radius, from the linear optimum (halved until an equilibrium exists)
  *   voltages_linear       optimum of the linear model; its shape as analysis->is_nonlinear says
@@ -71,7 +72,6 @@ typedef struct voltages {
  *   voltages_regularised  regularised least squares of the linear model, then clipped, with the
  *       regularisation of the smallest error
  *   voltages_given        given voltages, unchanged
- * Each returns 0, or -1 with error filled.
  */
 int voltages_optimum(analysis *analysis, common_limits common, voltages *result, char *error);
 int voltages_linear(analysis *analysis, common_limits common, voltages *result, char *error);

@@ -9,10 +9,9 @@
 enum { VOLTAGES_TEXT = 8000 };
 
 /*
- * Write a text of no or several lines, which are indented by two spaces and follow an empty line:
- * how many amplifiers have narrower limits than the common ones, which limits between amplifiers
- * are active, how many controlled displacements (target rows) cannot move, and the free functions
- * of the target.
+ * Write a text of no or several lines, indented by two spaces after an empty line: numbers of
+ * amplifiers with narrower limits than the common ones and of target rows that cannot move, active
+ * limits between amplifiers, and free functions of the target.
  */
 void voltages_words(const design *design, const voltages *result, char text[VOLTAGES_TEXT]);
 

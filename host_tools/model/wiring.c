@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Search for faults of electrodes and cables (wiring_find in calibrate.h). For any wiring a, the
- * gains g_e follow from the linear least squares of the measured shapes
+ * gains g_e are the linear least-squares fit to the measured shapes
  *   S = sum over electrodes e of g_e V_a(e) B_e'.
  *   a(e)    amplifier to which electrode e is connected
  *   V_a(e)  voltages of this amplifier in all measurements
  *   B_e     column of the model's influence matrix
- * Cables are swapped where exchanging them lowers the sum of squares. Then a gain near 0 shows a
- * dead electrode, a negative gain a reversed wire.
+ * Cables are swapped where that lowers the sum of squares. Then a gain near 0 shows a dead
+ * electrode, a negative gain a reversed wire.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -42,10 +42,9 @@ typedef struct wiring {
     double *shapes;   /* [amplifiers][amplifiers] scalar products of each pair of columns of the
                          model's influence matrix */
     double *products; /* [amplifiers][amplifiers] entry (i, k): right-hand side of the normal
-                         equations for the gain of electrode k if it is connected to amplifier i. It
-                         is a sum over all measured shapes. Each term is the voltage of amplifier i
-                         times the scalar product of the shape and the electrode's column of the
-                         model's influence matrix. */
+                         equations for the gain of electrode k on amplifier i: sum over all measured
+                         shapes of the voltage of amplifier i times the scalar product of shape and
+                         model column k */
     double *matrix; /* [amplifiers][amplifiers] matrix of the normal equations for the gains of the
                        electrodes, which its Cholesky factor replaces */
     double *gain;   /* [amplifiers] right-hand side of the normal equations, then gain of each
@@ -176,10 +175,9 @@ static double common_gain(const wiring *wiring)
 }
 
 /*
- * Compute the gain of every electrode (ratio of its actual to its model influence) if the cables
- * connect electrodes and amplifiers as assumed at present. A prior distribution keeps a gain that
- * the measurements do not determine at the common gain of all electrodes. Returns the remaining sum
- * of squared differences between measured and model shapes.
+ * Compute the gain of every electrode (ratio of its actual to its model influence) for the wiring
+ * assumed at present. A prior keeps a gain that the measurements do not determine at the common
+ * gain. Returns the remaining sum of squared differences between measured and model shapes.
  */
 static double find_gains(wiring *wiring)
 {

@@ -107,10 +107,9 @@ static double mean_response(const pzs_selftest_tables *tables, const double *dir
 }
 
 /*
- * Set the scale of each sensor, a factor for its readings, and the noise above which a sensor is
- * reported as too noisy. The mean square of all scaled responses to 1 V is 1. Where the scene file
- * states the noise of the sensors, the scales are inversely proportional to it, so that sensors
- * with different units can be compared.
+ * Set the scale of each sensor, a factor for its readings with which the mean square response to 1
+ * V is 1, and the noise above which a sensor is reported as too noisy. Scales are inversely
+ * proportional to the noise in the scene file, if stated, so that units may differ.
  */
 static void set_scales(const pzs_selftest_tables *tables, const double *direct, double amplitude,
                        double *scale, double *noise)
@@ -157,10 +156,9 @@ static double *open_tables(wiring_test *test, const design *design, const estima
 
 /*
  * Complete the tables of the self-test of the wiring: scale factors of the sensors, and the noise
- * above which a sensor counts as too noisy. The heights and durations of the test pulses must be in
- * the tables already.
- *   amplitude in  height of a test pulse (V). The permitted noise is at least a fixed fraction of
- *                 the mean effect of such a pulse on the sensors
+ * above which a sensor counts as too noisy. Heights and durations of the test pulses must be set.
+ *   amplitude in  height of a test pulse (V); the permitted noise is at least a fixed fraction of
+ *       the mean effect of such a pulse on the sensors
  */
 static void complete_tables(wiring_test *test, const design *design, double amplitude)
 {
@@ -269,10 +267,9 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
 }
 
 /*
- * Height of the test pulse of one amplifier at which its response stands out from the noise that
- * the scene file states (V); infinite where the amplifier moves no sensor. The self-test measures
- * the energy of the noise in two samples and uses the larger one, which varies by chance; the
- * height therefore contains a margin.
+ * Return the height of the test pulse of one amplifier (V) at which its response stands out from
+ * the noise in the scene file; infinite where the amplifier moves no sensor. The self-test
+ * estimates the noise by the larger of two samples, which vary by chance; hence the margin.
  */
 static double sufficient_height(const wiring_test *test, const double *direct, size_t amplifier)
 {

@@ -19,9 +19,9 @@ typedef struct wiring_test {
 } wiring_test;
 
 /*
- * Make the tables of the self-test of amplifiers, cables and sensors. A test pulse lasts as long as
- * the scene file says, or six periods of the first vibration mode where known; longer if its height
- * needs more ticks under the step limits.
+ * Make the tables of the self-test of amplifiers, cables and sensors. A test pulse lasts as the
+ * scene file says, or six periods of the first vibration mode where known; longer if step limits
+ * require it.
  *   analysis  in  analysis with influence matrix and, for the six periods, vibration modes; must
  *       outlive the self-test
  *   estimator in  shape estimator of the controller, which must outlive the self-test; NULL: every
@@ -32,9 +32,8 @@ bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimat
 
 /*
  * Make the tables of the test pulses with which a loop that damps vibration finds faulty
- * electrodes. Heights are a part of the voltage ranges; a pulse lasts 3.2 periods of the first
- * mode. The member is_used is true if the scene file lets the controller itself detect electrode
- * faults.
+ * electrodes: heights are a part of the voltage ranges, and a pulse lasts 3.2 periods of the first
+ * mode. is_used: the scene file lets the controller itself detect electrode faults.
  *   analysis  in  analysis with influence matrix and vibration modes; must outlive the tables
  *   estimator in  shape estimator of the controller, which must outlive the tables; NULL: every
  *       target node is measured

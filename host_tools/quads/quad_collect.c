@@ -194,8 +194,8 @@ static int by_number(const void *left, const void *right)
 }
 
 /*
- * Find elements that the mesh file lists repeatedly: version 2.2 of the MSH format lists an element
- * once for each of its physical groups.
+ * Find quadrilaterals that the mesh file lists repeatedly, as the MSH format 2.2 does for each
+ * physical group of an element.
  *   first [cells] out  index of the first copy of each cell (point, edge or quadrilateral)
  * Returns 0, or -1 after writing an error message about the mesh file if two different elements
  * have the same nodes.

@@ -69,8 +69,8 @@ static bool is_opposed(const quad_mesh *mesh, uint32_t edge, uint32_t other)
 enum { NOT_SEEN, AS_IT_IS, TURNED };
 
 /*
- * Spread a common orientation over the mesh: the neighbours of an element that have not been
- * reached yet get the orientation of the element and are added to the queue.
+ * Spread a common orientation over the mesh: neighbours of an element that have not been reached
+ * yet get its orientation and are added to the queue.
  *   queue  [elements] in/out  elements whose neighbours are to be visited; *count is their number
  * Returns 0, or -1 after writing an error message about the mesh file if the surface is one-sided.
  */

@@ -160,11 +160,9 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
 /* ---- fits of a quadric -------------------------------------------------- */
 
 /*
- * Normal equations of the least-squares fit of a quadric surface around a node, which corrects the
- * slope of its director (mean of the corner normals) to second order in the element size.
- *
- * Fitted height of the neighbours above the plane normal to the director, weighted with
- * 1/distance^2:
+ * Normal equations of the least-squares fit of a quadric surface around a node, which corrects its
+ * director (mean of the corner normals) to second order in the element size. Fitted height of the
+ * neighbours above the plane normal to the director, with weights 1/distance^2:
  *   s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2
  *   u, v         tangential coordinates
  *   s, r         slopes of the surface
@@ -281,10 +279,9 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
             /*
-             * A quadric is fitted to the nodes around the node `own`: all other corners of its
-             * elements. The corner before `own` in one element is the corner after `own` in the
-             * neighbouring element. Each element therefore adds only two corners, so that none
-             * counts twice: the one after `own` (k = 1) and the one diagonally opposite (k = 2).
+             * Each element adds only the corners after `own` (k = 1) and diagonally opposite (k =
+             * 2) to the fit around the node `own`: the corner before `own` is the corner after it
+             * in the neighbouring element and would count twice.
              */
             for (int k = 1; k < 3; k++) {
                 const uint32_t own = mesh->element[element][corner],
@@ -302,10 +299,9 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
 /* ---- free edges -------------------------------------------------------- */
 
 /*
- * Normal equations of the slopes s and r of a director (unit normal) on a free edge. The director
- * is n = n0 + s t1 + r t2 with tangents t1 and t2 of the surface. Every chord c (straight line) to
- * a neighbouring node with the director m contributes the equation (n + m).c = 0, which holds
- * exactly on planes, spheres and cylinders.
+ * Normal equations of the slopes s and r of a director (unit normal) n = n0 + s t1 + r t2 on a free
+ * edge, with tangents t1 and t2. Every chord c (straight line) to a neighbouring node with the
+ * director m contributes (n + m).c = 0, which is exact on planes, spheres and cylinders.
  */
 typedef struct slopes {
     double tangent[2][3]; /* tangents t1 and t2, unit vectors along which the director (unit normal)
@@ -356,10 +352,9 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
 }
 
 /*
- * Sum the least-squares equations for the directors (unit normals) n of the nodes on free edges.
- * Each straight line (vector c) from such a node to a corner of the same element contributes the
- * equation (n + m).c = 0, where m is the director of that corner. Corners whose director is not yet
- * known, because they are on a free edge too, are left out.
+ * Sum the least-squares equations for the directors (unit normals) n of the nodes on free edges: (n
+ * + m).c = 0 for each chord c to a corner, with director m, of the same element. Corners whose
+ * director is not yet known, because they are on a free edge too, are left out.
  */
 static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
 {

@@ -10,10 +10,10 @@
 static const double pi = 3.141592653589793;
 
 /*
- * Shape of the middle block of the disc's mesh (a square with bent sides around the centre),
- * relative to the radius of the innermost circle of nodes around it: distance of the middle of a
- * side from the centre, and both coordinates of a corner. For corners between 0.42 and 0.5 the
- * angles of the elements at the border of the block are nearly equal.
+ * Shape of the middle block of the disc's mesh (a square with bent sides), over the radius of the
+ * innermost circle around it: distance of the middle of a side from the centre, and both
+ * coordinates of a corner. From 0.42 to 0.5, a corner makes the angles of elements at the border
+ * nearly equal.
  */
 static const double middle_of_side = 0.5, corner_of_block = 0.42;
 

@@ -36,7 +36,7 @@ typedef struct quad_disc {
  *   nodes     centre
  *   edges     rim
  *   elements  ring1 inside the first circle, ring2 and so on to the rim; with sectors ring2-1,
- *             ring2-2 and so on, the first beginning at the x axis
+ *       ring2-2 and so on, the first beginning at the x axis
  * Returns 0, or -1 with the mesh empty when memory runs out.
  */
 int quad_disc_make(quad_mesh *mesh, const quad_disc *disc);

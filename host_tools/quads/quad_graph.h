@@ -28,16 +28,16 @@ void quad_graph_free(quad_graph *graph);
 
 /*
  * Return the number of stored entries (envelope) of the stiffness matrix's factor for an order of
- * the nodes, counted for a matrix with one row for each node. The number is the sum, over all
- * nodes, of the distance in the order between a node and its first neighbour.
+ * the nodes, with one row for each node: the sum over all nodes of the distance in the order
+ * between a node and its first neighbour.
  *   order [nodes] in   nodes in this order
  *   place [nodes] out  position of each node in the order
  */
 uint64_t quad_envelope(const quad_graph *graph, const uint32_t *order, uint32_t *place);
 
 /*
- * Order the nodes by Sloan's algorithm. The next number goes to the node with the highest priority:
- * its distance from the end of the mesh, less growth_weight times the growth of the front (nodes
+ * Order the nodes by Sloan's algorithm: the next number goes to the node with the highest priority,
+ * its distance from the end of the mesh minus growth_weight times the growth of the front (nodes
  * without a number beside numbered ones).
  *   distance [nodes]   in   number of elements between each node and the end of the mesh
  *   first              in   node that gets the first number

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Numbering of the mesh nodes with which the factor of the stiffness matrix has few stored entries,
- * a small envelope (quad_steps.h). Three types of orders are compared, each also reversed, and the
- * best one is kept: orders of the algorithm of Cuthill and McKee from a single node; orders of this
- * algorithm from all nodes on one side of the mesh; and orders of Sloan's algorithm.
+ * Numbering of the mesh nodes with which the factor of the stiffness matrix has few stored entries
+ * (small envelope, quad_steps.h): the best of orders by Cuthill-McKee from a node, by Cuthill-McKee
+ * from all nodes on one side of the mesh, and by Sloan, each also reversed.
  */
 #include "quad_graph.h"
 #include "quad_steps.h"
@@ -251,9 +250,8 @@ static uint32_t measure_levels(const search *search, const quad_mesh *mesh, int 
 
 /*
  * Try node orders of Sloan's algorithm, each from one end of the mesh to the opposite one, and keep
- * the best order (fewest stored entries of the stiffness matrix). The first pair of ends are two
- * nodes with a large number of elements between them. The other three pairs are the highest and the
- * lowest nodes along x, y and z. Returns 0, or -1 when memory runs out.
+ * the order with the fewest stored entries. Ends: two nodes with many elements between them, then
+ * the highest and lowest nodes along x, y and z. Returns 0, or -1 when memory runs out.
  */
 static int try_fronts(search *search, const quad_mesh *mesh)
 {

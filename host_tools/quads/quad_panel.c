@@ -9,10 +9,9 @@
 static const double pi = 3.141592653589793;
 
 /*
- * Plan of the mesh of a rectangular panel with a circular hole. A grid of lines along x and along
- * the width covers the panel. Around the hole, rings of elements replace the grid in a square block
- * of it. Closed lines of nodes bound the rings and are numbered from 0 to `layers`: line 0 is the
- * rim of the hole, the last line is the border of the square block.
+ * Plan of the mesh of a rectangular panel with a circular hole: a grid of lines along x and the
+ * width, in which rings of elements fill a square block around the hole. The closed lines of nodes
+ * between rings have numbers from 0, the rim of the hole, to `layers`, the border of the block.
  */
 typedef struct panel_plan {
     const quad_panel *panel;

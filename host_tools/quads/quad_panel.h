@@ -20,8 +20,8 @@ typedef struct quad_panel {
 } quad_panel;
 
 /*
- * Make the mesh of a panel around the origin. A flat panel lies in the plane z = 0; the middle of a
- * panel on a cylinder is its highest line, at z = 0. There the outer face looks along +z. The
+ * Make the mesh of a panel around the origin. A flat panel lies in the plane z = 0; a panel on a
+ * cylinder has its highest line, the middle, at z = 0. There the outer face looks along +z. The
  * numbers in `panel` must be in their ranges. Named sets:
  *   edges     left and right (ends along x), bottom and top (ends along y), hole
  *   elements  around_hole
@@ -31,9 +31,8 @@ int quad_panel_make(quad_mesh *mesh, const quad_panel *panel);
 
 /*
  * For a panel on a cylinder, return the smallest number of elements along a quarter of the hole's
- * rim with which the elements around the hole are not too long: at most about a quarter of the
- * cylinder's radius. For a shell with a thickness of a thousandth of the radius, elements of an
- * irregular mesh are refused if they are longer.
+ * rim whose lengths around the hole are at most about a quarter of the cylinder's radius. Longer
+ * ones are refused at a thickness of a thousandth of the radius, because the mesh is irregular.
  */
 int quad_panel_least_elements(const quad_panel *panel);
 

@@ -10,10 +10,11 @@
 #include <stdlib.h>
 
 /*
- * State of a mesh node while the nodes are numbered one after the other. UNSEEN: the node is not a
- * candidate for the next number yet. NEAR_FRONT: the node is a candidate, but none of its
- * neighbours has a number. IN_FRONT: the node is a candidate, and a neighbour has a number.
- * NUMBERED: the node has its number.
+ * State of a mesh node while the nodes are numbered one after the other.
+ *   UNSEEN      no candidate for the next number yet
+ *   NEAR_FRONT  candidate without a numbered neighbour
+ *   IN_FRONT    candidate with a numbered neighbour
+ *   NUMBERED    numbered
  */
 typedef enum node_state { UNSEEN, NEAR_FRONT, IN_FRONT, NUMBERED } node_state;
 

@@ -108,10 +108,10 @@ static int find_entity(const gmsh *gmsh, int dimension, int tag)
 }
 
 /*
- * Return the index, in the list of geometric entities (gmsh->entity), of the entry for a physical
- * group of a Gmsh file of version 2.2. Such a file has physical groups but no entities, so that an
- * entry with the number of the group is added when the group first occurs. Returns -1 for group 0,
- * which means no group, and -2 after writing an error message about the mesh file.
+ * Return the index of the entry for a physical group of a Gmsh file of version 2.2 in the list of
+ * geometric entities (gmsh->entity), added where the group first occurs, because such a file has no
+ * entities. Returns -1 for group 0 (none), and -2 after writing an error message about the mesh
+ * file.
  */
 static int group_of(gmsh *gmsh, int dimension, int physical)
 {
@@ -370,7 +370,7 @@ static int read_node_block(gmsh *gmsh)
 typedef int read_block(gmsh *gmsh);
 
 /*
- * Read a section of a Gmsh file of version 4.1 that consists of blocks: number of blocks, number of
+ * Read a section of a Gmsh file of version 4.1 that consists of blocks: numbers of blocks and
  * items, lowest and highest number of an item, then the blocks.
  *   what   in  name of the items in messages
  *   found  in  number of items that have been read, which grows with each block

@@ -40,11 +40,11 @@ enum { WORDS_FACE = SCENE_NAME + 48 };
 
 /*
  * Write the name of the electric potentials on a face of a layer, such as "potential of layer 1
- * upper, inner face" for a layer named upper. Returns whether the face is bare (carries no
- * electrode), so that its potential varies from node to node.
+ * upper, inner face" for a layer named upper. Returns whether the face is bare (has no electrode),
+ * so that its potential varies from node to node.
  *   layer [layers] in   layers of the scene
  *   k              in   number of the face: 2 i for the inner and 2 i + 1 for the outer face of
- *                       layer i, counted from 0
+ *       layer i, counted from 0
  */
 bool words_bare_face(const scene_layer *layer, int k, char text[WORDS_FACE]);
 

@@ -18,9 +18,9 @@
  *   stress   in  recovered stresses; NULL: without
  * Contents:
  *   nodes               displacement of the middle surface, potentials of bare faces (without
- *                       electrodes), forces and moments of the supports, forces of a contact body
+ *       electrodes), forces and moments of the supports, forces of a contact body
  *   layers and heights  stress and strain in material axes, at element centres and averaged at
- *                       nodes
+ *       nodes
  *   elements            reserve factors, resultants and electric fields
  */
 int vtk_write_solution(FILE *file, const analysis *analysis, const double *u,
