@@ -60,7 +60,8 @@ static size_t root_of(const slot_sets *sets, size_t slot)
 static void join(slot_sets *sets, size_t first, size_t second)
 {
     const size_t one = root_of(sets, first), other = root_of(sets, second);
-    const size_t least = one < other ? one : other, most = one < other ? other : one;
+    const size_t least = one < other ? one : other;
+    const size_t most = one < other ? other : one;
     sets->parent[most] = least;
     sets->grounded[least] = sets->grounded[least] || sets->grounded[most];
 }

@@ -159,8 +159,8 @@ static void close_fit(fit *fit)
 static void fill_slopes(const fit *fit, double s, double *row)
 {
     for (int i = 0; i < SLOPES; i++) {
-        const double low = i == 0 ? -HUGE_VAL : (i - 2) * fit->half_range / 2,
-                     high = i == SLOPES - 1 ? HUGE_VAL : (i - 1) * fit->half_range / 2;
+        const double low = i == 0 ? -HUGE_VAL : (i - 2) * fit->half_range / 2;
+        const double high = i == SLOPES - 1 ? HUGE_VAL : (i - 1) * fit->half_range / 2;
         row[i] = fmin(fmax(s, low), high) - fmin(fmax(0, low), high);
     }
 }

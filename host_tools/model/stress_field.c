@@ -289,7 +289,8 @@ static void fill_resultants(const stress_field *field, int element)
     double resultant[10] = {0};
     for (int i = 0; i < 10; i++)
         for (int j = 0; j < 10; j++) {
-            const int row = i > j ? i : j, column = i > j ? j : i;
+            const int row = i > j ? i : j;
+            const int column = i > j ? j : i;
             resultant[i] += stiffness[row * (row + 1) / 2 + column] * own->strain[j];
         }
     for (int layer = 0; layer < field->layers; layer++) {

@@ -406,7 +406,8 @@ static int copy_list(reader *reader, int node, function_text *text, const number
     if (!numbers->value)
         return tree_fault(reader->t, text->file, "out of memory");
     for (size_t i = 0; i < (size_t)numbers->count; i++) {
-        const size_t row = is_row ? 0 : i, from = is_row ? i : (size_t)column;
+        const size_t row = is_row ? 0 : i;
+        const size_t from = is_row ? i : (size_t)column;
         if (check_finite(reader, text->file, table, row, from) != 0)
             return -1;
         numbers->value[i] = text->scale * table->value[row * table->columns + from];

@@ -119,8 +119,8 @@ static int actuators_of(const influence_text *text)
  */
 static double entry(const influence_text *text, int output, int actuator, char *place)
 {
-    const int row = text->rows_are_actuators ? actuator : output,
-              column = text->column[text->rows_are_actuators ? output : actuator];
+    const int row = text->rows_are_actuators ? actuator : output;
+    const int column = text->column[text->rows_are_actuators ? output : actuator];
     number_table_place(&text->table, (size_t)row, (size_t)column, place);
     return text->table.value[(size_t)row * text->table.columns + (size_t)column];
 }
@@ -133,8 +133,8 @@ static double entry(const influence_text *text, int output, int actuator, char *
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)
 {
-    const int own = is_of_outputs ? outputs_of(text) : actuators_of(text),
-              other = is_of_outputs ? actuators_of(text) : outputs_of(text);
+    const int own = is_of_outputs ? outputs_of(text) : actuators_of(text);
+    const int other = is_of_outputs ? actuators_of(text) : outputs_of(text);
     if (count == own)
         return 0;
     if (count == other)

@@ -19,8 +19,8 @@ bool tick_matrix_open(tick_matrix *to, const double *matrix, size_t stride, cons
     to->table = malloc((rows * columns + 1) * sizeof *to->table);
     if (!to->table)
         return false;
-    const size_t row_step = to->is_by_columns ? 1 : columns,
-                 column_step = to->is_by_columns ? rows : 1;
+    const size_t row_step = to->is_by_columns ? 1 : columns;
+    const size_t column_step = to->is_by_columns ? rows : 1;
     for (size_t i = 0; i < rows; i++) {
         const double *row = matrix + (chosen ? chosen[i] : i) * stride;
         for (size_t k = 0; k < columns; k++)

@@ -230,7 +230,8 @@ static size_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
         const pzs_real start = voltage[i], low = lower[i], high = upper[i], way = move[i];
         const pzs_real end = start + way, slope = gradient[i] - way;
         const bool is_free = free_set[i] > 0;
-        const pzs_real moved = is_free ? end : start, kept = is_free ? way : slope;
+        const pzs_real moved = is_free ? end : start;
+        const pzs_real kept = is_free ? way : slope;
         const pzs_real violation = is_free ? 0 : entry_violation(slope, start, low, high);
         move[i] = kept;
         next[i] = moved;
@@ -379,7 +380,8 @@ static size_t mark_blocking(pzs_real *restrict mark, const pzs_real *restrict mo
     for (size_t i = 0; i < span; i++) {
         const pzs_real way = sense * move[i], size = number_absolute(way);
         const pzs_real room = distance_to_bound(way, voltage[i], lower[i], upper[i]);
-        const pzs_real blocks = room < part * size ? 1 : 0, marked = free_set[i] > 0 ? blocks : 0;
+        const pzs_real blocks = room < part * size ? 1 : 0;
+        const pzs_real marked = free_set[i] > 0 ? blocks : 0;
         mark[i] = marked;
         count += marked > 0 ? 1u : 0u;
     }

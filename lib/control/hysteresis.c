@@ -254,8 +254,8 @@ static pzs_real line_at(const electrode_tables *electrode, pzs_real offset)
 {
     const pzs_real *slope = electrode->slope;
     const pzs_real knot = electrode->half_range / 2, size = number_absolute(offset);
-    const pzs_real inner = offset < 0 ? slope[1] : slope[2],
-                   outer = offset < 0 ? slope[0] : slope[3];
+    const pzs_real inner = offset < 0 ? slope[1] : slope[2];
+    const pzs_real outer = offset < 0 ? slope[0] : slope[3];
     const pzs_real near_part = size < knot ? size : knot;
     const pzs_real way = inner * near_part + outer * (size - near_part);
     return offset < 0 ? -way : way;
@@ -725,7 +725,8 @@ static bool set_range(pzs_compensator *compensator, const pzs_control *control, 
     const pzs_real lower = control->state.lower[k], upper = control->state.upper[k];
     const pzs_real down = step_down(given, control->state.step_limit[k]);
     const pzs_real up = step_up(given, control->state.step_limit[k]);
-    const pzs_real low = down > lower ? down : lower, high = up < upper ? up : upper;
+    const pzs_real low = down > lower ? down : lower;
+    const pzs_real high = up < upper ? up : upper;
     const bool overlaps = low <= high;
     const pzs_real limit = given < lower ? lower : upper;
     compensator->state.lower[k] = overlaps ? low : limit;

@@ -46,7 +46,8 @@ static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage,
     const pzs_real lower = problem->lower[i], upper = problem->upper[i];
     const pzs_real down = step_down(last, problem->step_limit[i]);
     const pzs_real up = step_up(last, problem->step_limit[i]);
-    const pzs_real least = down > lower ? down : lower, most = up < upper ? up : upper;
+    const pzs_real least = down > lower ? down : lower;
+    const pzs_real most = up < upper ? up : upper;
     pzs_guard_vote(&gate->held[0][i], &gate->held[1][i], &gate->held[2][i], sizeof voltage);
     const pzs_real held = gate->held[0][i];
     if (voltage >= held && voltage <= held)

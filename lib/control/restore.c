@@ -114,7 +114,8 @@ static uint32_t find_difference(const pzs_control *control, const pzs_real *tabl
 static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k, uint32_t j)
 {
     pzs_optimiser *optimiser = &control->state.optimiser;
-    const uint32_t first = k < j ? k : j, last = k < j ? j : k;
+    const uint32_t first = k < j ? k : j;
+    const uint32_t last = k < j ? j : k;
     pzs_control_form_row(control, table, first);
     for (uint32_t i = first; table == NULL && i < optimiser->inputs; i++)
         optimiser->hessian[(size_t)i * optimiser->width + first] =

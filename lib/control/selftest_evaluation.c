@@ -180,8 +180,10 @@ static pzs_selftest_sums compare_lines(const pzs_selftest *selftest, const selft
                                        uint32_t measured, uint32_t modelled)
 {
     const pzs_selftest_state *state = &selftest->state;
-    const size_t sensor_step = axis->is_row ? 0 : 1, input_step = axis->is_row ? 1 : 0;
-    const uint32_t sensor = axis->is_row ? measured : 0, input = axis->is_row ? 0 : measured;
+    const size_t sensor_step = axis->is_row ? 0 : 1;
+    const size_t input_step = axis->is_row ? 1 : 0;
+    const uint32_t sensor = axis->is_row ? measured : 0;
+    const uint32_t input = axis->is_row ? 0 : measured;
     const pzs_real *scale = state->tables->scale + sensor, *variance = state->null + sensor;
     const pzs_real *amplitude = state->tables->amplitude + input;
     const pzs_real *found = state->response + measured * axis->measured_line;

@@ -98,7 +98,9 @@ static void build_peer(char uplo, int n, int band, pzs_real *ab)
 static struct row measure(int n, int band)
 {
     static double t[6][MOST_TURNS];
-    const int turns = n < 1000 ? MOST_TURNS : n < 5000 ? 60 : 9, ld = band + 1, one = 1;
+    const int turns = n < 1000 ? MOST_TURNS : n < 5000 ? 60 : 9;
+    const int ld = band + 1;
+    const int one = 1;
     const size_t peer_size = (size_t)n * (size_t)ld;
     pzs_envelope matrix = build(n, band);
     const size_t size = pzs_linalg_reals(matrix.first, matrix.n);

@@ -21,7 +21,8 @@ static inline pzs_real mode_stiffness(const pzs_element_type *type, int mode, in
     }
     if (row < 0 || column < 0)
         return 0;
-    const int larger = row > column ? row : column, smaller = row > column ? column : row;
+    const int larger = row > column ? row : column;
+    const int smaller = row > column ? column : row;
     return type->d[first_entry[mode] + larger * (larger + 1) / 2 + smaller];
 }
 

@@ -606,7 +606,8 @@ static long measure(rig *r, const row *row, int ticks, size_t stride)
 int main(int count, char **argument)
 {
     const bool is_full = count > 1;
-    const int ticks = is_full ? atoi(argument[1]) : 3000, measured = is_full ? ROWS : QUICK_ROWS;
+    const int ticks = is_full ? atoi(argument[1]) : 3000;
+    const int measured = is_full ? ROWS : QUICK_ROWS;
     const char *name = count > 2 ? argument[2] : "";
     static rig rig;
     long failures = 0;

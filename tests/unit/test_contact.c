@@ -206,7 +206,8 @@ static void contact_tangent_is_the_derivative_of_its_force(void **state)
             pzs_linalg_clear(&g->model.state.stiffness);
             contact_force(g, f[0]);
             for (int i = 0; i < 6; i++) {
-                const uint16_t *high = &dof[i > k ? i : k], *low = &dof[i > k ? k : i];
+                const uint16_t *high = &dof[i > k ? i : k];
+                const uint16_t *low = &dof[i > k ? k : i];
                 column[i] = k < 6 ? -*pzs_linalg_entry(&g->model.state.stiffness, *high, *low)
                                   : unit[dof[i]];
             }

@@ -55,8 +55,9 @@ static void random_influence(bench *t)
 static void random_limits(bench *t)
 {
     static const double reach[] = {.02, .1, .3, .6, 1, 3};
-    const double limit = reach[below(t, 6)], dead = chance(t, .3) ? .3 : 0,
-                 endless = chance(t, .1) && t->problem.tables.regularisation > 0 ? .3 : 0;
+    const double limit = reach[below(t, 6)];
+    const double dead = chance(t, .3) ? .3 : 0;
+    const double endless = chance(t, .1) && t->problem.tables.regularisation > 0 ? .3 : 0;
     const double slew = chance(t, .4) ? limit * draw(t, .05, .6) : HUGE_VAL;
     const int preferred = chance(t, .5);
     for (unsigned j = 0; j < t->problem.tables.inputs; j++) {

@@ -236,8 +236,9 @@ static void test_feed_forward(void **state)
         memset(r.wanted, 0, sizeof r.wanted);
         start(&r);
         for (int t = 0; t < 40; t++) {
-            const double now = t < 20 ? 0 : 1, next = t < 19 ? 0 : 1,
-                         load[LOADS] = {now, -now, 2 * now};
+            const double now = t < 20 ? 0 : 1;
+            const double next = t < 19 ? 0 : 1;
+            const double load[LOADS] = {now, -now, 2 * now};
             const pzs_real acting[LOADS] = {(pzs_real)now, (pzs_real)-now, (pzs_real)(2 * now)};
             const pzs_real coming[LOADS] = {(pzs_real)next, (pzs_real)-next, (pzs_real)(2 * next)};
             pzs_real wanted[M];

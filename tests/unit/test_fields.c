@@ -369,7 +369,8 @@ static void test_together(void **state)
     for (int e = 0; e < 3; e++) {
         double w[5], voltage[5];
         for (int i = 0; i < 5; i++) {
-            const double *p = part[i < 4 ? i : 3], size = i < 4 ? 1 : 1e-6;
+            const double *p = part[i < 4 ? i : 3];
+            const double size = i < 4 ? 1 : 1e-6;
             char changes[1024], all[2048];
             scene_run r;
             snprintf(changes, sizeof changes, base, size * p[0], size * p[1], -2 * size * p[1],

@@ -167,7 +167,8 @@ static wide size_of_factor(uint32_t i, uint32_t j)
     wide sum = 0;
 
     for (uint32_t k = 0; k <= (i < j ? i : j); k++) {
-        const wide li = i == k ? 1 : fabsl((wide)at(i, k)), lj = j == k ? 1 : fabsl((wide)at(j, k));
+        const wide li = i == k ? 1 : fabsl((wide)at(i, k));
+        const wide lj = j == k ? 1 : fabsl((wide)at(j, k));
         sum += li * fabsl((wide)at(k, k)) * lj;
     }
     return sum;

@@ -253,7 +253,8 @@ static const double half_cylinder[][2] = {
 static void test_half_cylinder(void **state)
 {
     (void)state;
-    const double most = SLOW_ROWS ? 1 : 0.35, tolerance = SLOW_ROWS ? 0.007 : 0.035;
+    const double most = SLOW_ROWS ? 1 : 0.35;
+    const double tolerance = SLOW_ROWS ? 0.007 : 0.035;
     scene_run run;
     load_path path;
     follow(&run, &path, "semi-cylinder",

@@ -99,8 +99,8 @@ static void write_matrix(const analysis *a, const layout *l)
     assert_non_null(file);
     if (l->has_names)
         write_names(file, a, l);
-    const int rows = l->is_transposed ? d->amplifiers : d->targets,
-              columns = l->is_transposed ? d->targets : d->amplifiers;
+    const int rows = l->is_transposed ? d->amplifiers : d->targets;
+    const int columns = l->is_transposed ? d->targets : d->amplifiers;
     for (int i = 0; i < rows; i++) {
         if (l->has_coordinates)
             fprintf(file, "%.17g%s%.17g%s", d->mesh.point[d->target_node[i]].position[0],

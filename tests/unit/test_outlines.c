@@ -242,7 +242,8 @@ static void test_patterns(void **state)
                   "0.04, 0.13], sectors: [3, 8], gap: 0.006, angle: 20}}]}]");
     assert_int_equal(outlines_of(&r, 0)->electrodes, 11);
     for (int k = 0; k < 11; k++) {
-        const double inner = k < 3 ? 0.003 / sin(pi / 3) : 0.043, outer = k < 3 ? 0.037 : 0.127;
+        const double inner = k < 3 ? 0.003 / sin(pi / 3) : 0.043;
+        const double outer = k < 3 ? 0.037 : 0.127;
         const double exact = keystone_area(inner, outer, 2 * pi / (k < 3 ? 3 : 8), 0.006);
         assert_near("keystone", electrode_area(&r, 0, k), exact, 1e-5);
         const scene_outline *outline = &outlines_of(&r, 0)->electrode[k];

@@ -1085,7 +1085,8 @@ typedef struct similar_case {
 /* Test the strip of one case and compare the members `similar` and the number of findings. */
 static void try_similar(const similar_case *c)
 {
-    const size_t one = c->is_of_sensors ? 7 : 1, other = c->is_of_sensors ? 10 : 2;
+    const size_t one = c->is_of_sensors ? 7 : 1;
+    const size_t other = c->is_of_sensors ? 10 : 2;
     const size_t third = c->is_of_sensors ? 5 : 0;
     strip s;
     open_strip(&s, STRIP_INPUTS, c->noise);
