@@ -169,11 +169,10 @@ static int fit_alone(run *run, char *error)
     const size_t idle = idle_names(run, names);
     if (idle == 0)
         return calibrate(&run->result, &run->pokes, NULL, error);
-    snprintf(
-        error, SCENE_ERROR,
-        "the voltage of %s is 0 in all %lu pokes, so that nothing is known of %s; poke %s too, "
-        "leave the column out, or give a scene with a model of the structure",
-        names, (unsigned long)run->pokes.count, idle > 1 ? "them" : "it", idle > 1 ? "them" : "it");
+    snprintf(error, SCENE_ERROR,
+             "the voltage of %s is 0 in all %lu pokes, so that nothing is known of %s; poke these "
+             "amplifiers too, leave the column out, or give a scene with a model of the structure",
+             names, (unsigned long)run->pokes.count, idle > 1 ? "them" : "it");
     return -1;
 }
 

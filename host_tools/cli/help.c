@@ -29,8 +29,9 @@ static void print_option(FILE *file, option_id option, int with_takers)
 {
     const option_entry *entry = &option_table[option];
     char head[OPTION_COLUMN + 16];
-    snprintf(head, sizeof head, "%s%s%s %s", entry->other ? entry->other : "",
-             entry->other ? ", " : "", entry->name, entry->argument);
+    snprintf(head, sizeof head, "%s %s", entry->name, entry->argument);
+    if (entry->other)
+        snprintf(head, sizeof head, "%s, %s %s", entry->other, entry->name, entry->argument);
     fprintf(file, "  %-*s ", OPTION_COLUMN - 3, head);
     const int width = with_takers ? print_takers(file, option) : 0;
     wrap_print(file, entry->help, OPTION_COLUMN + width, OPTION_COLUMN);

@@ -424,10 +424,11 @@ static plausible_optimum optimum_of(const shape_run *run)
         entry = fmax(entry, fabs(design->wanted[i]));
     for (int k = 0; k < best->amplifiers; k++)
         largest = fmax(largest, fabs(best->voltage[k]));
+    const double share = isfinite(limit) && limit > 0 ? largest / limit : (double)NAN;
     return (plausible_optimum){
         .target = entry > 0 ? run->before.rms / entry : 0,
         .error = best->error,
-        .share = isfinite(limit) && limit > 0 ? largest / limit : (double)NAN,
+        .share = share,
         .dependent = dependent,
     };
 }

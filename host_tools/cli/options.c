@@ -350,8 +350,9 @@ static int stat_folder(const char *path, struct stat *there)
 {
     char folder[OPTIONS_PATH];
     const char *const slash = strrchr(path, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1,
-             slash ? path : ".");
+    snprintf(folder, sizeof folder, "%s", ".");
+    if (slash)
+        snprintf(folder, sizeof folder, "%.*s", (int)(slash - path + 1), path);
     return stat(folder, there);
 }
 
@@ -365,8 +366,10 @@ static int same_file(const char *first, const char *second)
     if (stat(first, &first_status) == 0 && stat(second, &second_status) == 0)
         return S_ISREG(first_status.st_mode) && first_status.st_dev == second_status.st_dev &&
                first_status.st_ino == second_status.st_ino;
-    return strcmp(end_a ? end_a + 1 : first, end_b ? end_b + 1 : second) == 0 &&
-           stat_folder(first, &first_status) == 0 && stat_folder(second, &second_status) == 0 &&
+    const char *const name_a = end_a ? end_a + 1 : first;
+    const char *const name_b = end_b ? end_b + 1 : second;
+    return strcmp(name_a, name_b) == 0 && stat_folder(first, &first_status) == 0 &&
+           stat_folder(second, &second_status) == 0 &&
            first_status.st_dev == second_status.st_dev &&
            first_status.st_ino == second_status.st_ino;
 }

@@ -60,8 +60,8 @@ int outfile_begin(outfile *output, const char *path)
             return cannot_write(path, "path too long");
         output->slot = interrupt_file(output->temporary);
     }
-    output->file =
-        is_stdout ? fdopen(standard_output, "w") : fopen(is_direct ? path : output->temporary, "w");
+    const char *name = is_direct ? path : output->temporary;
+    output->file = is_stdout ? fdopen(standard_output, "w") : fopen(name, "w");
     if (output->file)
         return 0;
     interrupt_forget_file(output->slot);

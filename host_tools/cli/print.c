@@ -88,8 +88,7 @@ static void print_loose(const quad_loose *loose)
 {
     if (loose->count == 0)
         return;
-    printf("  %zu node%s of the file without element%s, left out:", loose->count,
-           loose->count > 1 ? "s" : "", loose->count > 1 ? "s" : "");
+    printf("  nodes of the file without elements, left out: %zu:", loose->count);
     for (size_t i = 0; i < loose->count && i < QUAD_LOOSE; i++)
         printf(" %lld", (long long)loose->label[i]);
     puts(loose->count > QUAD_LOOSE ? " ..." : "");
@@ -440,9 +439,10 @@ static void print_contact(const analysis *analysis)
 static void print_path(const analysis *analysis)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
+    const char *state = run->info.negative_pivots ? "UNSTABLE" : "stable";
     printf("  %u load step%s, %u linear solves, %s (%u negative pivots)\n", run->info.load_steps,
-           run->info.load_steps == 1 ? "" : "s", run->info.linear_solves,
-           run->info.negative_pivots ? "UNSTABLE" : "stable", run->info.negative_pivots);
+           run->info.load_steps == 1 ? "" : "s", run->info.linear_solves, state,
+           run->info.negative_pivots);
     printf("  settled to %.0e of the displacement (equilibrium.tolerance), solver residual %.1e of "
            "the load\n",
            run->settings.tolerance, run->info.residual);
@@ -766,10 +766,11 @@ void print_shape(const shape_run *run)
     const design_inputs inputs = design_inputs_of(design);
     char names[32], limit[32], largest_name[32];
     snprintf(names, sizeof names, "%ss", inputs.name);
-    snprintf(limit, sizeof limit, "limits (%.20s)", inputs.unit);
-    snprintf(largest_name, sizeof largest_name, "largest (%.20s)", inputs.unit);
-    printf("  %-26s %-16s %12s %7s %12s %10s\n", names, *inputs.unit ? limit : "limits",
-           "shape error", "active", *inputs.unit ? largest_name : "largest", "KKT");
+    snprintf(limit, sizeof limit, *inputs.unit ? "limits (%.20s)" : "limits", inputs.unit);
+    snprintf(largest_name, sizeof largest_name, *inputs.unit ? "largest (%.20s)" : "largest",
+             inputs.unit);
+    printf("  %-26s %-16s %12s %7s %12s %10s\n", names, limit, "shape error", "active",
+           largest_name, "KKT");
     for (int i = 0; i < run->count; i++) {
         const voltages *result = &run->results[i];
         char limits[32];

@@ -65,15 +65,16 @@ static bool is_bare(const design *design, int layer, int face)
 void print_bare_faces(const analysis *analysis)
 {
     const design *design = &analysis->design;
-    char unit[WORDS_UNIT];
-    words_unit(&design->units, QUANTITY_VOLTAGE, unit);
+    char unit[WORDS_UNIT + 1] = " ";
+    if (!*words_unit(&design->units, QUANTITY_VOLTAGE, unit + 1))
+        *unit = '\0';
     for (int k = 0; k < 2 * design->layers && design->bare.count > 0; k++) {
         if (!is_bare(design, k / 2, k % 2))
             continue;
         const face_range range = range_of(analysis, k / 2, k % 2);
-        printf("  potential of the bare %s face of layer %d %s: %.6e .. %.6e%s%s at %d nodes\n",
+        printf("  potential of the bare %s face of layer %d %s: %.6e .. %.6e%s at %d nodes\n",
                k % 2 ? "outer" : "inner", k / 2 + 1, design->layer[k / 2].name, range.lowest,
-               range.highest, *unit ? " " : "", unit, range.nodes);
+               range.highest, unit, range.nodes);
     }
 }
 
@@ -107,9 +108,10 @@ void print_electrodes(analysis *analysis)
         return;
     words_unit(&design->units, QUANTITY_VOLTAGE, unit[0]);
     words_unit(&design->units, QUANTITY_CHARGE, unit[1]);
-    for (int k = 0; k < 2; k++)
-        snprintf(head[k], sizeof head[k], unit[k][0] ? "%s (%s)" : "%s", k ? "charge" : "voltages",
-                 unit[k]);
+    for (int k = 0; k < 2; k++) {
+        const char *name = k ? "charge" : "voltages";
+        snprintf(head[k], sizeof head[k], unit[k][0] ? "%s (%s)" : "%s", name, unit[k]);
+    }
     printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", head[0], head[1],
            "capacitance, held", "free");
     for (int k = 0; k < electrodes_of_patches(design); k++) {

@@ -55,9 +55,9 @@ static void print_cause(const analysis *analysis, const load_path *path)
 
 void print_load_path(const analysis *analysis, const load_path *path)
 {
+    const char *reach = path->is_complete ? "" : "; it does not reach the full load";
     printf("  load path: %d points%s, %d linear solves%s\n", path->points,
-           path->has_equal_steps ? " in equal load steps" : "", path->linear_solves,
-           path->is_complete ? "" : "; it does not reach the full load");
+           path->has_equal_steps ? " in equal load steps" : "", path->linear_solves, reach);
     for (int i = 0; i < path->events; i++)
         printf("  %s at load factor %.6g, between points %d and %d\n",
                event_name[path->event[i].type], path->event[i].load_factor,

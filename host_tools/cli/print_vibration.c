@@ -99,8 +99,9 @@ void print_vibration(const loaded_modes *modes)
     if (vibration->mass > 0)
         printf(" %9s %9s %9s", "mass x", "mass y", "mass z");
     if (design->amplifiers > 0)
-        printf("   %-16s largest displacement by 1 V%s%s%s", "strongest input", *unit ? " (" : "",
-               unit, *unit ? ")" : "");
+        printf(*unit ? "   %-16s largest displacement by 1 V (%s)"
+                     : "   %-16s largest displacement by 1 V",
+               "strongest input", unit);
     putchar('\n');
     for (int i = 0; i < vibration->count; i++)
         print_mode(design, vibration, i);
@@ -168,10 +169,10 @@ void print_certificate(const certificate *certificate)
         printf("  vibration not known: %s\n", certificate->reason);
         return;
     }
+    const char *origin = certificate->has_own_damping ? "given" : "assumed";
     printf("  first natural frequency%s %.4g Hz; damping ratio %g, %s\n",
            certificate->is_loaded ? " about the equilibrium under the loads" : "",
-           certificate_first(certificate), certificate->damping,
-           certificate->has_own_damping ? "given" : "assumed");
+           certificate_first(certificate), certificate->damping, origin);
     certificate_text(certificate, text);
     print_lines(text);
 }

@@ -30,7 +30,8 @@ static void write_limit(json *json, bool is_low, const range *range)
     const char *const strict_name = is_low ? "exclusiveMinimum" : "exclusiveMaximum";
     const bool is_open = fabs(limit) > largest_number;
     const double bound = is_low ? -largest_number : largest_number;
-    json_number(json, range->strict && !is_open ? strict_name : name, is_open ? bound : limit);
+    const double value = is_open ? bound : limit;
+    json_number(json, range->strict && !is_open ? strict_name : name, value);
 }
 
 /* Write the schema of a number: either a plain number, or a text that is a formula. */
@@ -156,8 +157,9 @@ static void write_description(json *json, const field *field)
     char text[1000];
     if (!field->help)
         return;
-    snprintf(text, sizeof text, "%s%s%s%s", field->help, unit ? " Unit as " : "", unit ? unit : "",
-             unit ? "." : "");
+    snprintf(text, sizeof text, "%s", field->help);
+    if (unit)
+        snprintf(text, sizeof text, "%s Unit as %s.", field->help, unit);
     json_string(json, "description", text);
 }
 

@@ -62,9 +62,10 @@ static int read_type(npy_header *header, const char *text, char *error)
                 return 0;
             }
     const size_t named = quote == '\'' || quote == '"' ? strcspn(text + 1, "'\"") + 2 : 12;
+    const int shown = named < 12 ? (int)named : 12;
     snprintf(error, NUMBER_ERROR,
-             "its numbers are of type %.*s; save the array as float64, with astype(float)",
-             (int)(named < 12 ? named : 12), text ? text : "nothing");
+             "its numbers are of type %.*s; save the array as float64, with astype(float)", shown,
+             text ? text : "nothing");
     return -1;
 }
 

@@ -252,12 +252,12 @@ static const char *const text_of_loop =
 
 void fmu_write_page(const fmu *fmu, FILE *file)
 {
+    const char *text = fmu->kind == FMU_PLANT ? text_of_plant : text_of_controller;
     put(file,
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/><title>%t %s</title>"
         "</head><body>\n<h1>%t: %s</h1>\n<p>%t</p>\n%s\n",
         fmu->design->name, kind_name[fmu->kind], fmu->design->name, kind_name[fmu->kind],
-        fmu->design->about ? fmu->design->about : "",
-        fmu->kind == FMU_PLANT ? text_of_plant : text_of_controller);
+        fmu->design->about ? fmu->design->about : "", text);
     fprintf(file, "<p>Every step has the length of a tick, %.9g s; other steps are refused.</p>\n",
             1 / fmu->design->control.rate);
     fprintf(file,

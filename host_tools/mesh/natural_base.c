@@ -54,6 +54,7 @@ void natural_strain_map(const natural_base *natural, double z, double map[6][6])
             const int i = first[row], j = second[row], p = first[column], q = second[column];
             const double same = inverse[p][i] * inverse[q][j],
                          crossed = inverse[q][i] * inverse[p][j];
-            map[row][column] = (p == q ? same : (same + crossed) / 2) * (i == j ? 1 : 2);
+            const double term = p == q ? same : (same + crossed) / 2;
+            map[row][column] = i == j ? term : 2 * term;
         }
 }

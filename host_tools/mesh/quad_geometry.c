@@ -17,9 +17,11 @@ static void corner_sum(const double (*vector)[3], const uint32_t node[4], int ha
 {
     for (int i = 0; i < 3; i++) {
         sum[i] = 0;
-        for (int corner = 0; corner < 4; corner++)
-            sum[i] += (has_xi1 ? xi[0][corner] : 1) * (has_xi2 ? xi[1][corner] : 1) *
-                      vector[node[corner]][i] / 4;
+        for (int corner = 0; corner < 4; corner++) {
+            const double along = has_xi1 ? xi[0][corner] : 1;
+            const double across = has_xi2 ? xi[1][corner] : 1;
+            sum[i] += along * across * vector[node[corner]][i] / 4;
+        }
     }
 }
 

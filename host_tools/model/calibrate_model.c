@@ -71,8 +71,9 @@ static int model_influence(const calibration_model *model, const scene *nominal,
     scene.kinematics = KINEMATICS_LINEAR;
     for (int k = 0; k < model->factors; k++) {
         const model_factor *factor = &model->factor[k];
-        material_scale(&scene.material[factor->material], factor->is_piezo ? 1 : factor->value,
-                       factor->is_piezo ? factor->value : 1);
+        const double stiffness = factor->is_piezo ? 1 : factor->value;
+        const double piezo = factor->is_piezo ? factor->value : 1;
+        material_scale(&scene.material[factor->material], stiffness, piezo);
     }
     int failed = analysis_prepare(&analysis, &scene, error);
     if (!failed) {

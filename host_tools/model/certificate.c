@@ -417,11 +417,12 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         text_append(text, CERTIFICATE_TEXT, ",\nand %d tick%s newer", loop->newer,
                     plural(loop->newer));
     text_append(text, CERTIFICATE_TEXT, ".");
+    const char *end = loop->delay > 0 ? "" : ".";
     if (loop->target.is_made)
         text_append(
             text, CERTIFICATE_TEXT,
             "\nAbout the shape of the target every storm settles %s readings 1 tick older%s",
-            loop->target.older > 0 ? "with" : "NOT with", loop->delay > 0 ? "" : ".");
+            loop->target.older > 0 ? "with" : "NOT with", end);
     if (loop->target.is_made && loop->delay > 0)
         text_append(text, CERTIFICATE_TEXT, ", and %s readings 1 tick newer.",
                     loop->target.newer > 0 ? "with" : "NOT with");

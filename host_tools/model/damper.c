@@ -347,6 +347,8 @@ static void fill_tables(builder *builder)
     const estimator *estimator = builder->estimator;
     const damper_gains *gains = &builder->gains;
     const bool is_weighted = estimator || design->free_functions > 0;
+    const pzs_estimator none = {0};
+    const pzs_estimator *readings = estimator ? &estimator->tables : &none;
     builder->damper->tables = (pzs_vibration){
         .scene = design->problem.scene,
         .inputs = (uint16_t)builder->amplifiers,
@@ -355,10 +357,8 @@ static void fill_tables(builder *builder)
         .modes = (uint16_t)builder->model.modes,
         .delay = (uint16_t)builder->delay,
         .shape = builder->shape,
-        .reading = estimator ? builder->reading : NULL,
-        .direct = estimator ? estimator->tables.direct : NULL,
-        .gain = estimator ? estimator->tables.gain : NULL,
-        .precision = is_weighted ? builder->precision : NULL,
+        .direct = readings->direct,
+        .gain = readings->gain,
         .modal = builder->modal,
         .turn = gains->turn,
         .observer = gains->observer,
@@ -369,6 +369,10 @@ static void fill_tables(builder *builder)
         .mix = gains->mix,
         .slow = gains->slow,
     };
+    if (estimator)
+        builder->damper->tables.reading = builder->reading;
+    if (is_weighted)
+        builder->damper->tables.precision = builder->precision;
     (void)pzs_vibration_seal(&builder->damper->tables);
 }
 

@@ -61,16 +61,17 @@ static void name_tilt(const load_path_point *point, int index, const mesh *mesh,
 static void name_compression(const load_path_point *point, int index, const mesh *mesh, char *text)
 {
     const face_strain *strongest = &point->compression;
+    const char *advice = mesh->formulation.quadratic == SQUARES_OMITTED
+                             ? ""
+                             : "; in-plane strains linear in the height (element: {quadratic: "
+                               "omitted}) soften later in bending";
     snprintf(text, PATH_CAUSE_BYTES,
              "at point %d the %s face is compressed by a Green strain of %.3g within an element "
              "(%s; thickness strain %.2g): Hooke's law for Green strains softens below about %.1g, "
              "on every mesh; reduce the load, or the thickness%s",
              index + 1, strongest->face ? "outer" : "inner", strongest->strain,
              mesh_element_text(mesh, strongest->element).text, point->thickness_strain, soft_strain,
-             mesh->formulation.quadratic == SQUARES_OMITTED
-                 ? ""
-                 : "; in-plane strains linear in the height (element: {quadratic: omitted}) soften "
-                   "later in bending");
+             advice);
 }
 
 /*

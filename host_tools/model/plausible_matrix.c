@@ -110,8 +110,9 @@ static void name_weak(const scene *scene, double reference, double from, double 
     }
     if (count > 0)
         found->value = least;
-    snprintf(found->what, WHAT, "effect of actuator%s%.200s over that of %s%s",
-             count > 1 ? "s" : "", names, reference_name, count > 1 ? ", the least" : "");
+    const char *form = count > 1 ? "effect of actuators%.200s over that of %s, the least"
+                                 : "effect of actuator%.200s over that of %s";
+    snprintf(found->what, WHAT, form, names, reference_name);
 }
 
 static double strongest_column(const scene *scene)

@@ -802,9 +802,9 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
 {
     const int most = vibration_most(design);
     memset(vibration, 0, sizeof *vibration);
+    const size_t taken = (size_t)(number < most ? number : most);
     const int failed = design->mesh.elements == 0
-                           ? vibration_take_measured(vibration, design,
-                                                     (size_t)(number < most ? number : most), error)
+                           ? vibration_take_measured(vibration, design, taken, error)
                            : solve_structure(vibration, design, NULL, number, lumped, error);
     if (failed)
         vibration_free(vibration);

@@ -197,8 +197,10 @@ static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool i
         put(file, "<path class=\"grid\" d=\"M%f %fV%f\"/>", at, y->to, y->from);
     else
         put(file, "<path class=\"grid\" d=\"M%f %fH%f\"/>", x->from, at, x->to);
-    draw_text(file, is_x ? "value" : "end", is_x ? at : x->from - 6, is_x ? y->from + 15 : at + 4,
-              axis->format, value * axis->unit.factor);
+    if (is_x)
+        draw_text(file, "value", at, y->from + 15, axis->format, value * axis->unit.factor);
+    else
+        draw_text(file, "end", x->from - 6, at + 4, axis->format, value * axis->unit.factor);
 }
 
 /*

@@ -56,7 +56,8 @@ void shell_outputs(const shell *shell)
         shell_at(shell, mesh_point_node(shell->mesh, where), at);
         draw_disc(shell->file, "dot", at, 3.5);
         const bool is_left = at[0] > shell->view.width * 0.65;
-        draw_text(shell->file, is_left ? "tag end" : "tag", at[0] + (is_left ? -8 : 8),
+        const double shift = is_left ? -8 : 8;
+        draw_text(shell->file, is_left ? "tag end" : "tag", at[0] + shift,
                   at[1] + 14 + 13 * (k % 3), "%t", design->output[k].name);
     }
 }

@@ -57,13 +57,13 @@ static void write_structure_facts(const page *page, double residual)
 {
     const mesh *mesh = page->mesh;
     const pzs_solver_info *info = &page->analysis->equilibrium.solver.info;
+    const char *kinematics = mesh->formulation.cartesian ? "Cartesian" : "local";
     put(page->file,
         FACT("Mesh", "%d elements (types: %d), %d nodes") FACT("Free dof", "%d, half bandwidth %d")
             FACT("Element", "%s kinematics, %s metric, %d dof per node") FACT("Thickness", "%q")
                 FACT("Condition number, scaled", "%r") FACT("Solver residual", "%r"),
         mesh->elements, mesh->types, mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh),
-        mesh->formulation.cartesian ? "Cartesian" : "local",
-        mesh->formulation.metric ? "exact" : "flat", (int)mesh->dof_per_node,
+        kinematics, mesh->formulation.metric ? "exact" : "flat", (int)mesh->dof_per_node,
         mesh->laminate.thickness, page->design->units.length, page->analysis->model.info.condition,
         residual);
     if (page->analysis->is_nonlinear)
@@ -122,14 +122,14 @@ void page_begin(const page *page, const char *kind, double residual)
         "name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>%t</title>\n",
         design->name);
     draw_page_style(page->file);
+    const char *units = words_unitless(&design->units)
+                            ? "The scene names no units: its numbers are "
+                              "in any consistent ones, angles in rad."
+                            : "";
     put(page->file,
         "</head>\n<body>\n<main>\n<header>\n<p class=\"kicker\">%s</p>\n<h1>%t</h1>\n<p>%t</p>\n"
         "<p class=\"soft\">%s</p>\n",
-        kind, design->name, design->about ? design->about : "",
-        words_unitless(&design->units)
-            ? "The scene names no units: its numbers are in any consistent ones, "
-              "angles in rad."
-            : "");
+        kind, design->name, design->about ? design->about : "", units);
     write_facts(page, residual);
     write_warnings(page);
     fputs("</header>\n", page->file);
@@ -150,13 +150,13 @@ void page_begin_picture(const page *page, const char *title, double width, doubl
 {
     const design *design = page->design;
     const double wide = width + 2 * EDGE, tall = height + HEAD + FOOT;
+    const char *about = design->about ? design->about : "";
+    const char *target = design->goal.given ? expr_text(design->goal.value) : "none";
     put(page->file,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
         "width=\"%f\" height=\"%f\" viewBox=\"%d %d %f %f\" role=\"img\">\n<title>%t: %t</title>"
         "<desc>%t Target: %t. Command: ",
-        wide, tall, -EDGE, -HEAD, wide, tall, design->name, title,
-        design->about ? design->about : "",
-        design->goal.given ? expr_text(design->goal.value) : "none");
+        wide, tall, -EDGE, -HEAD, wide, tall, design->name, title, about, target);
     write_command(page->job);
     fputs("</desc>\n", page->file);
     draw_picture_style(page->file);

@@ -50,7 +50,8 @@ static void put_number(FILE *file, double value, int digits)
     const int power = size > 0 && isfinite(size) ? (int)floor(log10(size)) : 0;
     char text[40];
     if (!isfinite(value)) {
-        put(file, isnan(value) ? "–" : "%s∞", value < 0 ? "−" : "");
+        const char *infinity = value < 0 ? "−∞" : "∞";
+        put(file, "%s", isnan(value) ? "–" : infinity);
         return;
     }
     snprintf(text, sizeof text, "%.*g", power == digits ? digits + 1 : digits, size);

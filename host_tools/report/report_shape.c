@@ -67,11 +67,12 @@ static void write_row(const shape_page *shape, const voltages *result, double wo
     int beyond = 0;
     for (int k = 0; k < result->amplifiers; k++)
         beyond += shell_is_beyond(shape->page.design, result, k);
-    put_row(shape->page.file, "%t|%l|%b|%q|%q|%n|%a|%s%d%s|%r", result->name, result->limit,
-            shape->voltage.unit, result->error, worst, result->rms, length, result->valley, length,
-            is_limited(result) ? result->active_limits : (double)NAN,
-            largest_voltage(shape, result), shape->voltage.most, shape->voltage.unit,
-            beyond ? "<b>" : "", beyond, beyond ? "</b>" : "", result->optimality);
+    const double active = is_limited(result) ? result->active_limits : (double)NAN;
+    const char *form = beyond ? "%t|%l|%b|%q|%q|%n|%a|<b>%d</b>|%r" : "%t|%l|%b|%q|%q|%n|%a|%d|%r";
+    put_row(shape->page.file, form, result->name, result->limit, shape->voltage.unit, result->error,
+            worst, result->rms, length, result->valley, length, active,
+            largest_voltage(shape, result), shape->voltage.most, shape->voltage.unit, beyond,
+            result->optimality);
 }
 
 static void write_table(const shape_page *shape)

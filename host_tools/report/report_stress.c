@@ -54,10 +54,10 @@ static void write_components(const page *page, const stress_summary *summary)
         const stress_extreme *found = is_strain ? &summary->strain[i] : &summary->stress[i];
         if (found->element < 0)
             continue;
+        const char *unit = is_strain ? "" : page->pressure;
         put_row(page->file, "%s %t|%q|<%d %t, %t|<%t", is_strain ? "Strain" : "Stress",
-                stress_component_name[i], found->value, is_strain ? "" : page->pressure,
-                found->layer + 1, page->design->layer[found->layer].name,
-                stress_height_name[found->height],
+                stress_component_name[i], found->value, unit, found->layer + 1,
+                page->design->layer[found->layer].name, stress_height_name[found->height],
                 mesh_element_text(page->mesh, found->element).text);
     }
     put_table_end(page->file);

@@ -46,10 +46,11 @@ static void write_materials(const page *page)
     put_table(page->file, "Materials", "Material|E₁|E₂|ν₁₂|G₁₂|d₃₁|e₃₁");
     for (int k = 0; k < design->materials; k++) {
         const scene_material *material = &design->material[k];
+        const double d31 = material->has_d ? material->d31 : (double)NAN;
+        const double e31 = material->has_e ? material->piezo_e[0] : (double)NAN;
         put_row(page->file, "%t|%q|%q|%n|%q|%n|%n", material->name, material->e[0], page->pressure,
-                material->e[1], page->pressure, material->nu12, material->g12, page->pressure,
-                material->has_d ? material->d31 : (double)NAN,
-                material->has_e ? material->piezo_e[0] : (double)NAN);
+                material->e[1], page->pressure, material->nu12, material->g12, page->pressure, d31,
+                e31);
     }
     put_table_end(page->file);
 }

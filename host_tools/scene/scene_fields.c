@@ -98,10 +98,10 @@ int require_kind(reader *reader, int node, tree_kind kind)
     const bool is_item = !found->key && found->parent;
     if (found->kind == kind)
         return 0;
+    const bool is_empty = found->kind == TREE_SCALAR && !*found->text;
+    const char *is_now = is_empty ? "empty" : kind_names[found->kind];
     return tree_fault(reader->t, node, "%s'%.60s' must be %s, not %s", is_item ? "an item of " : "",
-                      tree_name(reader->t, node), kind_names[kind],
-                      found->kind == TREE_SCALAR && !*found->text ? "empty"
-                                                                  : kind_names[found->kind]);
+                      tree_name(reader->t, node), kind_names[kind], is_now);
 }
 
 /*

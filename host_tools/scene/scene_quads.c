@@ -173,9 +173,9 @@ static int refuse_set(reader *reader, int node, const char *name, bool only_elem
                           "(in Gmsh a physical surface); %s%s",
                           name, what, *list ? "it has the element sets " : "it has no element set",
                           list);
+    const char *known = *list ? "it has " : "add a physical group to it";
     return tree_fault(reader->t, node, "the %s has no %sset '%.40s'; %s%s", what,
-                      only_elements ? "element " : "", name,
-                      *list ? "it has " : "add a physical group to it", list);
+                      only_elements ? "element " : "", name, known, list);
 }
 
 static int require_quads(reader *reader, int node, const char *what)
@@ -310,12 +310,12 @@ static int refuse_loose(reader *reader, int node, const quad_set *set)
         snprintf(list + length, LIST - length, "%s%lld", i > 0 ? ", " : "",
                  (long long)loose->label[i]);
     }
-    return tree_fault(reader->t, node,
-                      "set '%.40s' of the mesh file has %zu node%s without element: %s%s; take %s "
-                      "out of the set, or put the point into the surface (in Gmsh Point{n} In "
-                      "Surface{m};)",
-                      set->name, loose->count, loose->count > 1 ? "s" : "", list,
-                      loose->count > listed ? " ..." : "", loose->count > 1 ? "them" : "it");
+    return tree_fault(
+        reader->t, node,
+        "nodes without element in set '%.40s' of the mesh file: %zu (%s%s); take them "
+        "out of the set, or put the points into the surface (in Gmsh Point{n} In "
+        "Surface{m};)",
+        set->name, loose->count, list, loose->count > listed ? " ..." : "");
 }
 
 /*

@@ -586,9 +586,12 @@ static int read_support_of(reader *reader, int node, void *to, const void *rule)
         return -1;
     if (has_support(scene, name))
         return 0;
-    return tree_fault(reader->t, node, "there is no support '%s'%s%s; give a support this name",
-                      name, scene->supports > 0 ? "; the first is " : "",
-                      scene->supports > 0 ? scene->support[0].name : "");
+    if (scene->supports == 0)
+        return tree_fault(reader->t, node, "there is no support '%s'; give a support this name",
+                          name);
+    return tree_fault(reader->t, node,
+                      "there is no support '%s'; the first is %s; give a support this name", name,
+                      scene->support[0].name);
 }
 
 /*

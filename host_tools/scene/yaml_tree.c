@@ -218,9 +218,12 @@ static int syntax_fault(builder *builder)
     if (parser->error == YAML_READER_ERROR)
         return tree_fault_at(builder->tree, byte_at(builder, parser->problem_offset),
                              "not text (%s); save the scene as UTF-8", problem);
-    return tree_fault_at(builder->tree, mark_at(builder, parser->problem_mark),
-                         "not YAML: %s%s%s; check brackets, quotes and indentation",
-                         parser->context ? parser->context : "", parser->context ? ", " : "",
+    const scene_at at = mark_at(builder, parser->problem_mark);
+    if (parser->context)
+        return tree_fault_at(builder->tree, at,
+                             "not YAML: %s, %s; check brackets, quotes and indentation",
+                             parser->context, problem);
+    return tree_fault_at(builder->tree, at, "not YAML: %s; check brackets, quotes and indentation",
                          problem);
 }
 

@@ -42,8 +42,9 @@ typedef struct margin {
  */
 static int try_factor(margin *margin, double factor, bool *passed)
 {
-    const storm_task task = trial_growth_task(margin->rig, margin->is_gain ? factor : 1,
-                                              margin->is_gain ? 1 : factor, 0);
+    const double gain = margin->is_gain ? factor : 1;
+    const double frequency = margin->is_gain ? 1 : factor;
+    const storm_task task = trial_growth_task(margin->rig, gain, frequency, 0);
     storm_result result;
     if (storm_growth(margin->rig, &task.plant, task.growth_ticks, &result, margin->error) < 0)
         return -1;

@@ -101,14 +101,17 @@ int trial_measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is_
 storm_plant trial_plant(int i, int older)
 {
     const int sequence = i / PLANTS / 2;
-    return (storm_plant){.gain = storm_gain[i % PLANTS],
+    storm_plant plant = {.gain = storm_gain[i % PLANTS],
                          .frequency = storm_frequency[i % PLANTS],
                          .step_limit = i / PLANTS % 2 ? 0.25 : 1,
                          .more_delay = older,
                          .seed = (uint64_t)(sequence + 1),
-                         .less_hysteresis = sequence == 1 ? TRIAL_LESS_HYSTERESIS : 0,
-                         .missed_share = sequence == SEEDS - 1 ? missed_share : 0,
                          .is_uninformed = true};
+    if (sequence == 1)
+        plant.less_hysteresis = TRIAL_LESS_HYSTERESIS;
+    if (sequence == SEEDS - 1)
+        plant.missed_share = missed_share;
+    return plant;
 }
 
 /*

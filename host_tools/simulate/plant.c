@@ -83,9 +83,11 @@ static int change_scene(plant *plant)
     const scene_simulate *simulate = &scene->simulate;
     scale_matrix(scene);
     scene->kinematics = simulate->kinematics;
-    for (int i = 0; i < scene->materials; i++)
-        material_scale(&scene->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
-                       simulate->d ? simulate->d[i] : 1);
+    for (int i = 0; i < scene->materials; i++) {
+        const double stiffness = simulate->stiffness ? simulate->stiffness[i] : 1;
+        const double piezo = simulate->d ? simulate->d[i] : 1;
+        material_scale(&scene->material[i], stiffness, piezo);
+    }
     return has_temperature_events(simulate) ? add_temperature(plant) : 0;
 }
 

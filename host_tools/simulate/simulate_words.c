@@ -198,10 +198,12 @@ void simulate_words_plant(const simulation *simulation, char text[SIMULATE_TEXT]
     imperfections_text(design, imperfections, sizeof imperfections);
     snprintf(text, SIMULATE_TEXT, "plant: %s",
              simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < design->materials; i++)
+    for (int i = 0; i < design->materials; i++) {
+        const double stiffness = simulate->stiffness ? simulate->stiffness[i] : 1;
+        const double piezo = simulate->d ? simulate->d[i] : 1;
         text_append(text, SIMULATE_TEXT, "%s %s stiffness x %g, d x %g", i ? ";" : ",",
-                    design->material[i].name, simulate->stiffness ? simulate->stiffness[i] : 1,
-                    simulate->d ? simulate->d[i] : 1);
+                    design->material[i].name, stiffness, piezo);
+    }
     text_append(text, SIMULATE_TEXT,
                 "\n  imperfections: %s\n  sensors: ", *imperfections ? imperfections : "none");
     append_sensors(simulation, text);

@@ -128,10 +128,13 @@ static const void *delay_tables(loop_blocks *blocks)
     const bool is_few = loop_estimates(design);
     blocks->delay = (pzs_reading_delay){.scene = design->problem.scene,
                                         .inputs = design->problem.inputs,
-                                        .sensors = is_few ? blocks->estimator->tables.sensors
-                                                          : design->problem.outputs,
+                                        .sensors = design->problem.outputs,
                                         .delay = (uint16_t)design->simulate.delay,
-                                        .direct = is_few ? blocks->estimator->tables.direct : NULL};
+                                        .direct = NULL};
+    if (is_few) {
+        blocks->delay.sensors = blocks->estimator->tables.sensors;
+        blocks->delay.direct = blocks->estimator->tables.direct;
+    }
     (void)pzs_reading_delay_seal(&blocks->delay);
     return &blocks->delay;
 }
@@ -676,6 +679,7 @@ static block_counts count(const loop_blocks *blocks)
 {
     const sparse_facts sparse =
         sparse_tables_count(blocks->design, loop_blocks_read_entries(blocks));
+    const size_t entries = sparse.is_used ? sparse.entries : 0;
     const block_counts of = {
         .inputs = blocks->design->problem.inputs,
         .outputs = blocks->design->problem.outputs,
@@ -686,7 +690,7 @@ static block_counts count(const loop_blocks *blocks)
         .plays = blocks->compensation.tables.plays,
         .creeps = blocks->compensation.tables.creeps,
         .loads = loop_feeds(blocks->design) ? blocks->estimator->shape_table.inputs : 0,
-        .entries = sparse.is_used ? sparse.entries : 0,
+        .entries = entries,
         .blocks = count_blocks(blocks),
         .delay = (size_t)blocks->design->simulate.delay,
         .damper_delay = blocks->damper->tables.delay,

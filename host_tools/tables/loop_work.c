@@ -156,9 +156,10 @@ double loop_work_inverse(const block_counts *of, const loop_processor *on)
  */
 double loop_work_step(const block_counts *of, const loop_processor *on)
 {
-    return influence_product(of, on) + prediction(of, on) + optimisation(of, on) +
-           loops(of, on, of->is_damped ? 29 : 85, 0, 0) +
-           (of->is_damped ? 0 : second_prediction(of, on));
+    const double common = influence_product(of, on) + prediction(of, on) + optimisation(of, on);
+    if (of->is_damped)
+        return common + loops(of, on, 29, 0, 0);
+    return common + loops(of, on, 85, 0, 0) + second_prediction(of, on);
 }
 
 /*

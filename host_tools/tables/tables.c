@@ -474,6 +474,8 @@ static void write_limit_rows(emitter *emitter, const design *design)
 static void write_problem_struct(const emitter *emitter, const pzs_problem *problem)
 {
     char influence_name[128], hessian_name[128], rows_name[128], sparse_name[128];
+    const char *rows_of = problem->limit_rows ? "&" : "";
+    const char *sparse_of = problem->sparse ? "&" : "";
     name_or_null(emitter, problem->limit_rows != NULL, "limit_rows", rows_name);
     name_or_null(emitter, problem->influence != NULL, "influence", influence_name);
     name_or_null(emitter, problem->hessian != NULL, "hessian", hessian_name);
@@ -490,9 +492,8 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
             "    %lluu, %s%s, PZS_DUAL_METHOD(%u), %s%s,\n};\n\n",
             problem->inputs, problem->outputs, influence_name, hessian_name, emitter->prefix,
             emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
-            problem->regularisation, (unsigned long long)problem->work_limit,
-            problem->limit_rows ? "&" : "", rows_name, problem->inputs, problem->sparse ? "&" : "",
-            sparse_name);
+            problem->regularisation, (unsigned long long)problem->work_limit, rows_of, rows_name,
+            problem->inputs, sparse_of, sparse_name);
 }
 
 /*

@@ -56,9 +56,10 @@ static void write_arrays(FILE *file, const vtk_file *vtk, bool of_cells)
         if (array->of_cells != of_cells)
             continue;
         begin_array(file, "Float64", components, array->name);
-        for (int i = 0; i < components * rows; i++)
-            fprintf(file, "%.9g%c", isfinite(array->value[i]) ? array->value[i] : 0,
-                    i % components == components - 1 ? '\n' : ' ');
+        for (int i = 0; i < components * rows; i++) {
+            const char end = i % components == components - 1 ? '\n' : ' ';
+            fprintf(file, "%.9g%c", isfinite(array->value[i]) ? array->value[i] : 0, end);
+        }
         fputs("</DataArray>\n", file);
     }
 }

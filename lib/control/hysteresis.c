@@ -480,11 +480,13 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
                               pzs_real sign, pzs_real from)
 {
     const bool is_up = sign > 0;
+    const pzs_real *ahead = is_up ? electrode->above : electrode->below;
+    const pzs_real *behind = is_up ? electrode->below : electrode->above;
     effect_walk walk = {.slope = electrode->slope,
                         .slack = electrode->slack,
                         .play = play,
-                        .ahead = is_up ? electrode->above : electrode->below,
-                        .behind = is_up ? electrode->below : electrode->above,
+                        .ahead = ahead,
+                        .behind = behind,
                         .sign = sign,
                         .knot = electrode->half_range / 2,
                         .place = sign * (from - electrode->middle),

@@ -829,8 +829,9 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
             2 * number_absolute(state->loss[j]) < number_absolute(state->move[j]);
         // Errors of a much larger response would hide the smaller one.
         const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
-        const pzs_real merit = (has_followed ? 100 : 1) * square(distinctness(state, j, suspect)) *
-                               (ratio > 1 ? 1 / ratio : ratio);
+        const pzs_real likeness = ratio > 1 ? 1 / ratio : ratio;
+        const pzs_real preference = has_followed ? 100 : 1;
+        const pzs_real merit = preference * square(distinctness(state, j, suspect)) * likeness;
         if (merit > largest) {
             largest = merit;
             reference = j;

@@ -196,7 +196,9 @@ static void scrub_next_row(pzs_control *control, const pzs_real *table)
     control->state.scrub_row = (uint16_t)(k + 1u);
     // Clears the padding of the stored rows k, k + inputs, k + 2 inputs and so on; of all rows
     // after a repair.
-    clear_padding(control, is_repaired ? 0 : k, is_repaired ? 1u : inputs);
+    const uint32_t first = is_repaired ? 0 : k;
+    const uint32_t step = is_repaired ? 1u : inputs;
+    clear_padding(control, first, step);
     if (k + 1u == inputs || is_repaired) {
         optimiser->active_count = count_active(optimiser);
         optimiser->inverse_trace = 0;

@@ -733,7 +733,8 @@ static stage_plan plan_of_pair(const pzs_selftest *selftest)
     const selftest_axis few = columns.lines <= rows.lines ? columns : rows;
     const selftest_axis many = columns.lines <= rows.lines ? rows : columns;
     const bool is_few = core->pair < few.lines;
-    stage_plan plan = {is_few ? few : many, is_few ? core->pair : core->pair - few.lines, 0};
+    const uint32_t pair = is_few ? core->pair : core->pair - few.lines;
+    stage_plan plan = {is_few ? few : many, pair, 0};
     const pzs_wiring *line = plan.axis.line;
     plan.axis.has_gains = plan.axis.is_row;
     if (plan.subject >= plan.axis.lines || line[plan.subject].state != PZS_WIRING_HEALTHY)

@@ -388,8 +388,9 @@ static void add_computed_matrix(pzs_model *model, uint32_t element)
             const uint16_t column = element_dof(model, element, j);
             if (column == PZS_CONSTRAINED)
                 continue;
-            *pzs_linalg_entry(&model->state.stiffness, row > column ? row : column,
-                              row > column ? column : row) +=
+            const uint16_t larger = row > column ? row : column;
+            const uint16_t smaller = row > column ? column : row;
+            *pzs_linalg_entry(&model->state.stiffness, larger, smaller) +=
                 pzs_model_type_factor(model, element) * force[j];
         }
     }

@@ -98,7 +98,8 @@ static void build_peer(char uplo, int n, int band, pzs_real *ab)
 static struct row measure(int n, int band)
 {
     static double t[6][MOST_TURNS];
-    const int turns = n < 1000 ? MOST_TURNS : n < 5000 ? 60 : 9;
+    const int turns_of_large = n < 5000 ? 60 : 9;
+    const int turns = n < 1000 ? MOST_TURNS : turns_of_large;
     const int ld = band + 1;
     const int one = 1;
     const size_t peer_size = (size_t)n * (size_t)ld;
@@ -183,16 +184,15 @@ static void run(const char *program, const char *core, struct row *rows)
 static int show(int json, const char *what, const struct size *s, double ours, double peer,
                 double target, const struct row *r)
 {
+    static const char *const word[2][2] = {{"FAIL", "pass"}, {"false", "true"}};
     const double ratio = peer / ours;
-
     printf(json
                ? "{\"task\":\"%s\",\"bits\":%d,\"tile\":%d,\"n\":%d,\"half_bandwidth\":%d,\"us\":%."
                  "2f,\"peer_us\":%.2f,"
                  "\"ratio\":%.2f,\"target\":%.1f,\"pass\":%s,\"core\":\"%s\",\"difference\":%.1e}\n"
                : "%-7s %4d %4d %7d %5d %11.2f %11.2f %7.2f %7.1f  %-5s %-9s %.1e\n",
            what, PZS_REAL_BITS, PZS_TILE, s->n, s->band, ours, peer, ratio, target,
-           ratio >= target ? (json ? "true" : "pass") : (json ? "false" : "FAIL"), r->core,
-           r->difference);
+           word[json != 0][ratio >= target], r->core, r->difference);
     return ratio < target;
 }
 

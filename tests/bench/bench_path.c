@@ -149,13 +149,19 @@ static const char *name_of(const ladder *l, const grid *g)
     return text[turn];
 }
 
+/* Return the remark of a row about a path that does not arrive, or arrives unstable. */
+static const char *remark(pzs_status status, uint32_t negative)
+{
+    if (PZS_IS_ERROR(status))
+        return "  does not arrive";
+    return negative ? "  unstable" : "";
+}
+
 static void print_row(const ladder *l, const char *element, const char *mesh, const run *r)
 {
     printf("%-11s %-10s %-14s %9.4f %9.4f %7.2f%% %6u %8u %10.2f %10.2f%s\n", l->name, element,
            mesh, r->end[0], r->end[1], 100 * r->error, r->steps, r->systems, r->solve, r->tables,
-           PZS_IS_ERROR(r->status) ? "  does not arrive"
-           : r->negative           ? "  unstable"
-                                   : "");
+           remark(r->status, r->negative));
 }
 
 static void single(const ladder *l, const char *element, const grid *g)
@@ -198,9 +204,7 @@ static void against_plain(const ladder *l, const char *element, const grid *g)
         const run r = measure(l, element, g, plain);
         printf("%-11s %-10s %-14s %-24s %6u %8u %10.2f%s\n", l->name, element, name_of(l, g),
                plain ? "plain Newton" : "independent resultants", r.steps, r.systems, r.solve,
-               PZS_IS_ERROR(r.status) ? "  does not arrive"
-               : r.negative           ? "  unstable"
-                                      : "");
+               remark(r.status, r.negative));
     }
 }
 

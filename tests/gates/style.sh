@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# Rules of lib/ that no compiler warns of: no allocation, no stdio, no goto, no #if inside a function,
+# Rules of lib/, the last but one of all code, that no compiler warns of: no allocation, no stdio, no goto, no #if inside a function,
 # no array of variable length, no file name or configuration beyond pzs_config.h. Recursion: see stack.sh.
 . tests/gates/common.sh
 
@@ -41,6 +41,29 @@ check 'lines of at most 100 columns, no tabs, no trailing blanks' '
     length($0) > 100 { print FILENAME ":" FNR ": " length($0) " characters" }
     /\t/ { print FILENAME ":" FNR ": tab" }
     /[ ]$/ { print FILENAME ":" FNR ": trailing blank" }'
+
+# A conditional expression is open from its ? to the end of the parenthesis, list item or statement
+# that it stands in; `open` holds the number of open ones for each depth of parentheses.
+conditionals='
+    FNR == 1 { level = 0; split("", open); count = 0 }
+    line ~ /^[ \t]*#/ || continues { continues = line ~ /\\$/; next }
+    {
+        for (i = 1; i <= length(line); i++) {
+            c = substr(line, i, 1)
+            if (c ~ /[(\[{]/) open[++level] = 0
+            if (c ~ /[)\]}]/ && level > 0) level--
+            if (c ~ /[;,}]/) open[level] = 0
+            if (c ~ /[;{}]/) count = 0
+            if (c != "?") continue
+            for (k = 0; k <= level; k++) if (open[k] > 0) { print where "nested: " $0; break }
+            if (++count == 2 && FILENAME !~ /^tests/) print where "second of a statement: " $0
+            open[level]++
+        }
+    }'
+awk "$strip$conditionals" lib/*/*.[ch] include/*.h host_tools/*/*.[ch] host_tools/fmu/component/*.[ch] \
+    firmware_demo/*/*.[ch] firmware_demo/*/*/*.[ch] tests/*/*.[ch] >"$scratch/found"
+[ ! -s "$scratch/found" ]
+tap $? 'conditional expressions: not nested, one in a statement (tests: not nested)'
 
 if tap_needs "$CC" 'no array of variable length, no implicit declaration'; then
     # shellcheck disable=SC2086,SC2046

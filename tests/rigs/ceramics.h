@@ -114,9 +114,13 @@ static inline double parallel_plays(test_ceramic *ceramic, double voltage)
 static inline double ceramic_act(test_ceramic *ceramic, double voltage, double seconds)
 {
     static const double time[LAGS] = {0.1, 1, 10};
-    double effect = ceramic->family == BOUC_WEN   ? bouc_wen(ceramic, voltage)
-                    : ceramic->family == PREISACH ? preisach(ceramic, voltage)
-                                                  : parallel_plays(ceramic, voltage);
+    double effect;
+    if (ceramic->family == BOUC_WEN)
+        effect = bouc_wen(ceramic, voltage);
+    else if (ceramic->family == PREISACH)
+        effect = preisach(ceramic, voltage);
+    else
+        effect = parallel_plays(ceramic, voltage);
     for (int j = 0; j < LAGS; j++) {
         effect += ceramic->lag[j];
         ceramic->lag[j] -= expm1(-seconds / time[j]) * (ceramic->creep * voltage - ceramic->lag[j]);

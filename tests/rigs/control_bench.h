@@ -183,7 +183,8 @@ static void assert_feasible(const bench *trial)
 
 static wide clip(wide number, wide lo, wide hi)
 {
-    return number < lo ? lo : number > hi ? hi : number;
+    const wide raised = number < lo ? lo : number;
+    return raised > hi ? hi : raised;
 }
 
 /*
@@ -198,10 +199,9 @@ static wide gap_of(const bench *trial, const wide *voltage, const wide *gradient
     for (unsigned i = 0; i < trial->problem.tables.inputs; i++) {
         const wide room = gradient[i] > 0 ? voltage[i] - (wide)trial->lower_bound[i]
                                           : (wide)trial->upper_bound[i] - voltage[i];
-        gap +=
-            room > 0 && gradient[i] != 0
-                ? 2 * fabsl(gradient[i]) * (room < 10 * most || isfinite(room) ? room : 10 * most)
-                : 0;
+        const wide way = room < 10 * most || isfinite(room) ? room : 10 * most;
+        if (room > 0 && gradient[i] != 0)
+            gap += 2 * fabsl(gradient[i]) * way;
     }
     return gap;
 }

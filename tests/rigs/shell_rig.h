@@ -141,9 +141,8 @@ static inline void make_stiffness(rig *shell)
             for (int column = 0; column <= row; column++, entry++) {
                 const int i = kept_strain[mode][row], j = kept_strain[mode][column];
                 const int both_normal = i < 6 && j < 6 && i % 2 == j % 2;
-                const double modulus = both_normal ? lame + (i == j ? 2 * shear : 0)
-                                       : i == j    ? shear
-                                                   : 0;
+                const double own = i == j ? shear : 0;
+                const double modulus = both_normal ? lame + 2 * own : own;
                 *entry =
                     (pzs_real)(part[mode] * shell->step[0] * shell->step[1] * modulus *
                                (i < 8 && i % 2 == 1 ? shell->thickness / 12 : shell->thickness));

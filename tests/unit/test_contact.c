@@ -141,10 +141,9 @@ static double gap_of(const rig *g, int n)
         for (int k = 0; k < 3; k++)
             for (int part = 0; part < 2; part++) {
                 const uint16_t dof = g->node_dof[n][3 * part + k];
-                x[i] += dof == PZS_CONSTRAINED
-                            ? 0
-                            : (part ? g->thickness / 2 : 1) *
-                                  (double)g->solver.info.displacement[dof] * g->frame[n][k][i];
+                const double height = part ? g->thickness / 2 : 1;
+                if (dof != PZS_CONSTRAINED)
+                    x[i] += height * (double)g->solver.info.displacement[dof] * g->frame[n][k][i];
             }
         at[i] = (pzs_real)x[i];
     }
@@ -576,10 +575,9 @@ static void find_place(const rig *g, int n, int side, double x[3])
         for (int k = 0; k < 3; k++)
             for (int part = 0; part < 2; part++) {
                 const uint16_t dof = g->node_dof[n][3 * part + k];
-                x[i] += dof == PZS_CONSTRAINED
-                            ? 0
-                            : (part ? z : 1) * (double)g->solver.info.displacement[dof] *
-                                  g->frame[n][k][i];
+                const double height = part ? z : 1;
+                if (dof != PZS_CONSTRAINED)
+                    x[i] += height * (double)g->solver.info.displacement[dof] * g->frame[n][k][i];
             }
     }
 }
@@ -835,7 +833,10 @@ static void body_out_of_range_is_refused(void **state)
         for (int i = 0; i < 7; i++) {
             pzs_body body = cylinder;
             double motion[3] = {0, 0, 0};
-            *(i < 3 ? &body.point[i] : i < 6 ? &body.axis[i - 3] : &body.radius) = bad[k];
+            pzs_real *const place[7] = {&body.point[0], &body.point[1], &body.point[2],
+                                        &body.axis[0],  &body.axis[1],  &body.axis[2],
+                                        &body.radius};
+            *place[i] = bad[k];
             assert_int_equal(try_contact(g, &body, still), PZS_E_NONFINITE);
             assert_int_equal(g->solver.info.where, i);
             motion[i % 3] = (double)bad[k];

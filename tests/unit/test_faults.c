@@ -365,7 +365,10 @@ static void test_no_false_alarm(void **state)
                  uniform(&r.seed, -0.01, 0.01);
         for (int k = 0; k < LOADS; k++) {
             const double jump = uniform(&r.seed, 0, 1), change = uniform(&r.seed, 0, 1);
-            drift[k] = change < 0.01 ? 0 : change < 0.02 ? uniform(&r.seed, -5e-5, 5e-5) : drift[k];
+            if (change < 0.01)
+                drift[k] = 0;
+            else if (change < 0.02)
+                drift[k] = uniform(&r.seed, -5e-5, 5e-5);
             r.load[k] = jump < 0.01 ? uniform(&r.seed, -1e-3, 1e-3)
                                     : fmin(fmax(r.load[k] + drift[k], -2e-3), 2e-3);
         }

@@ -131,8 +131,10 @@ static void make_whole(enum pattern pattern, uint32_t n, uint32_t s, const pzs_r
 {
     make_pattern(pattern, n, s);
     for (uint32_t i = 0; i < n; i++)
-        for (uint32_t j = 0; j <= i; j++)
-            whole_l[i][j] = j == i ? 1 : j < first[i] ? 0 : (pzs_real)((int)(draw() % 3u) - 1);
+        for (uint32_t j = 0; j < i; j++)
+            whole_l[i][j] = j < first[i] ? 0 : (pzs_real)((int)(draw() % 3u) - 1);
+    for (uint32_t i = 0; i < n; i++)
+        whole_l[i][i] = 1;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j <= i; j++)
             for (uint32_t k = 0; k <= j; k++)

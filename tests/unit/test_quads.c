@@ -496,7 +496,8 @@ static void test_sharp_edge(void **state)
     assert_int_equal(r.warnings.slits, 0);
     for (size_t n = 0; n < r.mesh.nodes; n++) {
         const double *x = r.mesh.position[n], *d = r.mesh.director[n];
-        const double flat = x[0] < 0.5 - 1e-9 ? 1 : x[2] > 1e-9 ? 0 : sqrt(0.5);
+        const double of_edge = x[2] > 1e-9 ? 0 : sqrt(0.5);
+        const double flat = x[0] < 0.5 - 1e-9 ? 1 : of_edge;
         assert_true(fabs(d[2] - flat) < 1e-14);
     }
     quad_mesh_free(&r.mesh);

@@ -42,7 +42,7 @@ static void set_surface(scene_surface *surface, const char *name, const double *
         if (strcmp(name, names[i]) == 0)
             surface->type = types[i];
     surface->axial = strcmp(name, "ring") == 0 ? 2 : 1;
-    surface->radius = surface->type == SURFACE_CONE ? 0 : number ? number[0] : 0;
+    surface->radius = number && surface->type != SURFACE_CONE ? number[0] : 0;
     surface->angle = surface->type == SURFACE_CONE ? number[0] * 180 / acos(-1) : 0;
 }
 

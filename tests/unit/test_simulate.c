@@ -366,7 +366,8 @@ static void test_hysteresis(void **state)
     assert_int_equal(loop_open(&loop, &b.s, LAW_CONTROLLER, b.error), 0);
     for (int tick = 0; tick < 60; tick++) {
         const int phase = tick % 40;
-        loop.output[3] = 300 * (phase < 10 ? phase : phase < 30 ? 20 - phase : phase - 40) / 10.0;
+        const int fall = phase < 30 ? 20 - phase : phase - 40;
+        loop.output[3] = 300 * (phase < 10 ? phase : fall) / 10.0;
         assert_int_equal(loop_tick(&loop, tick, b.error), 0);
         assert_true(fabs(loop.effect[3] - loop.output[3]) <= 0.15 * 300 * (1 + 4 * DBL_EPSILON));
         if (tick == 20 || tick == 40)

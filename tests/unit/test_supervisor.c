@@ -515,10 +515,11 @@ static void test_ramp_lengths(void **state)
 static void test_no_false_alarm(void **state)
 {
     (void)state;
+    static const double gains[] = {1, 0.75, 1.33};
     for (int gain = 0; gain < 3; gain++) {
         static rig r;
         open_rig(&r, 7, false);
-        r.plant.gain = gain == 0 ? 1 : (gain == 1 ? 0.75 : 1.33);
+        r.plant.gain = gains[gain];
         double factor = 1;
         for (int t = 0; t < LONG_TICKS / 2; t++) {
             if (t % 97 == 0)

@@ -251,9 +251,8 @@ static void test_outside(void **state)
         scene_surface s = open_surface(&samples[k]);
         const double t[2] = {samples[k].theta[0][0], samples[k].theta[1][0]};
         const surface_point p = surface_at(&s, t[0], t[1]);
-        const double tube = s.type == SURFACE_TORUS        ? s.radius
-                            : s.type == SURFACE_REVOLUTION ? 200
-                                                           : 0;
+        const double meridian = s.type == SURFACE_REVOLUTION ? 200 : 0;
+        const double tube = s.type == SURFACE_TORUS ? s.radius : meridian;
         const int axis =
             (s.type == SURFACE_CYLINDER || s.type == SURFACE_SPIRAL) && s.axial == 1 ? 0 : 2;
         double away[3] = {p.position[0], p.position[1], p.position[2]};

@@ -567,8 +567,10 @@ static void plant_sense(const plant_run *r, const estimator *e, const double *sh
         double besides = shown[k];
         for (int j = 0; j < r->amplifiers; j++)
             besides -= r->reach[k * r->amplifiers + j] * then[j];
-        for (int t = 0; t < d->targets; t++)
-            sensed[t] += e ? e->gain[t * r->sensors + k] * besides : t == k ? besides : 0;
+        if (!e)
+            sensed[k] += besides;
+        for (int t = 0; t < d->targets && e; t++)
+            sensed[t] += e->gain[t * r->sensors + k] * besides;
     }
 }
 
