@@ -3,16 +3,15 @@
  * matrices.
  * SPDX-License-Identifier: BSD-2-Clause
  *
- * The caller owns all memory: the library does not allocate, print, recurse or keep global
- * variables. Arrays are row-major, and [rows][columns] in a comment gives the shape of an array.
- * The unit of a quantity is that of the scene file from which `pzs tables` generated the tables;
- * the comments assume m, N, V and K.
- *
- * A function that returns an error (PZS_E_...) leaves its outputs untouched, except where its
- * comment says otherwise. After a warning (PZS_W_...) the outputs are valid. The member info.where
- * of an object is the index to which its last status refers, or -1.
- *
- * [P n] cites equation n of S. V. Plotnikova's dissertation (Tambov 2013).
+ *   - The caller owns all memory: the library does not allocate, print, recurse or keep global
+ *     variables.
+ *   - Arrays are row-major; [rows][columns] in a comment gives the shape of an array.
+ *   - The unit of a quantity is that of the scene file from which `pzs tables` generated the
+ *     tables; the comments assume m, N, V and K.
+ *   - A function that returns an error (PZS_E_...) leaves its outputs untouched, unless its comment
+ *     says otherwise. After a warning (PZS_W_...) the outputs are valid.
+ *   - The member info.where of an object is the index to which its last status refers, or -1.
+ *   - [P n] cites equation n of S. V. Plotnikova's dissertation (Tambov 2013).
  */
 #ifndef PZS_BASE_H
 #define PZS_BASE_H
@@ -124,10 +123,9 @@ typedef enum pzs_status {
     PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other; the loop does not
                        yet control the voltages. */
     /*
-     * Warning where sums of voltages are limited: input info.where is not yet at the voltage at
-     * which pzs_hold has fixed it, or the voltages at which the controller was started exceed a
-     * limit (info.where is -1). All voltages therefore go to the safe voltages of pzs_limit_rows in
-     * several ticks, or stay if the limits do not allow this either.
+     * Warning where sums of voltages are limited: input info.where is not yet at the voltage fixed
+     * by pzs_hold, or the start voltages exceed a limit (info.where is -1). All voltages go to the
+     * safe voltages of pzs_limit_rows in several ticks; they stay if the limits forbid this.
      */
     PZS_W_LIMIT_ROWS,
     PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of

@@ -94,7 +94,8 @@ pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem 
 /*
  * Move the test voltages, calibration.info.voltage, by one tick towards the present test pattern,
  * within all limits. In a pattern every input is at plus or minus its test amplitude; once the
- * voltages have settled, the next pattern begins. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
+ * voltages have settled, the next pattern begins.
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
  *   PZS_E_LIMITS  input info.where has no finite voltage range
  *   PZS_E_CRC     the limits are damaged; the voltages stay
  */
@@ -102,10 +103,10 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration);
 
 /*
  * Add one record to a calibration: voltages, also those of a running controller, and the readings
- * of the structure in equilibrium under them. If the readings have an unknown offset, pass
- * differences of readings and of voltages from a reference state.
+ * of the structure in equilibrium under them.
  *   voltage [inputs]  in  voltages of the amplifiers (V)
- *   reading [outputs] in  sensor readings (m)
+ *   reading [outputs] in  sensor readings (m); if they have an unknown offset, pass differences of
+ *                         readings and of voltages from a reference state
  * Warning, errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
  *   PZS_W_SENSOR     reading info.where is not finite or too large; the record is ignored
  *   PZS_E_NONFINITE  a voltage is not finite, or squares overflow
@@ -114,20 +115,17 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
                                   const pzs_real *reading);
 
 /*
- * Compute the influence matrix that fits the records of a calibration best (voltages and the
- * readings under them), for pzs_control_init or pzs_loop_init.
+ * Compute the influence matrix that fits the records of a calibration best, for pzs_control_init or
+ * pzs_loop_init. The column of an amplifier that is off differs from 0 by its standard errors at
+ * most, without a warning: test for it before use.
  *   influence [outputs][inputs] out  influence matrix (m/V)
  *   spread    [inputs]          out  standard error of entry (i, k) of the matrix is spread[k]
  *                                    times the square root of info.noise[i] (1/V); with a finite
  *                                    settings.memory it is an upper bound
- * Warning, errors:
+ * Warning, errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
  *   PZS_W_UNOBSERVABLE  The records do not determine the effect of input info.where. Its column is
  *                       that of pzs_calibration_init; its spread and those of inputs that always
  *                       moved with it are infinite.
- *   PZS_E_ARGUMENT, PZS_E_STAGE
- *
- * An amplifier that is off gives no warning, but a column that differs from 0 by its standard
- * errors at most: test for it before use.
  */
 pzs_status pzs_calibration_solve(pzs_calibration *calibration, pzs_real *influence,
                                  pzs_real *spread);

@@ -21,10 +21,9 @@
 #endif
 
 /*
- * PZS_TILE: number of matrix rows that the factorisation processes together. 4 suits
- * microcontrollers; 8 and 16 suit the wide vector units of gcc and clang. Without floating-point
- * contraction (-ffp-contract=off, which clang needs explicitly and gcc implies by -std=c99) the
- * results have the same bits for every number of rows.
+ * PZS_TILE: number of matrix rows that the factorisation processes together: 4 suits
+ * microcontrollers, 8 and 16 the wide vector units of gcc and clang. Results have the same bits for
+ * every number without floating-point contraction (-ffp-contract=off; gcc implies it by -std=c99).
  */
 #ifndef PZS_TILE
 #define PZS_TILE 4
@@ -51,8 +50,7 @@
 /*
  * PZS_VFP: 1 computes products of matrices and vectors with assembler instructions of the Arm
  * floating-point unit, to the same bits as the C code in about 0.6 times the instructions. Default:
- * 1 where possible, that is with gcc or clang, the Thumb-2 instruction set, a floating-point unit,
- * PZS_REAL_BITS 32 and PZS_TILE 4.
+ * 1 with gcc or clang, Thumb-2, an FPU, PZS_REAL_BITS 32 and PZS_TILE 4.
  */
 #ifndef PZS_VFP
 #if defined(__GNUC__) && defined(__thumb2__) && defined(__ARM_FP) && PZS_REAL_BITS == 32 &&        \

@@ -26,9 +26,8 @@
  *   e          target error: wanted - (measured - predicted shape)
  *   v0, v_last reference voltages; voltages of the last tick
  *
- * This control step has no model of vibration; `pzs check` prints the tick rates at which it is
- * stable on a structure with mass. pzs_loop.h declares options around the tick, such as a vibration
- * damper.
+ * The control step has no model of vibration; `pzs check` prints the tick rates at which it is
+ * stable on a structure with mass. pzs_loop.h has options such as a vibration damper.
  */
 #ifndef PZS_CONTROL_H
 #define PZS_CONTROL_H
@@ -211,8 +210,8 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
 
 /*
  * Set the present voltages of a controller to those that the amplifiers already give, clamped to
- * the present limits, so that no voltage jumps after a reset. The caller must repeat calls of
- * pzs_hold made before the reset.
+ * the present limits, so that no voltage jumps after a reset. Repeat earlier calls of pzs_hold
+ * afterwards.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
  * Errors, which change nothing: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
@@ -237,24 +236,25 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
  * Compute the voltages of a tick without measurements: change the last voltages towards those that
  * are optimal for a target error. The result, info.voltage, is inside every limit to the last bit.
  *   error [outputs] in  target shape minus the shape at zero voltage (m)
- *   - The objective is not larger than that of the last voltages clamped to the limits. Without a
- *     warning the result is the optimum. Both hold up to a rounding error of
+ * Warnings: PZS_W_ITERATIONS, PZS_W_STEP_LIMIT. Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
+ * PZS_E_NONFINITE (the voltages stay; info.where is -1 after an overflow).
+ *   - Without a warning the result is the optimum; otherwise its objective is not larger than that
+ *     of the last voltages clamped to the limits. Both hold up to a rounding error of
  *     epsilon |W B|^2 |v|^2  (machine epsilon, output weights W, influence matrix B, voltages v).
  *   - The work is at most PZS_STEP_WORK; the next call continues where this limit stops the
  *     optimiser.
- * Warnings: PZS_W_ITERATIONS, PZS_W_STEP_LIMIT. Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
- * PZS_E_NONFINITE (the voltages stay; info.where is -1 after an overflow).
  */
 pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 
 /*
- * pzs_hold fixes the voltage of one input, for example of a dead electrode at 0 V. pzs_release lets
- * the controller choose it again. Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
+ * pzs_hold fixes the voltage of one input, for example of a dead electrode at 0 V; pzs_release lets
+ * the controller choose it again.
  *   voltage in  voltage (V), clamped to the limits of the tables
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  *   - The next pzs_tick or pzs_step applies the voltage, even beyond the step limit (warning
  *     PZS_W_STEP_LIMIT).
  *   - Where sums of voltages are limited, the voltage is reached gradually within all limits
- *     (warning PZS_W_LIMIT_ROWS). Meanwhile the other voltages move towards the safe ones of
+ *     (warning PZS_W_LIMIT_ROWS), while the others move towards the safe voltages of
  *     pzs_limit_rows.
  */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage);
@@ -278,8 +278,8 @@ typedef struct pzs_report {
 
 /*
  * Assess the present voltages of a controller from the influence matrix alone, independently of the
- * optimiser, with 3 inputs*outputs multiply-adds; a control loop does not need it. The limits are
- * the present ones, narrowed by the step limits of the last tick.
+ * optimiser, with 3 inputs*outputs multiply-adds. The limits are the present ones, narrowed by the
+ * step limits of the last tick.
  *   error  [outputs] in   error passed to the last pzs_step, or, after pzs_tick, target minus
  *                         info.disturbance (m)
  *   report           out  unchanged after an error

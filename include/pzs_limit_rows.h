@@ -12,13 +12,13 @@ extern "C" {
 #endif
 
 /*
- * Tables of limits of weighted sums of voltages, in addition to the limits of each voltage: for
- * example the largest difference of two neighbouring voltages. Limit row k demands
- *   lower[k] <= sum over the inputs of (coefficient in row k of `sums` * voltage) <= upper[k].
+ * Tables of limits of weighted sums of voltages, for example of the difference of two neighbouring
+ * voltages. Limit row k demands
+ *   lower[k] <= sum over the inputs of (coefficient in row k of `sums` * voltage) <= upper[k]
  *   - The last absolute_count rows take absolute values of the voltages, for example to limit the
  *     current of a common supply.
- *   - All voltages that the controller gives obey these limits exactly, because the optimiser
- *     narrows each limit by the rounding error of the sum.
+ *   - All voltages that the controller gives obey these limits exactly: the optimiser narrows each
+ *     limit by the rounding error of the sum.
  *   - A program without such limits does not link their code.
  */
 typedef struct pzs_limit_rows {
@@ -66,10 +66,10 @@ extern const struct pzs_absolute_row_calls pzs_absolute_rows_calls;
 #define PZS_LIMIT_ROW_WORK_LIMIT(inputs, rows) PZS_WORK_LIMIT((inputs) + (rows))
 
 /*
- * Additional work (multiply-adds) for limits of weighted sums of absolute values of voltages. With
- * such limits the smallest work limit of the optimiser in a tick is PZS_LIMIT_ROW_WORK_LEAST plus
- * this number. `rows` is the number of all limited sums, absolute_count the number of sums of
- * absolute values among them.
+ * Additional work (multiply-adds) for limits of weighted sums of absolute values of voltages: the
+ * smallest work limit of the optimiser in a tick is then PZS_LIMIT_ROW_WORK_LEAST plus this number.
+ *   rows            number of all limited sums
+ *   absolute_count  number of sums of absolute values among them
  */
 #define PZS_ABSOLUTE_ROW_WORK(inputs, rows, absolute_count)                                        \
     ((uint64_t)(absolute_count) * ((inputs) + 8u) * PZS_PRODUCT_WORK((inputs) + (rows)))

@@ -121,19 +121,19 @@ typedef struct pzs_block_type {
      */
     size_t (*block_bytes)(const void *tables, const pzs_problem *problem);
     /*
-     * Check the tables of a block (stage of the control tick) and initialise its memory `self`,
-     * which has as many bytes as block_bytes returns and is aligned for pointers and doubles.
-     * pzs_loop_init initialises the block with the controller first, then the other blocks from the
-     * last of the list to the first.
+     * Check the tables of a block (stage of the control tick) and initialise it.
+     *   self in/out  memory of block_bytes bytes, aligned for pointers and doubles
+     * pzs_loop_init initialises the block with the controller first, then the others from the last
+     * of the list to the first.
      */
     pzs_status (*block_init)(void *self, const void *tables, pzs_loop_signals *signals);
     /* Run a block (stage of the control tick) in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
     /*
-     * List the arrays that the checksum of a table covers, in the order of the checksum. The loop
-     * verifies with them the tables of a block (stage of the control tick) while it runs. NULL: the
-     * tables have no checksum.
-     *   number in   number of the table, from 0; a block may have several tables
+     * List the arrays that the checksum of a table covers, in the order of the checksum, for checks
+     * of the table while the loop runs. NULL: the tables have no checksum.
+     *   number in   number of the table, from 0; a block (stage of the control tick) may have
+     *               several
      *   crc    out  expected checksum of the table
      * Returns the number of arrays; 0: the block has no table of this number.
      */
@@ -214,7 +214,7 @@ pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
 /*
  * Set the present voltages of a control loop to those that the amplifiers already give, clamped to
  * the limits, so that no voltage jumps after a reset. All other stages of the tick are initialised
- * again; the caller must repeat calls of pzs_hold.
+ * again; repeat earlier calls of pzs_hold.
  *   voltage [inputs] in  voltages that the amplifiers give (V)
  * Errors, which change nothing: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
@@ -231,7 +231,7 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
 
 /*
  * Inform a control loop, before its next tick, of missed ticks, during which the amplifiers kept
- * the present voltages. A loop that is not informed stays inside all limits, but takes longer to
+ * the present voltages. Without this call the loop stays inside all limits, but takes longer to
  * reach the target.
  *   ticks in  number of missed ticks; several calls add up, to at most PZS_MISSED_LIMIT, after
  *             which the phase of a vibration is unknown
@@ -247,19 +247,18 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  *                          estimator and damper the measured shape [outputs] (m); NULL: no readings
  *                          arrived, and the last disturbance (measured minus predicted shape) is
  *                          kept
- *
- * Status: the error of a block, which ends the tick and keeps the last voltages; otherwise the
+ * Returns the error of a block, which ends the tick and keeps the last voltages; otherwise the
  * warning of pzs_step_block; otherwise the first warning in the order of the list. info.block is
  * the type of the block that returned the status.
  *   PZS_W_HELD    from pzs_step_block: the voltages are kept, clamped to the present limits; from
  *                 the estimator or the damper: no reading was usable, so the last disturbance is
  *                 kept, and the voltages still follow the target
- *   PZS_W_OUTPUT  The last gate clamped a voltage to its voltage limit or step limit, or replaced
- *                 one that is not finite by the last one: working memory was damaged. Takes
- *                 precedence over other warnings.
- *   PZS_E_CRC     Tables are damaged: reported at once for limits, otherwise after at most three
- *                 complete readings of the tables. info.block is NULL for pzs_problem, otherwise
- *                 the block with the damaged tables.
+ *   PZS_W_OUTPUT  the last gate clamped a voltage to its voltage limit or step limit, or replaced
+ *                 one that is not finite by the last one: working memory was damaged; takes
+ *                 precedence over other warnings
+ *   PZS_E_CRC     tables are damaged: reported at once for limits, otherwise after at most three
+ *                 complete readings of the tables; info.block is NULL for pzs_problem, otherwise
+ *                 the block with the damaged tables
  *
  * Protection against damaged memory:
  *   - Pointers, sizes and limits are derived anew in each tick from three copies of the list of
@@ -267,15 +266,14 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  *   - The optimiser's Hessian is compared with the tables, one row in each tick.
  *   - Each tick adds 64 bytes of pzs_problem and 64 bytes of other tables to their checksums.
  *   - Voltages of a damaged loop stay inside voltage limits and step limits, unless the damage
- *     occurs between the end of a tick and the moment at which the program reads info.voltage.
+ *     occurs after a tick and before the program reads info.voltage.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
 /*
- * Copy the voltages to apply that the last tick of a control loop has computed; all belong to one
- * tick. The function is for a part of the program that may run while a tick runs, such as an
- * interrupt. On a processor that reorders writes, or with DMA, place its memory barrier after the
- * tick.
+ * Copy the voltages that the last tick of a control loop has computed; all belong to one tick. The
+ * function is for a part of the program that may interrupt a tick. On a processor that reorders
+ * writes, or with DMA, place its memory barrier after the tick.
  *   voltage [inputs] out  voltages to apply (V)
  * Warning, errors: PZS_E_ARGUMENT, PZS_E_STAGE, and
  *   PZS_W_HELD  ticks kept interrupting the copy; ignore `voltage`
@@ -348,8 +346,7 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
 
 /*
  * Estimate the measured shape from a few sensors, to be passed to the next pzs_tick as its
- * measurement. The estimate is the shape predicted for the present voltages, plus the gain times
- * the deviations of the readings from their expected values.
+ * measurement: predicted shape plus gain times (readings minus expected readings).
  *   sensed [sensors] in   sensor readings; one that is not finite or stuck keeps its last deviation
  *   shape  [outputs] out  estimated shape (m)
  * Warnings: PZS_W_SENSOR, PZS_W_HELD (no reading is usable). Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
@@ -398,7 +395,8 @@ pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
  * pzs_reading_delay.
  *   - A missing or stuck reading becomes NaN.
  *   - The block is the first of its list except for pzs_effect_block.
- *   - A list with the vibration damper, which takes the delay into account, does not need it.
+ *   - A loop with the vibration damper does not need it, because the damper takes the delay into
+ *     account.
  * Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT,
  * PZS_E_CRC, PZS_E_NONFINITE.
  */
@@ -414,8 +412,8 @@ extern const pzs_block_type pzs_reading_delay_block;
 
 /*
  * Operating modes of the supervisor, which decides in each tick whether the loop controls the
- * voltages. Where it does not, the supervisor ramps the voltages to the park voltages, the safe
- * voltages in its tables. A ramp is a straight line inside voltage limits and step limits.
+ * voltages. Where it does not, it ramps them to the park voltages, the safe voltages in its tables,
+ * on a straight line inside voltage limits and step limits.
  *
  *   mode        voltages                             event: next mode
  *   INITIALISE  ramp to the park voltages            command ARM: ARMED
@@ -426,36 +424,6 @@ extern const pzs_block_type pzs_reading_delay_block;
  *   PARKED      kept where this ramp has ended       command RESUME: ARMED
  *   STOPPING    ramp to the park voltages            ramp ended: LATCHED
  *   LATCHED     kept at the park voltages            none
- *
- *   event                                 from                             next mode
- *   pzs_loop_init                                                          INITIALISE
- *   command PARK (ramp to the park        all but STOPPING and LATCHED     PARKING
- *   voltages), FLAT (ramp to the
- *   reference voltages)
- *   command STOP, error of a block        all but LATCHED                  STOPPING
- *   time-out without readings, alarm of   RUNNING, HOLDING                 STOPPING
- *   the divergence monitor
- *
- * The status of pzs_loop_tick tells the program what to do:
- *   PZS_W_PARKED   before control begins, or by command: the voltages are parked or on their way
- *   PZS_W_RAMP     control is lost, the voltages are on their way to the park voltages; the program
- *                  must keep calling pzs_loop_tick
- *   PZS_E_LATCHED  the park voltages are published and the loop is over
- *   others         the loop controls the voltages: status of the other stages of the tick
- *
- * A program that ticks until an error thus ends with the amplifiers at the park voltages, after at
- * most pzs_supervisor_longest_ramp ticks:
- *
- *     while (!PZS_IS_ERROR(status)) {
- *         read_target(wanted);
- *         read_sensors(readings);
- *         status = pzs_loop_tick(&loop, wanted, readings);
- *         write_amplifiers(loop.info.voltage);
- *     }
- *
- * Damaged limits (PZS_E_CRC with info.block NULL) end this program at once, at the last voltages,
- * because no voltage can be checked without limits. So does any error in a loop without a
- * supervisor.
  */
 typedef enum pzs_supervisor_mode {
     PZS_MODE_INITIALISE = 0, /* operating mode of the supervisor before the command PZS_COMMAND_ARM:
@@ -481,6 +449,18 @@ typedef enum pzs_supervisor_mode {
     PZS_MODES
 } pzs_supervisor_mode;
 
+/*
+ * Commands of the program to the supervisor of a control loop. Events that change the operating
+ * mode from many modes:
+ *   event                                 from                             next mode
+ *   pzs_loop_init                                                          INITIALISE
+ *   command PARK (ramp to the park        all but STOPPING and LATCHED     PARKING
+ *   voltages), FLAT (ramp to the
+ *   reference voltages)
+ *   command STOP, error of a block        all but LATCHED                  STOPPING
+ *   time-out without readings, alarm of   RUNNING, HOLDING                 STOPPING
+ *   the divergence monitor
+ */
 typedef enum pzs_supervisor_command {
     PZS_COMMAND_NONE = 0,
     PZS_COMMAND_ARM,    /* supervisor command: begin to control the voltages as soon as all readings
@@ -580,9 +560,9 @@ typedef struct pzs_supervisor {
 } pzs_supervisor;
 
 /*
- * Give the supervisor of a control loop a command, which the next tick carries out. A later command
- * replaces it, except that PZS_COMMAND_STOP stays. The function may be called from an interrupt. A
- * command that does not apply to the present operating mode is ignored.
+ * Give the supervisor of a control loop a command, which the next tick carries out; also from an
+ * interrupt. A later command replaces it, except that PZS_COMMAND_STOP stays. A command that does
+ * not apply to the present operating mode is ignored.
  *   supervisor in/out  returned by pzs_loop_find(&loop, &pzs_supervisor_block)
  * Errors: PZS_E_ARGUMENT.
  */
@@ -615,6 +595,17 @@ pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor
  *   PZS_E_ARGUMENT  also for tables of other sizes
  *   PZS_E_LIMITS    the park voltage of input info.where is outside its voltage limits, or the park
  *                   voltages violate a limit of a sum of voltages
+ * Status of pzs_loop_tick with this block:
+ *   PZS_W_PARKED   before control begins, or by command: the voltages are parked or on their way
+ *   PZS_W_RAMP     control is lost, the voltages are on their way to the park voltages; the program
+ *                  must keep calling pzs_loop_tick
+ *   PZS_E_LATCHED  the park voltages are published and the loop is over
+ *   others         the loop controls the voltages: status of the other stages of the tick
+ *
+ * A program that ticks until an error (top of this file) thus ends with the amplifiers at the park
+ * voltages, after at most pzs_supervisor_longest_ramp ticks. Damaged limits (PZS_E_CRC with
+ * info.block NULL) end it at once, at the last voltages, because no voltage can be checked without
+ * limits. So does any error in a loop without a supervisor.
  */
 extern const pzs_block_type pzs_supervisor_block;
 #define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \
@@ -657,12 +648,13 @@ typedef struct pzs_vibration {
      * static equilibrium, and the modal velocity divided by the angular frequency
      */
     const pzs_real *turn;
-    const pzs_real *observer; /* [3][modes][modes] observer gains, three matrices that correct the
-                                 estimated state of the vibration modes: [0] the modal coordinates,
-                                 [1] the modal velocities divided by the angular frequencies, [2]
-                                 the static modal coordinates under loads. Each matrix multiplies
-                                 the vector [modes] of innovations (reading minus predicted reading)
-                                 projected on the mode shapes at the sensors */
+    /*
+     * [3][modes][modes] observer gains, matrices that correct the estimated state of the vibration
+     * modes: [0] modal coordinates, [1] modal velocities divided by angular frequencies, [2] static
+     * modal coordinates under loads. Each multiplies the innovations (reading minus predicted
+     * reading) projected on the mode shapes
+     */
+    const pzs_real *observer;
     const pzs_real *explain; /* [modes][modes] inverse of the normal matrix of the least-squares fit
                                 that determines the coordinates of the vibration modes from sensor
                                 readings */
@@ -708,10 +700,9 @@ typedef struct pzs_damper_info {
     /*
      * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick,
      * less their low-passed values, so that a steady error of the model does not count (m); 0 where
-     * no reading was usable. Exception: the RMS, weighted by `precision`, of the part of the
-     * innovations that a fit of the vibration modes explains (m), if all target nodes are measured,
-     * vibration modes are observed and the target leaves some shapes free. Such free motions are in
-     * the readings, but not in the model
+     * no reading was usable. If all target nodes are measured and the target leaves some shapes
+     * free, only the part that a fit of the observed vibration modes explains, weighted by
+     * `precision`: free motions are in the readings, but not in the model
      */
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
@@ -734,10 +725,10 @@ typedef struct pzs_damper {
      (size_t)(sensors))
 
 /*
- * Initialise a vibration damper in the workspace; control and tables must outlive it. It assumes
- * that the structure is in static equilibrium under the present voltages. Errors: PZS_E_ARGUMENT
- * (also for tables of other sizes), PZS_E_STAGE, PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE,
- * PZS_E_WORKSPACE (info.where = bytes needed).
+ * Initialise a vibration damper in the workspace, for a structure in static equilibrium under the
+ * present voltages. Control and tables must outlive it.
+ * Errors: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_STAGE, PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_NONFINITE, PZS_E_WORKSPACE (info.where = bytes needed).
  */
 pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_vibration *tables,
                            void *work, size_t bytes);
@@ -750,7 +741,7 @@ pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_v
  *                           arrived; one that is stuck, not finite, or off by more than 1e12 is
  *                           replaced by its prediction plus the low-passed earlier deviation
  *   shape    [outputs] out  estimated static shape (m)
- * Warnings: PZS_W_SENSOR, PZS_W_HELD (no reading is usable, the modes are only predicted). Errors:
+ * Warnings: PZS_W_SENSOR, PZS_W_HELD (no reading usable, modes only predicted). Errors:
  * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_real *shape);
@@ -777,9 +768,9 @@ extern const pzs_block_type pzs_vibration_block;
 
 /*
  * Tables of the governor, a stage of the control tick that slows a moving target down so that the
- * vibration damper can follow it. In each tick the governor moves all voltages by the same fraction
- * of their distances towards the voltages that are optimal in static equilibrium. In the list of
- * blocks the governor comes after the feed-forward and before the vibration damper.
+ * vibration damper can follow it: in each tick it moves all voltages by the same fraction of the
+ * way to their static optimum. In the list of blocks it comes after the feed-forward and before the
+ * damper.
  */
 typedef struct pzs_governor {
     pzs_real share; /* factor, above 0 and at most 1, by which a tick that damps vibration
@@ -813,8 +804,8 @@ typedef struct pzs_governor_state {
      * [inputs] correction of the target by the governor (which slows targets down), as voltages (V)
      * whose predicted shape is subtracted from the target:
      *   optimal voltages - `reference` - (change of `reference` in this tick) / share
-     * The first two terms make the loop follow `reference`. The last term compensates that a tick
-     * goes only the part pzs_governor.share of the way to its target
+     * The loop thus follows `reference`, although a tick goes only the part pzs_governor.share of
+     * the way to its target
      */
     pzs_real *ahead;
     pzs_real *target; /* [outputs] target shape for which the voltages that are optimal in static
@@ -868,8 +859,8 @@ pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table);
 
 /*
  * Subtract the effect of known loads from a shape or from readings, so that the controller
- * compensates known loads before they act. Call the function before each tick for the measured
- * shape (with a shape estimator: for the readings) and for the target shape.
+ * compensates them before they act. Call it before each tick for the measured shape (with a shape
+ * estimator: for the readings) and for the target shape.
  *   table           in      one row for each output; for readings one for each sensor
  *   value [inputs]  in      values of the known loads (unit of each load): for a measurement at its
  *                           time, for the target the coming ones
@@ -972,10 +963,9 @@ typedef struct pzs_hysteresis {
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
     /*
-     * The tables may hold two hysteresis models of the electrodes. The fault detector uses the
-     * measured model, whose arrays begin with `identified_`. The compensation uses the arrays
-     * without this prefix, which may describe a ceramic with less hysteresis, because the inverse
-     * of such a model is more robust. The identified arrays are NULL where both models are equal.
+     * Measured hysteresis model of the electrodes (`identified_...`), which the fault detector
+     * uses; NULL where it equals the model above, which the compensation uses. That model may
+     * describe a ceramic with less hysteresis, because its inverse is more robust.
      */
     const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
                                           constant part of the effect of an electrode (V): the
@@ -1021,15 +1011,14 @@ typedef struct pzs_compensator {
 
 /*
  * Compensation of hysteresis and creep by two blocks (stages of the control tick) with common
- * tables. The effect of a voltage is the voltage that an electrode without hysteresis would need.
+ * tables. The effect of a voltage is the voltage that an electrode without hysteresis would need;
+ * the influence matrix is the displacement per volt of effect.
  *
  *   - pzs_effect_block, in PZS_PHASE_READINGS and first in the list, replaces the last voltages and
  *     the limits of this tick by effects. The blocks between both blocks work with effects.
  *   - pzs_inverse_block, the first one of PZS_PHASE_VOLTAGE, restores the voltages that have the
  *     chosen effects. They stay inside voltage limits and step limits to the last bit.
- *   - The influence matrix is the displacement per volt of effect.
- *   - While the target or all readings are missing, the effects are kept, and the voltages follow
- *     the creep.
+ *   - Without a target or readings the effects are kept, and the voltages follow the creep.
  *   - A wrong state of hysteresis is forgotten after the next large change of voltage.
  *
  * Memory of the effect block, returned by pzs_loop_find: pzs_compensator. Errors of its
@@ -1049,10 +1038,10 @@ extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */
 
 /*
- * Replace the voltages control.info.voltage, which pzs_tick has chosen, by those that amplifiers
- * with converter steps and a dead band will really give. An amplifier does not follow a change of
- * at most dead_band. After any other change it gives the last multiple of `step` on the way to the
- * wanted voltage, inside voltage limits and step limits.
+ * Replace the voltages control.info.voltage, chosen by pzs_tick, by those that amplifiers with
+ * converter steps and a dead band give. After a change of more than dead_band an amplifier gives
+ * the last multiple of `step` on the way to the wanted voltage, inside voltage limits and step
+ * limits.
  *   given [inputs] in/out  voltages that the amplifiers give (V); at the start those of
  *                          control.info.voltage, afterwards kept by this function
  *   step           in      smallest voltage step of the converter (V); 0: none
@@ -1084,16 +1073,14 @@ extern const pzs_block_type pzs_amplifier_block;
  * amplifiers, from the measured shape alone, and keeps their voltages constant.
  *
  *   - Test: a suspected electrode is set for about ten ticks to two voltages in turn, one test
- *     amplitude above and below its present voltage and inside all limits. The controller
- *     compensates with the other electrodes. At most PZS_TEST_SIGNALS electrodes are tested at the
- *     same time.
+ *     amplitude above and below its voltage, inside all limits. The controller compensates with the
+ *     other electrodes. At most PZS_TEST_SIGNALS electrodes are tested at a time.
  *   - Detection takes 12 ticks plus the delay of the sensors, for an electrode that loses more than
  *     two test amplitudes at once or does not follow a command of that size.
  *   - While more than an eighth of the outputs is not measured, no electrode is observed.
- *   - On a structure that vibrates, or with strong hysteresis, the detector suspects healthy
- *     electrodes, because it assumes static shapes.
- *   - In a loop with the vibration damper it finds nothing; pzs_pulse_detector_block is for such
- *     loops.
+ *   - On a structure that vibrates, or with strong hysteresis, it suspects healthy electrodes,
+ *     because it assumes static shapes.
+ *   - In a loop with the vibration damper it finds nothing; use pzs_pulse_detector_block there.
  */
 
 /* Largest age of measured shapes or readings that a control loop accepts (ticks). */
@@ -1153,7 +1140,7 @@ typedef struct pzs_fault_detector {
  *   delay   in      age of the measured shapes (ticks), at most PZS_DELAY_LIMIT
  *   work    in      memory of the caller, aligned for pzs_real, at least PZS_FAULT_DETECTOR_BYTES
  *
- * If `delay` is not 0, pass to pzs_tick and pzs_fault_detector_tick this corrected shape (a voltage
+ * If `delay` is not 0, pass this corrected shape to pzs_tick and pzs_fault_detector_tick (a voltage
  * that pzs_hold keeps constant counts in both predictions):
  *   shape measured `delay` ticks ago + shape predicted for the present voltages
  *       - shape predicted for the voltages at the time of the measurement
@@ -1198,10 +1185,7 @@ extern const pzs_block_type pzs_fault_detector_block;
  * The self-test finds amplifiers and sensors that do not respond, respond with the wrong sign or a
  * wrong gain, or have exchanged cables, before the loop controls the voltages. It moves each
  * amplifier in turn by a small voltage and compares the readings with the influence matrix. A
- * program needs no call for it:
- *
- *     status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
- *     while (!PZS_IS_ERROR(status)) { ... status = pzs_loop_tick(&loop, wanted, readings); ... }
+ * program needs no call for it.
  *
  *   - The test takes at most PZS_SELFTEST_TICKS ticks, which return PZS_W_SELFTEST. No other stage
  *     of the tick runs. Without a fault, its last tick is the first in which the loop controls the
@@ -1212,9 +1196,8 @@ extern const pzs_block_type pzs_fault_detector_block;
  *   - If noise or vibration hides the response of an amplifier, the loop does not begin to control.
  *   - A sensor that no amplifier moves enough is not tested and does not prevent control.
  *   - The voltages obey voltage limits and step limits, and end where they began.
- *   - A pulse of pzs_selftest_tables.pulse_ticks ticks excites a mode that has at least 5.4 periods
- *     in it by less than 1 % of its height. The evaluation suppresses constant loads, a linear
- *     drift, and 97 % of such a vibration from other causes.
+ *   - A pulse with at least 5.4 periods of a mode excites this mode by less than 1 % of its height;
+ *     97 % of such a vibration from other causes, constant loads and linear drift are suppressed.
  */
 typedef enum pzs_wiring_state {
     PZS_WIRING_UNTESTED = 0,
@@ -1287,20 +1270,17 @@ typedef struct pzs_selftest_tables {
 #define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse of the self-test (ticks) */
 
 /*
- * Threshold above which the self-test examines an amplifier or a sensor: sum of the squares of the
- * response that the model predicts, divided by the sum of squares that noise and vibration cause
- * (dimensionless). The response of an amplifier has an entry for each sensor, that of a sensor an
- * entry for each amplifier.
+ * Threshold above which the self-test examines an amplifier or a sensor: sum of squares of its
+ * modelled response, divided by that of noise and vibration (dimensionless). The response of an
+ * amplifier has an entry for each sensor, that of a sensor an entry for each amplifier.
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Noise energy of the self-test, times the number N of ticks in a test pulse, for large N
- * (dimensionless):
+ * Variance of the self-test's weighted sums for white noise of variance 1, scaled to a response of
+ * 1 to the pulse, times the number N of ticks in a pulse, for large N (dimensionless):
  *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2, with sums over the ticks of a pulse
  *   e, o  weights of the readings: symmetric and antisymmetric in time
  *   p     voltage of a pulse of height 1
- * This is the variance that white noise of variance 1 gives the weighted sums, scaled so that the
- * response to the pulse is 1.
  */
 #define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
 
@@ -1311,19 +1291,16 @@ typedef struct pzs_selftest_tables {
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 
 /*
- * Work after which a tick of the self-test's evaluation ends. The evaluation compares measured with
- * modelled responses of all sensors to one amplifier, or of one sensor to all amplifiers. The work
- * of a comparison is its number of responses plus PZS_SELFTEST_STEP_WORK. A comparison is not
- * interrupted, so that a tick may exceed its limit by less than the work of one comparison.
+ * Work after which a tick of the self-test's evaluation ends. A comparison of a measured with a
+ * modelled response has a work of their number of entries plus PZS_SELFTEST_STEP_WORK; it is not
+ * interrupted, so that a tick may exceed its limit by less than one comparison.
  */
 #define PZS_SELFTEST_WORK 768u
 #define PZS_SELFTEST_STEP_WORK 16u
 
 /*
  * PZS_SELFTEST_EVALUATION_WORK: work of the whole evaluation of a self-test in the worst case, in
- * which every amplifier and every sensor has a fault. The evaluation compares measured with
- * modelled responses of all sensors to one amplifier, or of one sensor to all amplifiers. The work
- * of a comparison is its number of responses plus PZS_SELFTEST_STEP_WORK.
+ * which every amplifier and every sensor has a fault (in the unit of PZS_SELFTEST_WORK).
  */
 #define PZS_SELFTEST_LINES(inputs, sensors) ((uint64_t)(inputs) + (uint64_t)(sensors))
 #define PZS_SELFTEST_STAGE_WORK(inputs, sensors)                                                   \
@@ -1393,17 +1370,18 @@ typedef struct pzs_selftest {
  * next tick on. Before the first tick, for example after a reset and pzs_loop_start, the call skips
  * the test.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  *   - The voltage of a faulty amplifier is kept constant (pzs_hold) until pzs_release: at 0 V if it
  *     does not respond, otherwise at its present value.
  *   - Pass the readings of a faulty sensor as NaN.
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_selftest_accept(pzs_selftest *selftest);
 
 /*
  * Repeat the self-test at the present voltages, for example once a day while the target stands
- * still, or where an electrode is suspected. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * still, or where an electrode is suspected.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  *   - Until its end the loop does not control the voltages.
  *   - After a fault the voltages stay constant until pzs_selftest_accept.
  *   - An amplifier that pzs_hold keeps constant is not tested.
@@ -1435,19 +1413,19 @@ extern const pzs_block_type pzs_selftest_block;
  *
  *   - Suspicion: the mean readings, compared with those of an earlier interval in which the target
  *     stood still, show less voltage on an electrode, or less change of it, than its amplifier
- *     gave. The voltage that it lacks must exceed 5 % of the height of its test pulse.
- *   - Test: the electrode makes slow test pulses together with an electrode that seems healthy. It
- *     is faulty if its response is missing although the other one responds, or has the wrong sign.
- *     One pulse without disturbance is enough to decide, otherwise two are needed.
- *   - Time: the pulses begin a quarter of a pulse after the last motion of the target. A motion
- *     interrupts them. If the target never stands still for one and a quarter pulses, no electrode
- *     is found.
- *   - During the pulses the loop damps vibration, but does not follow loads. A load that jumps is
- *     noticed, and the pulse is repeated.
+ *     gave. It must lack more than 5 % of the height of its test pulse.
+ *   - Test: the electrode makes slow test pulses together with one that seems healthy. It is faulty
+ *     if its response is missing although the other one responds, or has the wrong sign. One
+ *     undisturbed pulse is enough, otherwise two are needed.
+ *   - Time: the pulses begin a quarter of a pulse after the last motion of the target; a motion
+ *     interrupts them. If the target never stands still for one and a quarter pulses, no fault is
+ *     found.
+ *   - During the pulses the loop damps vibration, but does not follow loads. If a load jumps, the
+ *     pulse is repeated.
  *   - Sensors: at least four are needed. With fewer sensors than electrodes several electrodes may
  *     have to be tested one after the other.
- *   - Hysteresis: a measured model of it, where the loop compensates hysteresis, is used to predict
- *     the readings. With 30 % hysteresis that is not compensated most faults are not found.
+ *   - Hysteresis: where the loop compensates it, a measured model of it predicts the readings. With
+ *     30 % hysteresis that is not compensated most faults are not found.
  *   - If both electrodes respond weakly, or if hysteresis makes a pulse ineffective, the pulses
  *     grow to up to four times their height, at most half the voltage range.
  */

@@ -1,8 +1,8 @@
 /*
  * piezoshape, linear image (build of the library for a device): computes the influence matrix on
  * the device from element matrices in flash, so that stiffness, temperature, supports and
- * electrodes may change in the field. `pzs tables` generates the tables. SPDX-License-Identifier:
- * BSD-2-Clause
+ * electrodes may change in the field. `pzs tables` generates the tables.
+ * SPDX-License-Identifier: BSD-2-Clause
  *
  * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_influence (for open electrodes
  * see there), then pzs_loop_init or pzs_control_init with that influence matrix.
@@ -19,13 +19,12 @@ extern "C" {
 /* ---- tables of the structure ----------------------------------------- */
 
 /*
- * One element type: geometry and material of a four-node shell element. Equal elements share one
- * type. The formulations `published` (dissertation of Plotnikova, 2013) and `improved` differ only
- * in these numbers.
+ * One element type: geometry and material of a four-node shell element; equal elements share one.
+ * The formulations `published` (dissertation of Plotnikova, 2013) and `improved` differ only in
+ * these numbers.
  *
- * The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and (-,+) along the surface coordinates theta1
- * and theta2. The derivative of the displacement at corner r along theta_a is, in the local frame
- * of r,
+ * Corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and (-,+) along the surface coordinates theta1 and
+ * theta2. The derivative of the displacement at corner r along theta_a is, in the local frame of r,
  *   S_a u_r + T_a u_r'
  *   r'          neighbour of corner r along theta_a
  *   u_r, u_r'   [3] displacements of both corners (m)
@@ -52,10 +51,9 @@ typedef struct pzs_element_type {
                                  face minus those of the inner face of the shell, divided by the
                                  thickness (1/m) */
     /*
-     * Stiffness of the four strain modes 00, 01, 10, 11 of the element, as packed lower triangles,
-     * times area/3^(r1+r2) (N m). Mode r1 r2 varies over the element as xi1^r1 xi2^r2, with xi1 and
-     * xi2 from -1 to 1. Strains in their order (m: mean, d: difference of both faces) and entries
-     * of the triangles:
+     * Stiffness of the four strain modes of the element, as packed lower triangles, times
+     * area/3^(a+b) (N m). Mode ab varies over the element as xi1^a xi2^b, with xi1 and xi2 from -1
+     * to 1. Strains of each mode (m: mean, d: difference of both faces):
      *   mode 00  11m 11d 22m 22d 33m 33d 12m 12d 13 23 (55 entries)
      *   mode 01  11m 11d 33m 33d 13 (15 entries)
      *   mode 10  22m 22d 33m 33d 23 (15 entries)
@@ -64,10 +62,10 @@ typedef struct pzs_element_type {
     pzs_real d[88];
     pzs_real thickness; /* thickness of the element (m) */
     /*
-     * Straight lines that replace z^2 in the in-plane strains 11, 22 and 12, with z the height
-     * above the middle of the shell: a + b z/thickness for each strain, all a (m2) and then all b
-     * (m2). The part of a strain that is quadratic in z enters the strain mean with the factor a
-     * and the strain difference with the factor b.
+     * Straight lines a + b z/thickness that replace z^2 in the in-plane strains 11, 22 and 12, with
+     * z the height above the middle of the shell: all a (m2), then all b (m2). The part of a strain
+     * that is quadratic in z enters its mean with the factor a and its difference with the factor
+     * b.
      */
     pzs_real height_squared[2][3];
     /*
@@ -82,10 +80,9 @@ typedef struct pzs_element_type {
      */
     pzs_real warp[9];
     /*
-     * skew alpha_1, alpha_2 of the element, and its length ratio (dimensionless). The area varies
-     * over the element as 1 + alpha_1 xi2 + alpha_2 xi1, where xi1 and xi2 run from -1 to 1; on a
-     * parallelogram alpha_1 and alpha_2 are 0. The length ratio is the length of the element along
-     * theta2 divided by that along theta1
+     * skew alpha_1, alpha_2 of the element, 0 on a parallelogram, and its length along theta2
+     * divided by that along theta1 (dimensionless). The area varies over the element as 1 + alpha_1
+     * xi2 + alpha_2 xi1, where xi1 and xi2 run from -1 to 1
      */
     pzs_real skew[3];
 } pzs_element_type;
@@ -100,9 +97,8 @@ typedef struct pzs_node {
 
 /*
  * One element type in a short form of 110 instead of 299 reals, for meshes on which nearly every
- * element is a type of its own. The form lacks the matrices and base vectors of pzs_element_type
- * (its members s, t, g_mean and g_diff). The library computes them, to the same bits, from the
- * nodes of one element that has the type.
+ * element is a type of its own. The library computes the missing members s, t, g_mean and g_diff of
+ * pzs_element_type, to the same bits, from the nodes of one element of the type.
  */
 typedef struct pzs_compact_type {
     pzs_real d[88];     /* stiffness of the four strain modes (variations over the element) of an
@@ -238,10 +234,10 @@ typedef struct pzs_model {
 } pzs_model;
 
 /*
- * Size of the workspace of a finite-element model (bytes). `envelope` is the number of stored
- * entries of its stiffness matrix, padding included, which depends on PZS_TILE; generated headers
- * define it for each value of PZS_TILE. A structure with element types in the short form
- * pzs_compact_type needs PZS_COMPACT_BYTES more.
+ * Size of the workspace of a finite-element model (bytes). A structure with element types in the
+ * short form pzs_compact_type needs PZS_COMPACT_BYTES more.
+ *   envelope  number of stored entries of its stiffness matrix, padding included; generated headers
+ *             define it for each value of PZS_TILE
  */
 #define PZS_MODEL_BYTES(free_dof, envelope)                                                        \
     (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(free_dof)) +                           \
@@ -315,7 +311,7 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, p
  * Errors: those of pzs_solve; the columns of the inputs before info.where are then written.
  *
  * The controller needs only the upper left part, PREFIX_OUTPUTS target nodes by PREFIX_INPUTS
- * amplifiers. If it is smaller than the matrix, copy it to a matrix of its own.
+ * amplifiers: copy it to a matrix of its own if it is smaller.
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 
@@ -396,8 +392,8 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
 /*
  * Compute the charge of each electrode per unit of every input in the undeformed state (equations
  * 49-55 of Plotnikova 2013), by one solve for each electrode. To be called after each pzs_factor.
- * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, those of pzs_solve, and PZS_E_NEGATIVE for an open electrode
- * without capacitance (info.where = electrode).
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, those of pzs_solve, and
+ *   PZS_E_NEGATIVE  open electrode info.where has no capacitance
  */
 pzs_status pzs_electric_factor(pzs_electric *electric);
 

@@ -1,7 +1,8 @@
 /*
  * piezoshape, nonlinear image (build of the library for a device, with PZS_NONLINEAR=1):
  * equilibrium of the shell at large rotation, and the influence matrix at the deformed shape.
- * Options: follower loads, open electrodes, contact. SPDX-License-Identifier: BSD-2-Clause
+ * Options: follower loads, open electrodes, contact.
+ * SPDX-License-Identifier: BSD-2-Clause
  *
  * Order of the calls: pzs_model_init, pzs_solver_init, pzs_attach_... for the options,
  * pzs_equilibrium, pzs_influence_at, then pzs_control_init with that influence matrix.
@@ -218,9 +219,8 @@ void pzs_solver_reset(pzs_solver *solver);
  * settings.load_steps load steps, by Newton's method with independent stress resultants (equations
  * 17-22 of Plotnikova 2013).
  *   value [inputs] in  wanted input values
- * A load step that does not converge within 40 linear solves is halved, down to 1/64 of the first
- * one; close to convergence the limit is 80, with fast divergence less. settings.solve_limit bounds
- * the work.
+ * A load step that does not converge within 40 linear solves (80 close to convergence) is halved,
+ * down to 1/64 of the first one. settings.solve_limit bounds the work.
  *
  * Warnings, errors:
  *   PZS_W_BEHIND       takes precedence over PZS_W_UNSTABLE
@@ -300,9 +300,10 @@ typedef struct pzs_follower_load {
 
 /*
  * Attach a follower load to an equilibrium solver; load and tables must outlive the solver. The
- * equilibrium iteration uses the symmetric part of its tangent stiffness, so that the linear solves
- * stay symmetric; pzs_influence_at uses the exact tangent stiffness. Errors: PZS_E_ARGUMENT (also
- * if attached already or for an index out of range), PZS_E_FORMAT, PZS_E_CRC.
+ * equilibrium iteration uses only the symmetric part of its tangent stiffness, so that linear
+ * solves stay symmetric; pzs_influence_at uses the exact one.
+ * Errors: PZS_E_ARGUMENT (also if attached already or for an index out of range), PZS_E_FORMAT,
+ * PZS_E_CRC.
  */
 pzs_status pzs_attach_follower(pzs_solver *solver, pzs_follower_load *load,
                                const pzs_follower *tables);
@@ -343,9 +344,10 @@ typedef struct pzs_circuit {
 
 /*
  * Attach the open electrodes (equations 49-55 of Plotnikova 2013) to an equilibrium solver in the
- * undeformed state; tables and circuit must outlive the solver. Their voltages become unknowns of
- * the solver and replace their input values in solver.info.input_value. pzs_influence_at gives
- * their columns per unit of charge. Errors: PZS_E_FORMAT, PZS_E_CRC, and
+ * undeformed state; tables and circuit must outlive the solver. Their voltages become unknowns and
+ * replace their input values in solver.info.input_value. pzs_influence_at gives their columns per
+ * unit of charge.
+ * Errors: PZS_E_FORMAT, PZS_E_CRC, and
  *   PZS_E_ARGUMENT   also if attached already
  *   PZS_E_WORKSPACE  solver->info.where = bytes needed
  */
@@ -453,8 +455,25 @@ typedef struct pzs_contact_settings {
 } pzs_contact_settings;
 
 /*
- * Faults that the check of a contact may find in the computed shape: the rigid contact body reaches
- * into the shell.
+ * Faults that the checks of a contact may find after each load step: the rigid contact body reaches
+ * into the shell. The checks are exact for flat elements and convex bodies.
+ *   - Nodes: no node of a face may lie deeper in the body than twice the gap that counts as closed.
+ *   - Points between nodes, found by bisection to 1/512 of a side: the depth may be at most R/5 and
+ *     twice that of a flat element whose nodes touch the body, L^2 / (8 R) with side length L and
+ *     radius R.
+ *   - A body smaller than the diagonals of an element may enter it only if a node of the element is
+ *     in contact.
+ *   - Motion: no point of an element may have passed through the body since the last equilibrium,
+ *     on a straight way relative to the body.
+ *   - Length: a body nearer to a node than half of the longest diagonal of an element may move in a
+ *     load step by at most half of its smallest radius of curvature and half of
+ *     pzs_contact_face.size; solver->info.shortened_steps counts the load steps shortened for this.
+ *
+ * They do not find:
+ *   - a tip that enters by less than (L/512)^2 / (2 R);
+ *   - a second local minimum of the gap in a strongly warped element;
+ *   - a body between the two faces that touches neither;
+ *   - penetration by some parts of a body that is not convex.
  */
 typedef enum pzs_penetration {
     PZS_PENETRATION_NONE = 0,
@@ -535,6 +554,11 @@ typedef struct pzs_contact {
  * Attach a contact between a face of the shell and a rigid body to an equilibrium solver in the
  * undeformed state; contact, face and body must outlive the solver. A shell that its supports leave
  * loose must touch the body from the start.
+ * Errors: PZS_E_FORMAT, PZS_E_CRC (also of the body), and
+ *   PZS_E_ARGUMENT   also if attached already, or for an index out of range, an axis that is not a
+ *                    unit vector, a radius that is not positive
+ *   PZS_E_NONFINITE  solver->info.where = index among point, axis and radius
+ *   PZS_E_WORKSPACE  solver->info.where = bytes needed
  *
  * Result, described by contact->info:
  *   - Every gap is open, or closed to within 1e-8 of pzs_contact_face.size (float: to rounding).
@@ -542,31 +566,8 @@ typedef struct pzs_contact {
  *   - pzs_influence_at treats the body as a layer with the penalty stiffness of the last iteration.
  *     On a ring of radius 10 thicknesses this changed the influence matrix by 3e-8 of its values.
  *
- * Each load step is checked. One that fails is halved, and finally rejected with PZS_E_PENETRATION:
- *   - Nodes: no node of a face may lie deeper in the body than twice the gap that counts as closed.
- *   - Points between nodes, found by bisection to 1/512 of a side: the depth may be at most twice
- *     that of a flat element whose nodes touch the body, L^2 / (8 R) with side length L and radius
- *     R, and at most R/5. info.sag is the largest depth found.
- *   - A body smaller than the diagonals of an element may enter it only if a node of the element is
- *     in contact.
- *   - Motion: no point of an element may have passed through the body since the last equilibrium,
- *     on a straight way relative to the body.
- *   - Length: a body nearer to a node than half of the longest diagonal of an element may move in a
- *     load step by at most half of its smallest radius of curvature and half of
- *     pzs_contact_face.size. solver->info.shortened_steps counts the load steps that this rule
- *     shortens.
- *
- * The check is exact for flat elements and convex bodies. It does not find:
- *   - a tip that enters by less than (L/512)^2 / (2 R);
- *   - a second local minimum of the gap in a strongly warped element;
- *   - a body between the two faces that touches neither;
- *   - penetration by some parts of a body that is not convex.
- *
- * Errors: PZS_E_FORMAT, PZS_E_CRC (also of the body), and
- *   PZS_E_ARGUMENT   also if attached already, or for an index out of range, an axis that is not a
- *                    unit vector, a radius that is not positive
- *   PZS_E_NONFINITE  solver->info.where = index among point, axis and radius
- *   PZS_E_WORKSPACE  solver->info.where = bytes needed
+ * A load step that fails the checks of pzs_penetration is halved, and finally rejected with
+ * PZS_E_PENETRATION.
  */
 pzs_status pzs_attach_contact(pzs_solver *solver, pzs_contact *contact,
                               const pzs_contact_face *face, const pzs_body *body, void *work,

@@ -723,7 +723,7 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
  * is empty if a fault of it is known or no healthy partner can be found.
  *   STAGE_PAIR_SIMILAR, STAGE_PAIR_NEAREST  compare it with all amplifiers (or sensors)
  *   STAGE_PAIR_EXCHANGED                    two comparisons with its possible partner
- *       (compare_partner)
+ *                                           (compare_partner)
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {

@@ -92,7 +92,7 @@ static void add_skew(pzs_solver *solver, const pzs_real *x, pzs_real factor, pzs
  *   r, d    residual force, step of the displacement
  *   before  suffix: of the iteration before
  *   d         [free_dof]        in/out  in: displacement per unit of the input, from K alone; out:
- *       overwritten
+ *                                       overwritten
  *   influence [outputs][inputs] in/out  influence matrix; the outputs under each d are added
  */
 static pzs_status correct_column(pzs_solver *solver, uint32_t input, pzs_real *d,
