@@ -407,9 +407,9 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Return the numbers that the plausibility warnings on the target use: its size, error and largest
- * relative voltage of the optimum within the first limits (--limit, or those of the scene), and the
- * largest number of linearly dependent amplifiers of all results.
+ * Return the numbers that the plausibility warnings on the target use: its size; error and largest
+ * voltage (relative to its limit) of the optimum within the first limits (--limit, or those of the
+ * scene); largest number of linearly dependent amplifiers of all results.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {

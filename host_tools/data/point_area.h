@@ -9,9 +9,9 @@
 #include <stddef.h>
 
 /*
- * Compute the area of each point's Voronoi cell in the convex hull of all points, seen along z: on
- * a rectangular grid, a cell, half of it at the border, a quarter at corners. For points on a line
- * it is a length. Points at the same place share their area.
+ * Compute the area of each point's Voronoi cell in the convex hull of all points, seen along z. On
+ * a rectangular grid it is a grid cell for inner points, half at the border, a quarter at corners.
+ * For points on a line it is a length. Points at the same place share their area.
  *   place  [count][3] in   coordinates x, y, z
  *   area   [count]    out  area that belongs to each point
  * Returns 0, or -1 when memory runs out.

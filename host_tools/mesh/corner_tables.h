@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Corner tables of an element type (members of pzs_element_type).
- *   s, t            3 x 3 matrices: derivative of the displacement along one direction of the
- *       element at a corner is s times the displacement of this corner plus t times that of the
+ *   s, t            3 x 3 matrices: the derivative of the displacement along one direction of the
+ *       element at a corner is s times the displacement of the corner plus t times that of its
  *       neighbour
  *   g_mean, g_diff  base vectors; their products with the derivative are the strains at the corner:
  *       mean of both faces, and difference between them

@@ -1080,8 +1080,8 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 
 /*
  * Compute the resultants (N/m) that a voltage, an electric field or a temperature prescribes in an
- * element; with lin33, while plies thicken freely at the mean thickness strain 0. Where transverse
- * shear stress arises, compute the strains of the unloaded element too.
+ * element. With the element option lin33 plies thicken freely while their mean thickness strain is
+ * 0. Where transverse shear stress arises, compute the strains of the unloaded element too.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,

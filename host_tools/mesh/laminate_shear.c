@@ -55,8 +55,8 @@ static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], d
 }
 
 /*
- * Add the work of the transverse shear stresses at one height, work += weight P^T compliance P,
- * with their matrix P per unit transverse force.
+ * Add the work of the transverse shear stresses at one height, work += weight P^T compliance P. P
+ * is the matrix of shear stresses per unit transverse force.
  *   stress     [3][3] in      in-plane stresses 11, 22, 12 (rows) under unit bending moments 11,
  *       22, 12 (columns), integrated from the lowest face to this height (1/m)
  *   compliance [2][2] in      shear strains 13 and 23 per shear stress (1/Pa)

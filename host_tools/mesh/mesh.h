@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mesh of a scene: nodes, elements, element types and numbers of the free dof. On mesh lines, nodes
- * are numbered fastest along theta2. Free dof are numbered fastest along the direction with the
- * narrower band, for a small envelope. A closed other direction runs in the order 0, n-1, 1, n-2...
+ * are numbered fastest along theta2; free dof along the direction with the narrower band, for a
+ * small envelope. If the other direction is closed, its n mesh lines follow in the order 0, n-1, 1,
+ * n-2...
  */
 #ifndef MESH_H
 #define MESH_H
@@ -247,9 +248,8 @@ mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
 void mesh_node_areas(const mesh *mesh, double *area);
 
 /*
- * Add to each node its share of the length of the element sides that lie in a place of the scene
- * file (mesh_length_shares), or of the area of the elements all of whose nodes do
- * (mesh_area_shares).
+ * Add to each node its share of a length or area: of the element sides that lie in a place of the
+ * scene file (mesh_length_shares), or of the elements whose nodes all lie in it (mesh_area_shares).
  *   share  [nodes] in/out  length (m) or area (m2) of each node
  * mesh_length_shares returns the number of sides, or -1 if the place has no sides.
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Irregularity of a mesh of quadrilaterals: how far the elements at a node deviate from equal
- * parallelograms. Reason: on an irregular mesh a thin shell is far too stiff in bending, like a
- * polyhedron. The functions find such elements and factors that correct their membrane strains.
+ * parallelograms. On an irregular mesh a thin shell is far too stiff in bending, like a polyhedron.
+ * The functions find such elements, and compute factors that keep their membrane strains correct.
  */
 #ifndef QUAD_REGULARITY_H
 #define QUAD_REGULARITY_H

@@ -18,9 +18,8 @@ void springs_direction(const surface_point *point, const scene_direction *direct
                        double vector[3]);
 
 /*
- * Compute the rotation of a node about an axis as weights of its dof. The rotation vector in the
- * surface is D x beta: normal D; beta, the difference of the displacements of both faces over the
- * thickness.
+ * Compute the rotation of a node about an axis as weights of its dof. With the normal D and the
+ * difference beta of both faces' displacements over the thickness, the rotation vector is D x beta.
  *   weight  [7] out  weight of each dof of the node
  * Returns 0, or -1 if the axis is normal to the surface: a shell has no rotation about it.
  */

@@ -14,8 +14,8 @@ enum { ROWS = 8, TILTS = 8 };
 
 /*
  * Linear system a c = y for the eight factors c_k of the warping correction (warp.h). Row i belongs
- * to a unit tilt of the director of one corner along its local axis e1 or e2. The tilt causes the
- * strains a_ik = e_k, and y_i, the difference of the shear strain 12 between both faces.
+ * to a unit tilt of the director of one corner along its local axis e1 or e2. This tilt causes the
+ * strains e_k, the entries a_ik, and the difference y_i of the shear strain 12 between both faces.
  */
 typedef struct tilt_system {
     double matrix[TILTS][ROWS], right_side[TILTS];

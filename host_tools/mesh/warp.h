@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Warping correction of a curved element (pzs_element_type.warp): a term of the membrane shear
- * strain that depends on the warping: normal displacements of the four corners with alternating
- * signs. In nearly inextensional bending it reduces the error from order two to four in the
- * element's length.
+ * strain that depends on normal displacements of the four corners with alternating signs. In nearly
+ * inextensional bending it reduces the error from second to fourth order in the element's length.
  */
 #ifndef WARP_H
 #define WARP_H

@@ -682,9 +682,9 @@ static double work_of_loads(analysis *analysis, double *value)
 }
 
 /*
- * The ratio is the inverse ratio of the works that the same loads do in both states. The work with
- * short-circuited electrodes exceeds that with open ones by the sum over the electrodes of
- * open-circuit voltage times short-circuit charge.
+ * Method: the ratio of the stiffness with open electrodes to that with short-circuited ones is the
+ * inverse ratio of the works of the same loads. The work is smaller with open electrodes, by the
+ * sum of open-circuit voltage times short-circuit charge over the electrodes.
  */
 double analysis_stiffening(analysis *analysis)
 {

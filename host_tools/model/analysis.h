@@ -108,8 +108,8 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
 
 /*
  * Compute the displacement under the scene's loads and applied voltages from the reference state.
- * Kinematics `auto`: the linear one, if it agrees with the nonlinear one within the scene's
- * tolerance (analysis->is_nonlinear).
+ * With kinematics `auto` it is the linear one if that agrees with the nonlinear one within the
+ * scene's tolerance (analysis->is_nonlinear).
  *   displacement [free_dof] out  displacement of the structure; the last equilibrium where the load
  *       steps end before the full load, of which `error` then tells
  * Returns 0, or -1 with error filled.
@@ -209,9 +209,10 @@ const char *analysis_output_electrode(const analysis *analysis, int k, int i);
 double analysis_capacitance(const analysis *analysis, int k, int is_free);
 
 /*
- * Return the ratio (at least 1) of the work of the scene's loads with short-circuited to that with
- * open sensor electrodes, in the reference state without temperature changes: open electrodes
- * stiffen the structure. NAN without loads or open sensors, and for nonlinear kinematics.
+ * Return the work of the scene's loads with short-circuited sensor electrodes over that with open
+ * ones, in the reference state without temperature changes. The ratio is at least 1, because open
+ * electrodes stiffen the structure. NAN without loads or open sensors, and for nonlinear
+ * kinematics.
  */
 double analysis_stiffening(analysis *analysis);
 

@@ -100,10 +100,10 @@ typedef struct certificate_loop {
                                      small vibrations grow most */
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
-    double worst; /* largest distance, at the end of a storm (simulation with fast jumps of the
-                     target), of the shape from the best shape within the voltage limits, over the
-                     norm of the target; at least over a fiftieth of the root mean square norm of
-                     shapes under half the voltage range with random signs */
+    double worst; /* largest distance of the shape from the best shape within the voltage limits, at
+                     the end of a storm (simulation with fast target jumps), over the norm of the
+                     target or, if larger, a fiftieth of the root mean square norm of shapes under
+                     half the voltage range with random signs */
     double worst_gain, worst_frequency,
         worst_step; /* worst_gain, worst_frequency: static response to voltages and natural
                        frequencies of the structure in the worst storm (simulation with fast target

@@ -322,9 +322,9 @@ static bool is_stable_at(const assessed_loop *loop, double interval)
 }
 
 /*
- * Return whether the control loop is stable at a tick rate on all structures to be tested. Above
- * four periods of the first vibration mode in a tick, the phase of the vibration counts: the
- * interval is then also tested with fractions k / PHASES of a period added.
+ * Return whether the control loop is stable at a tick rate on all structures to be tested. If a
+ * tick interval exceeds four periods of the first vibration mode, the phase of the vibration
+ * matters: intervals longer by fractions k / PHASES of a period are tested, too.
  */
 static bool is_stable(const assessed_loop *loop, double rate)
 {

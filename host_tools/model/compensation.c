@@ -54,7 +54,7 @@ static const double least_after_reversal = 0.6;
 /*
  * Weaken the hysteresis model on one side of the middle of the voltage range: weight moves from
  * play operators, smallest slack first, to the slopes, until the smallest slope is
- * `least_after_reversal` of its sum with all weights.
+ * `least_after_reversal` times the sum of this slope and all weights.
  *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part (dimensionless)
  *   weight                              in/out  weights of the play operators (dimensionless)
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A structure linearised about the equilibrium at its target, with influence matrix B and vibration
- * modes of the deformed, prestressed structure. At this equilibrium the output rows are y0 and the
- * voltages v0; near it the output rows are y = offset + B v with offset = y0 - B v0.
+ * modes of the deformed, prestressed structure. There the output rows have the displacements y0 and
+ * the voltages are v0; near it the displacements are y = offset + B v with offset = y0 - B v0.
  */
 #ifndef DEFORMED_H
 #define DEFORMED_H

@@ -265,9 +265,10 @@ static int check_park_rows(const design *design, char *error)
 }
 
 /*
- * Compute the park voltages, to which the supervisor returns after a fault: the scene's one for all
- * amplifiers, or the nearest to 0 within each amplifier's limits, changed where limits between
- * amplifiers ask for it. Returns 0, or -1 with error filled if the scene's one violates limits.
+ * Compute the park voltages, to which the supervisor returns after a fault: that of the scene for
+ * all amplifiers, or those nearest to 0 within each amplifier's limits. If these violate limits
+ * between amplifiers, others that obey all limits replace them. Returns 0, or -1 with error filled
+ * if the park voltage of the scene violates limits.
  */
 static int build_park(design *design, char *error)
 {

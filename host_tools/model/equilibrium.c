@@ -449,8 +449,8 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
 
 /*
  * Set full_input, the input values of the scene at full load: applied voltages (V), and load
- * factors of 1. A follower load (turns with the shell) has a second input among the extra ones,
- * which is 1; its input in the list of loads, which would not turn, stays 0.
+ * factors of 1. A follower load, which turns with the shell, has two inputs: the one in the list of
+ * loads, which would not turn, stays 0; the one among the extra inputs is 1.
  */
 static void set_full(equilibrium *equilibrium)
 {

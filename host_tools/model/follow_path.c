@@ -226,9 +226,10 @@ static bool solve_both(arc_search *arc_search, bool uses_true_resultants)
 /* ---- one step --------------------------------------------------------- */
 
 /*
- * Return the change c of the load factor with which increment + by_residual + c by_load (changes of
- * the displacement by the residual forces, and per unit of the load factor) has the length `arc`.
- * Of two solutions, the one that turns the increment less counts; NAN where there is none.
+ * Return the change c of the load factor with which increment + by_residual + c by_load has the
+ * length `arc` (by_residual, by_load: changes of the displacement by the residual forces, and per
+ * unit of the load factor). Of two solutions it is the one that turns the increment less; NAN if
+ * there is none.
  */
 static double constrained_change(const arc_search *arc_search, double arc)
 {
@@ -485,8 +486,8 @@ typedef struct step_control {
 
 /*
  * Choose the length of the next step on the load path: longer after fewer iterations than
- * control->usual, shorter after more. A shortened step with no fewer iterations than the one before
- * raises `usual`: follower loads have an approximate tangent, so that shorter steps do not help.
+ * control->usual, shorter after more. `usual` rises where a shortened step has not reduced the
+ * iterations, as with follower loads, the tangent of which is approximate.
  */
 static void adapt_length(step_control *control, double arc, int iterations)
 {

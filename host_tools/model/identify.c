@@ -223,8 +223,8 @@ static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 
 /*
  * Fill the rows of the least-squares problem that keep unknowns alike: the two weights of each play
- * operator, and the creep amplitudes of neighbouring time constants. One too long to be seen in the
- * measurement thus gets the amplitude of its shorter neighbour.
+ * operator, and the creep amplitudes of neighbouring time constants. A time constant too long to be
+ * seen in the measurement thus gets the amplitude of its shorter neighbour.
  */
 static void fill_likeness(fit *fit)
 {

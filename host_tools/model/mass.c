@@ -116,9 +116,9 @@ static void fill_element(const mesh *mesh, int element, double lumped,
 }
 
 /*
- * Compute the displacement and rotation of a concentrated mass for a unit of one dof of a corner of
- * its element, as vectors in space. The rotation is D x beta, with the normal D, and beta, the
- * difference of both faces' displacements over the thickness.
+ * Compute the displacement and rotation of a concentrated mass, as vectors in space, for a unit of
+ * one dof of a corner of its element. With the normal D and the difference beta of both faces'
+ * displacements over the thickness, the rotation is D x beta.
  *   index in  dof of the corner, 0 to 6
  */
 static void motion_of_mass(const mesh *mesh, const mesh_mass *mass, int corner, int index,

@@ -2,8 +2,8 @@
 /*
  * Comparison of measured vibration modes with a measured influence matrix B [outputs][amplifiers].
  * B is the sum of the modes' static parts (shape times static response to each amplifier) and a
- * remainder. A large remainder that falls when rows of B are swapped shows outputs in another
- * order.
+ * remainder. If the remainder is large and falls when rows of B are swapped, the mode shapes list
+ * the outputs in another order than B.
  */
 #ifndef MATRIX_MODES_H
 #define MATRIX_MODES_H

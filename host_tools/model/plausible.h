@@ -98,9 +98,9 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
 void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded);
 
 /*
- * Warn where the supervisor may not notice reversed amplifiers, because the loads of a scene, which
- * it tolerates at once, move the target nodes far compared with the voltages. Displacements are
- * root mean squares over the target nodes (length unit of the scene).
+ * Warn where reversed amplifiers may not be noticed: the supervisor of the loop tolerates that all
+ * loads of the scene appear at once, and these move the target nodes far compared with the
+ * voltages. Displacements are root mean squares over the target nodes (length unit of the scene).
  *   load  in  displacement under all loads
  *   reach in  displacement under half the voltage range of all amplifiers with random signs
  */

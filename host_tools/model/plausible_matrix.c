@@ -90,9 +90,9 @@ static void name_dead(const char *name, int count, char *names)
 }
 
 /*
- * Find the actuators of weak effect, and store the smallest ratio and a text with the names in
- * *found. The ratio is the norm of an actuator's column of the influence matrix over `reference`,
- * at least `from` and less than `to`. Actuators with a fixed voltage do not count.
+ * Find the actuators of weak effect: their voltage can change, and the norm of their column of the
+ * influence matrix over `reference` is at least `from` and less than `to`. Store the smallest of
+ * these ratios and a text with the names in *found.
  *   reference in  norm of the influence matrix column of the strongest or of the median actuator
  */
 static void name_weak(const scene *scene, double reference, double from, double to,

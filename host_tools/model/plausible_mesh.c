@@ -11,9 +11,9 @@
 /* ---- irregular meshes --------------------------------------------------- */
 
 /*
- * Start a plausibility rule on irregular meshes, which has one number, k = 0, and store its place
- * in the scene file. Returns whether k is 0 and the mesh is of quadrilaterals; a mesh along lines
- * of curvature is regular.
+ * Start a plausibility rule that checks one number, k = 0, of an irregular mesh of quadrilaterals.
+ * Store its place in the scene file in `found`. Returns whether k is 0 and the mesh is of
+ * quadrilaterals; a mesh along lines of curvature is regular.
  */
 static int is_first(const subject *of, int k, measured *found)
 {
@@ -130,7 +130,7 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate for a plausibility rule on transverse
- * shear, which has one number, k = 0.
+ * shear, which checks one number, k = 0.
  *   k       in   index of the number that the rule is asked for
  *   bending out  stiffnesses
  *   wave    out  squared wave number of a half sine wave over the shorter side of the structure

@@ -55,7 +55,8 @@ static bool try_long_ramp(pzs_solver *solver, const double *value, pzs_status *s
 
 /*
  * Compute an equilibrium a second time with loads that rise more slowly. The second result is kept
- * if the first try failed or both have the same displacement; otherwise the first is restored.
+ * if it converges and the first try failed, or if both have the same displacement; otherwise the
+ * first is restored.
  *   status in             status of the first try
  *   first  [free_dof] in  displacement of the first try
  *   state  in             state of the equilibrium solver after the first try

@@ -6,8 +6,8 @@
 #include "equilibrium.h"
 
 /*
- * Compute the equilibrium at given input values from the reference state; again with more slowly
- * rising loads if that fails or shortens load steps, unless the scene states `ramp_solves`. The
+ * Compute the equilibrium at given input values from the reference state. If that fails or shortens
+ * load steps, try again with more slowly rising loads, unless the scene states `ramp_solves`. The
  * settings of the better try stay in the solver.
  *   value [inputs] in  input values (V, K, Pa or load factors)
  * Returns the status of the solver.

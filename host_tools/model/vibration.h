@@ -59,9 +59,9 @@ bool vibration_allocate(vibration *vibration, const design *design, size_t count
 
 /*
  * Take the measured vibration modes of a scene with a measured influence matrix. Static responses
- * that the scene file does not give are fitted: the sum over all modes of shape times static
- * response is the least-squares fit to the matrix. Returns 0, or -1 with error filled; then call
- * vibration_free.
+ * that the scene file does not give follow from a least-squares fit: sum over all modes of shape
+ * times static response to the matrix. Returns 0, or -1 with error filled; call vibration_free in
+ * either case.
  */
 int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
 
@@ -89,9 +89,9 @@ int vibration_check_measured(const scene_influence *measured, char *error);
 int vibration_first(const vibration *vibration);
 
 /*
- * Return the modal coordinate of a vibration mode in equilibrium under one unit of an input: the
- * work of the input's forces on the mode shape over the squared angular frequency; NAN for a rigid
- * motion. Times the mode shape it is the static displacement.
+ * Return the modal coordinate of a vibration mode in static equilibrium under one unit of an input:
+ * the work of the input's forces on the mode shape over the squared angular frequency; NAN for a
+ * rigid motion.
  *   input in  index of an input of the structure
  */
 double vibration_static(const vibration *vibration, const design *design, int mode, int input);

@@ -514,10 +514,10 @@ static double largest_change(const analysis *analysis, const newton *newton, con
 }
 
 /*
- * Move the voltages to the optimum of the linearised structure within the trust radius (largest
- * change of any voltage), which follows the actual over the predicted decrease of the objective. A
- * step without a decrease is undone and repeated with a smaller radius. Returns the relative
- * decrease; 0: none.
+ * Move the voltages to the optimum of the linearised structure within the trust radius, the largest
+ * change of any voltage. The radius follows the ratio of actual to predicted decrease of the
+ * objective. A step without decrease is undone and repeated with a smaller radius. Returns the
+ * relative decrease; 0 if no step decreases the objective.
  */
 static double make_trust_region_step(analysis *analysis, common_limits common, newton *newton,
                                      voltages *result, pzs_status *status, char *error)

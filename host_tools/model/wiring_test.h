@@ -32,8 +32,9 @@ bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimat
 
 /*
  * Make the tables of the test pulses with which a loop that damps vibration finds faulty
- * electrodes: heights are a part of the voltage ranges, and a pulse lasts 3.2 periods of the first
- * mode. is_used: the scene file lets the controller itself detect electrode faults.
+ * electrodes. Heights are a part of the voltage ranges; a pulse lasts 3.2 periods of the first
+ * mode. The member is_used tells whether the scene file lets the controller itself detect electrode
+ * faults.
  *   analysis  in  analysis with influence matrix and vibration modes; must outlive the tables
  *   estimator in  shape estimator of the controller, which must outlive the tables; NULL: every
  *       target node is measured

@@ -10,9 +10,9 @@
 static const double pi = 3.141592653589793;
 
 /*
- * Shape of the middle block of the disc's mesh (a square with bent sides), over the radius of the
+ * Shape of the middle block of the disc's mesh, a square with bent sides, over the radius of the
  * innermost circle around it: distance of the middle of a side from the centre, and both
- * coordinates of a corner. From 0.42 to 0.5, a corner makes the angles of elements at the border
+ * coordinates of a corner. Corners from 0.42 to 0.5 make the angles of the elements at the border
  * nearly equal.
  */
 static const double middle_of_side = 0.5, corner_of_block = 0.42;

@@ -31,8 +31,9 @@ int quad_panel_make(quad_mesh *mesh, const quad_panel *panel);
 
 /*
  * For a panel on a cylinder, return the smallest number of elements along a quarter of the hole's
- * rim whose lengths around the hole are at most about a quarter of the cylinder's radius. Longer
- * ones are refused at a thickness of a thousandth of the radius, because the mesh is irregular.
+ * rim with which the elements around the hole are at most about a quarter of the cylinder's radius
+ * long. At a thickness of a thousandth of the radius, longer elements of an irregular mesh are
+ * refused.
  */
 int quad_panel_least_elements(const quad_panel *panel);
 

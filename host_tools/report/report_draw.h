@@ -69,9 +69,12 @@ draw_scale draw_scale_of(bool is_signed, const char *unit, const double *value, 
 void draw_extend(draw_scale *scale, const double *value, int count);
 
 /*
- * Colours of a value on a scale: draw_level returns the index of its colour, -1 if the value is not
- * finite; draw_class the style class of an index; draw_colour that of a value; draw_tone that of a
- * text on the colour, "strong" on dark or saturated colours, "mild" on others.
+ * Colours on a scale:
+ *   draw_level   index of the colour of a value, -1 if the value is not finite
+ *   draw_class   style class of the colour with an index
+ *   draw_colour  style class of the colour of a value
+ *   draw_tone    style class of a text on the colour of a value: "strong" on dark or saturated
+ *       colours near the ends of the scale, "mild" on others
  */
 int draw_level(const draw_scale *scale, double value);
 const char *draw_class(const draw_scale *scale, int level);

@@ -57,7 +57,8 @@ expr *expr_from_list(const char *text, size_t count, const double *value);
 
 /*
  * Return the value of a function for one row of a target (one controlled displacement): entry `row`
- * of a list of values (expr_from_list), NAN if there is none; any other function at the point.
+ * of a list of values (expr_from_list), NAN if there is none; other functions are evaluated at the
+ * point.
  *   at   in  coordinates of the point of the controlled displacement
  *   row  in  index of the row, from 0; negative: no row
  */

@@ -17,9 +17,9 @@ typedef struct expr_jet {
 } expr_jet;
 
 /*
- * Return a formula of theta1 and theta2 (also named x and y) with its derivatives with respect to
- * them. The result is NAN for a formula that uses z or values from a file, and not finite where the
- * formula or a derivative is undefined; the caller must check.
+ * Return the value of a formula in theta1 and theta2 (also named x and y), and its derivatives with
+ * respect to them. The result is NAN for a formula that uses z or values from a file, and not
+ * finite where the formula or a derivative is undefined; the caller must check.
  */
 expr_jet expr_jet_at(const expr *expression, double theta1, double theta2);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Outlines of electrodes as polygons: circles, and patterns of cells that touch each other. An
- * electrode is its cell with all sides moved inwards by half of the gap. A circle has 720 sides or
- * more and the exact area; its distance from the polygon is at most 7e-6 of the radius.
+ * electrode is its cell with all sides moved inwards by half of the gap. A circle is a polygon of
+ * 720 sides or more with the same area; the distance between both is at most 7e-6 of the radius.
  */
 #ifndef OUTLINE_PATTERNS_H
 #define OUTLINE_PATTERNS_H

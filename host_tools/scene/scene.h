@@ -444,7 +444,7 @@ typedef struct scene_support {
     expr *value; /* formula of the displacement that a support prescribes at full load (length unit
                     of the scene file); NULL: 0 */
     unsigned move; /* dof among those in `fix` to which the support gives the displacement `value`,
-                      in the same bits; the others are 0. For a normal displacement, for
+                      in the same bits; the other dof in `fix` are 0. For a normal displacement, for
                       example, the mean of both faces is prescribed and their difference is 0.
                       FIX_ALONG: mean displacement along the direction of an oblique support */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for

@@ -18,7 +18,8 @@ typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK }
 /*
  * State of the electrode that an amplifier drives on the piezoelectric ceramic. Models:
  *   hysteresis  Prandtl-Ishlinskii: play operators with half widths of 1/8 to 4/8 of half the
- *       voltage range. A full cycle is as wide as the scene's hysteresis times the voltage range
+ *       voltage range. The loop of a full cycle is as wide as the scene's hysteresis times the
+ *       voltage range
  *   creep       three first-order lags, with time constants that differ by factors of ten
  */
 typedef struct electrode {

@@ -13,11 +13,10 @@
  * simulation on a structure that equals the controller's model. The shape has settled when its
  * distance from the best shape stays below 5 % of the uncompensated displacements.
  *
- * Loads are a uniform pressure, two forces at single outputs, and the first and third vibration
- * mode.
- *   modes    loads do not excite modes whose phase advances by more than 0.6 rad in a tick
- *   size     the voltages that compensate a load change by at most 30 % of half their range
- *   left out loads of whose displacements even the best voltages leave more than a fifth
+ * Loads: a uniform pressure, two forces at single outputs, and the first and third vibration mode.
+ * They do not excite modes whose phase advances by more than 0.6 rad in a tick. The compensating
+ * voltages change by at most 30 % of half their range. Loads are left out if even the best voltages
+ * leave more than a fifth of their displacements.
  *   rig     in   data that all simulations of a loop share, with the control loop (storm_use)
  *   first   in   natural frequency of the first vibration mode that the loop observes (Hz)
  *   periods out  longest time of all loads, in periods of this mode, at most 8; NAN if the voltages

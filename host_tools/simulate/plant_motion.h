@@ -58,10 +58,11 @@ extern const plant_motion plant_quasi_static, plant_modal, plant_nonlinear;
 int plant_input(const struct plant *plant, int load);
 
 /*
- * Compute the static equilibrium of a plant under its present inputs: plant_static_shape the
- * displacements of the target rows, shape [targets]; plant_static_displacement the displacement
- * vector [free_dof]; plant_static_outputs all outputs, into the member `value`. Return 0, or -1
- * with error filled.
+ * Static equilibrium of a plant under its present inputs. Each returns 0, or -1 with error filled.
+ *   plant_static_shape         computes the equilibrium and the displacements of the target rows,
+ *       shape [targets]; call it first
+ *   plant_static_outputs       stores all outputs in this equilibrium in the plant's member `value`
+ *   plant_static_displacement  returns the displacement vector [free_dof] of this equilibrium
  */
 int plant_static_shape(struct plant *plant, double *shape, char *error);
 int plant_static_outputs(struct plant *plant, char *error);

@@ -657,8 +657,8 @@ double shell_motion_kinetic(shell_motion *motion)
 
 /*
  * Return the work of constant stress resultants of one element from the undeformed state to the
- * present displacement u (N m). Strains are quadratic in u, hence L(u/2) u with the
- * strain-displacement matrix L: the work is u times the internal force of the resultants at u/2.
+ * present displacement u (N m): u times the internal force of the resultants at u/2. Reason: the
+ * strains are quadratic in u, and equal L(u/2) u with the strain-displacement matrix L.
  */
 static double work_of(const shell_motion *motion, uint32_t element, const double resultant[22])
 {

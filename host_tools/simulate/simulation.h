@@ -181,7 +181,7 @@ typedef struct simulation {
  * Build the simulated structure and the phases of the simulation, each from one tick with events to
  * the next.
  *   nominal in/out  analysis of a scene with a `simulate` section and a computed influence matrix;
- *       must outlive the simulation. A quasi-static plant sets its member quasi_static: no
+ *       must outlive the simulation. For a quasi-static plant its member quasi_static is set: no
  *       vibration model
  * Returns 0, or -1 with error filled and the simulation empty.
  */

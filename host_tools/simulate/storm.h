@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Storm: simulation of a control loop on a structure with mass that differs from its model, with
- * target jumps so fast that voltage or step limits are always active. They can drive a loop that is
- * stable without limits into a limit cycle. Times in periods of the first vibration mode:
+ * target jumps so fast that voltage or step limits are always active. Such jumps can drive a loop
+ * that is stable without limits into a limit cycle. Times in periods of the first vibration mode:
  *   jumps  10 targets, one every 0.6 periods: the scene's target, its negative, or the shape under
  *       random voltages of up to twice the limits
  *   rest   the scene's target for 12 periods. The storm settles if the shape ends within 5 % (of
