@@ -10,9 +10,9 @@ enum { HISTORY_COLUMNS = 8 };
 typedef struct history {
     size_t ticks, amplifiers, room;
     double *row; /* [ticks][HISTORY_COLUMNS] time (s); shape error, vibration (deviation from the
-                    static equilibrium) and error of the measured shape, all relative to the norm of
-                    the target; number of active limits, number of iterations of the optimiser,
-                    status, and 1 for a tick that the controller missed, else 0 */
+                    static equilibrium) and error of the measured shape, relative to the norm of the
+                    target; number of active limits; iterations of the optimiser; status; 1 for a
+                    missed tick, else 0 */
     double *voltage; /* [ticks][amplifiers] output voltages of the amplifiers in every tick (V) */
 } history;
 /* Allocate memory for the ticks of a simulation. Returns whether memory sufficed. */

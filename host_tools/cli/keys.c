@@ -142,9 +142,9 @@ static const field *section_of(int k)
 }
 
 /*
- * Return whether section number k of the list of all sections occurs earlier in the list. Scene
- * files have two forms: with a structure, or with a measured influence matrix. The list has the
- * sections of both forms, so that those which belong to both occur twice but are printed once.
+ * Return whether section number k of the list of all sections occurs earlier in the list. Reason:
+ * the list holds the sections of scenes with a structure and of scenes with a measured influence
+ * matrix; those of both occur twice but are printed once.
  */
 static bool is_repeated(int k)
 {

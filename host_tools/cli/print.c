@@ -319,10 +319,9 @@ static void print_compact_cost(const analysis *analysis)
 }
 
 /*
- * Print the memory of three firmwares: with the control part, the linear model or the nonlinear
- * model of the library. If compact tables are much smaller, print the memory with them, too.
- * Compact tables leave out matrices and base vectors of the elements, which a device can compute
- * from the nodes.
+ * Print the memory of three firmwares, with the control part, linear model or nonlinear model of
+ * the library; also with compact tables (without the matrices of elements that a device computes
+ * from the nodes) if they are much smaller.
  */
 static void print_images(const analysis *from)
 {
@@ -658,9 +657,9 @@ static void print_voltages(const design *design, const voltages *result)
 }
 
 /*
- * Return the cost of using the linear model on a nonlinear structure, as a firmware without the
- * nonlinear solver does: the relative shape error with the voltages that are optimal for the linear
- * model, minus that with the voltages that are optimal for the nonlinear model (dimensionless).
+ * Return the cost of a firmware without the nonlinear solver on a nonlinear structure: relative
+ * shape error with the voltages that are optimal for the linear model, minus that with those
+ * optimal for the nonlinear model.
  */
 static double cost_of_linear(const shape_run *run)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Compact element types of a mesh (pzs_compact_type): element types without their matrices and base
- * vectors s, t, g_mean and g_diff, which the firmware computes from the positions and triads of the
- * nodes (pzs_rebuild_type). They save memory where nearly every element is a type of its own.
+ * Compact element types of a mesh (pzs_compact_type), without the matrices s, t and base vectors
+ * g_mean, g_diff, which the firmware computes from the nodes (pzs_rebuild_type). They save memory
+ * where nearly every element is a type of its own.
  */
 #ifndef COMPACT_TYPES_H
 #define COMPACT_TYPES_H

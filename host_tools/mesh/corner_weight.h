@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Shares of the four corners in the area of a quadrilateral element. The area per unit of the
- * natural coordinates xi1 and xi2 is proportional to 1 + alpha_1 xi2 + alpha_2 xi1. The skew
- * coefficients alpha_1 and alpha_2 of the element (member skew of laminate_place) are 0 for a
- * parallelogram.
+ * Shares of the four corners in the area of a quadrilateral element. Its area per unit of the
+ * natural coordinates xi1, xi2 is proportional to 1 + alpha_1 xi2 + alpha_2 xi1. The skew
+ * coefficients alpha (member skew of laminate_place) are 0 for a parallelogram.
  */
 #ifndef CORNER_WEIGHT_H
 #define CORNER_WEIGHT_H

@@ -426,9 +426,9 @@ static int relax_e33(double stiffness[N][N])
 }
 
 /*
- * Stiffnesses and compliances of the plies of an element, integrated over the thickness, from which
- * the stiffness of the element follows with and without free thickening of the plies. A ply that is
- * present in a part of the element alone counts by this part of the area (smeared_plies.h).
+ * Stiffnesses and compliances of the plies of an element, integrated over the thickness, for its
+ * stiffness with and without free thickening. A ply that covers only a part of the element counts
+ * by this part of the area (smeared_plies.h).
  */
 typedef struct ply_integrals {
     double stiffness[N][N]; /* stiffness for the ten strains of an element (mean and difference of
@@ -440,11 +440,10 @@ typedef struct ply_integrals {
     double compliance;  /* integral over the thickness of 1/(stiffness of the strain 33): compliance
                            of the plies against the normal stress 33 (m/Pa) */
     double length;      /* thickness of all plies of the element together (m) */
-    double narrowing[N]; /* integrals of c_i3/c_33 over the thickness, for each of the ten strains i
-                            of an element (m). The stiffness c_i3 couples strain i with the
-                            thickness strain 33; c_33 is that of the strain 33 alone. Order of the
-                            strains: 11, 22, 33 and 12 (each mean and difference of both faces),
-                            then 13 and 23 */
+    double narrowing[N]; /* integrals of c_i3/c_33 over the thickness for the ten strains i of an
+                            element (m), in the order of `voigt`: stiffness c_i3, which couples
+                            strain i with the thickness strain 33, over that of the strain 33 alone
+                          */
 } ply_integrals;
 
 /*
@@ -596,10 +595,9 @@ static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 }
 
 /*
- * Compute, from the equilibrium of stresses, the transverse shear stiffness of the plies of an
- * element (N/m), in the material axes of the element. The stiffness of a ply is multiplied by the
- * fraction of the area of the element that it covers. Returns 0, or -1 if the plies have no shear
- * stiffness.
+ * Compute the transverse shear stiffness of the plies of an element (N/m) from the equilibrium of
+ * stresses, in its material axes. A ply counts by the fraction of the area that it covers. Returns
+ * 0, or -1 if the plies have no shear stiffness.
  */
 static int shear_of_plies(const laminate *laminate, const laminate_place *place, double k[2][2])
 {
@@ -645,9 +643,9 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
 }
 
 /*
- * Compute the stiffness of all plies together per area, for the ten strains of an element: mean and
- * difference of both faces for the strains 11, 22, 33 and 12; then the strains 13 and 23. With the
- * element option lin33 every ply thickens freely. Returns 0, or -1 if no ply is present.
+ * Compute the stiffness of all plies together per area (N/m) for the ten strains of an element
+ * (order of `voigt`). With the element option lin33 every ply thickens freely. Returns 0, or -1 if
+ * no ply is present.
  */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])
@@ -899,10 +897,9 @@ static int soften_shear(double modal[N][N], int mode, const double flexibility[2
 }
 
 /*
- * Compute the compliance matrix of an element (m/N) without coupling between the two transverse
- * shears and the other eight strains. An entry is the strain per unit of one resultant while all
- * others are 0, also that of the thickness strain 33. Returns 0, or -1 if the stiffness matrix is
- * singular.
+ * Compute the compliance matrix of an element (m/N), the strains per unit of one resultant while
+ * all others are 0, also that of the strain 33. Coupling of the transverse shears with the other
+ * eight strains is left out. Returns 0, or -1 if the stiffness matrix is singular.
  */
 static int plane_compliance(double stiffness[N][N], double compliance[N][N])
 {
@@ -961,12 +958,10 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
  * (prescribed resultants), and the strains of the element if it is free instead.
  */
 typedef struct free_field {
-    double resultants[N],
-        strain[N]; /* resultants: stress resultants of the element under a voltage or temperature
-                      while all strains are zero (N/m). strain: minus the strains of an unloaded
-                      element under the same voltage or temperature; 0 if it causes no transverse
-                      shear stress. Order of both: mean of both faces and difference between them
-                      for the strains 11, 22, 33 and 12, then 13 and 23 */
+    double resultants[N], strain[N]; /* resultants: of the element under a voltage or temperature at
+                                        zero strains (N/m). strain: minus the strains of an unloaded
+                                        element under the same field; 0 if that causes no transverse
+                                        shear stress. Order of both: ten strains (`voigt`) */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
     double constant[N][N]; /* stiffness of the element for strains that are constant over it (N/m).
@@ -1153,9 +1148,9 @@ static double shear_charge(const laminate *laminate, const scene_element *elemen
 }
 
 /*
- * Return the second derivative, per volume and with its sign changed, of the electric enthalpy of a
- * ply with respect to the values of two fields while the ply has no strain: a permittivity for two
- * electric fields, a pyroelectric constant for an electric field and a temperature.
+ * Return a material constant of a ply for two fields, at zero strain: the permittivity for two
+ * electric fields, or the pyroelectric constant for an electric field and a temperature (minus the
+ * second derivative of the electric enthalpy per volume).
  */
 static double field_density(const laminate_ply *ply, const laminate_field *first,
                             const laminate_field *second)

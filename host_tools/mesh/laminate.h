@@ -54,10 +54,9 @@ typedef struct laminate {
 } laminate;
 
 /*
- * Plies that are present in an element, and its geometry for the stiffness. On an element along
- * lines of curvature, each base vector at height z is (1 + k z) times that of the reference
- * surface, with k the principal curvature along it. For other elements the member `natural` gives
- * the base vectors.
+ * Plies that are present in an element, and its geometry for the stiffness. Along lines of
+ * curvature, a base vector at height z is (1 + k z) times that of the reference surface, with the
+ * principal curvature k along it; for other elements the member `natural` gives the base vectors.
  */
 typedef struct laminate_place {
     uint32_t present_plies; /* plies that are present in the element, at least in a part of it: bit
@@ -183,8 +182,8 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 
 /*
  * Return the charge of the upper electrode of a ply in an element under a field (voltage or
- * temperature) while the strains are zero (C). For a ply that is present in a part of the element
- * alone, the caller multiplies it by the fraction that the electrode and the field cover.
+ * temperature) at zero strains (C). Where the ply covers only a part of the element, the caller
+ * multiplies by the fraction that electrode and field cover.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);

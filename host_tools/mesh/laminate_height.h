@@ -14,9 +14,11 @@
 enum { HEIGHT_ROWS = 3 }; /* number of in-plane strains: 11, 22 and 12 */
 
 /*
- * How the in-plane strains e + z k + z^2 m of a curved element depend on the height z above the
- * middle of all plies: m = of_mean * mean + of_difference * difference, with the mean of each
- * strain over both faces and the difference between them. Valid while directors stay nearly normal.
+ * Coefficients of the quadratic part m of the in-plane strains e + z k + z^2 m of a curved element,
+ * at height z above the middle of all plies:
+ *   m = of_mean mean + of_difference difference
+ * with the mean of each strain over both faces and the difference between them. Valid while
+ * directors stay nearly normal.
  */
 typedef struct laminate_heights {
     double middle;               /* height of the middle of all plies above the

@@ -8,9 +8,9 @@
 static const double xi[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
 
 /*
- * Compute one of the four coefficients of a vector that varies bilinearly over an element. With the
- * natural coordinates xi1 and xi2 (-1 to 1) it is the mean of the corner vectors (has_xi1 = has_xi2
- * = 0), or the factor of xi1 (1, 0), of xi2 (0, 1) or of xi1 xi2 (1, 1).
+ * Compute one of the four coefficients of a vector that varies bilinearly over an element: the mean
+ * of the corner vectors (has_xi1 = has_xi2 = 0), or the factor of xi1 (1, 0), of xi2 (0, 1) or of
+ * xi1 xi2 (1, 1).
  */
 static void corner_sum(const double (*vector)[3], const uint32_t node[4], int has_xi1, int has_xi2,
                        double sum[3])

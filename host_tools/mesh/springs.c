@@ -352,9 +352,9 @@ static int append_all(spring_builder *builder)
 /* ---- envelope -------------------------------------------------------------- */
 
 /*
- * Widen the envelope of the stiffness matrix (mesh.first_column, the first stored column of each
- * row) for the springs. A spring adds stiffness entries for every pair of dof that move its ends.
- * Each of these dof therefore needs a row that begins at the lowest of them or before.
+ * Widen the envelope of the stiffness matrix (mesh.first_column, first stored column of each row)
+ * for the springs: each dof that moves an end of a spring needs a row that begins at the lowest
+ * such dof or before.
  */
 static void widen_envelope(mesh *mesh)
 {

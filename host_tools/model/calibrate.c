@@ -14,9 +14,9 @@
 static const double negligible = 1e-12;
 
 /*
- * Measured shapes of a calibration, expressed in the basis of the eigenvectors of V V' = Q diag(l)
- * Q'. V [measurements][actuators] holds the voltages, Q the eigenvectors and l the eigenvalues. In
- * this basis every formula of the calibration is a sum over the eigenvalues.
+ * Measured shapes of a calibration in the basis of the eigenvectors Q of V V' = Q diag(l) Q', with
+ * the voltages V [measurements][actuators] and eigenvalues l. In this basis every formula is a sum
+ * over the eigenvalues.
  */
 typedef struct spectrum {
     size_t pokes, actuators, outputs;
@@ -144,9 +144,11 @@ static void invert(spectrum *spectrum, double ratio)
 }
 
 /*
- * Most likely variance of the measurement noise for a given ratio q of the variances of noise and
- * model error: trace(q R'(V V' + q I)^-1 R) / (measurements x outputs). R [measurements][outputs]
- * holds the residuals and V [measurements][actuators] the voltages of all measured shapes.
+ * Return the most likely variance of the measurement noise for a ratio q of the variances of noise
+ * and model error:
+ *   trace(q R'(V V' + q I)^-1 R)/(measurements x outputs).
+ *   R  [measurements][outputs] residuals
+ *   V  [measurements][actuators] voltages of all measured shapes
  */
 static double likely_variance(const spectrum *spectrum, double ratio)
 {

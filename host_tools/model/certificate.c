@@ -51,8 +51,8 @@ static size_t states_of(const certificate_conditions *conditions)
 
 /*
  * Add to a row of the transition matrix `factor` times h of vibration mode i, the static coordinate
- * that the controller measures at the coming tick: the loop matrix times the deviations e of all
- * modes, plus the static coordinate that the voltages cause, minus the one that the model predicts.
+ * that the controller measures at the coming tick: loop matrix times deviations e of all modes,
+ * plus the static coordinate of the voltages, minus the one that the model predicts.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {
@@ -68,8 +68,8 @@ static void add_measured(const transition *transition, double *row, size_t i, do
 
 /*
  * Add to a row of the transition matrix `factor` times the static coordinate of vibration mode i
- * (its modal coordinate in equilibrium) under the voltages that are commanded at the coming tick.
- * This coordinate is -h, with h the coordinate that the controller measured `delay` ticks before.
+ * under the voltages commanded at the coming tick: -h, with the coordinate h that the controller
+ * measured `delay` ticks before.
  */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {

@@ -30,9 +30,9 @@ enum {
 #define CERTIFICATE_TOLERANCE 0.05
 
 /*
- * CERTIFICATE_LOAD_STEP: longest permitted time until the loop has reduced the effect of a suddenly
- * applied load to 5 % (periods of the first observed mode). It applies where the phase angle of
- * this mode in a tick is below CERTIFICATE_ANGLE (rad): at larger angles the ticks are too few.
+ * CERTIFICATE_LOAD_STEP: longest permitted time until 5 % of the effect of a suddenly applied load
+ * are left (periods of the first observed mode). It applies where the phase of this mode advances
+ * by less than CERTIFICATE_ANGLE (rad) in a tick; otherwise the ticks are too few.
  */
 #define CERTIFICATE_LOAD_STEP 2.0
 #define CERTIFICATE_ANGLE 0.6
@@ -41,9 +41,9 @@ enum {
 #define CERTIFICATE_LOAD_MOST 8.0
 
 /*
- * Certificate of a control loop on the structure deformed to its target shape: simulations with the
- * linearised structure there and the unchanged tables of the firmware. The simulated structures
- * have 0.8 to 1.33 times its static response and 0.9 to 1.1 times its natural frequencies.
+ * Certificate of a control loop at its target shape: simulations with the structure linearised
+ * there and the unchanged tables of the firmware, at 0.8 to 1.33 times its static response and 0.9
+ * to 1.1 times its natural frequencies.
  */
 typedef struct certificate_target {
     bool is_made;

@@ -120,10 +120,10 @@ typedef struct gains {
                        that are not held at one voltage */
     double *shape;  /* [targets] shape of one vibration mode at the target nodes, as the controller
                        measures or estimates it */
-    double *gradient; /* [moving] work vector for one vibration mode and the amplifiers that are not
-                         held at one voltage. First it holds the scalar products of the amplifiers'
-                         influence columns with the mode shape, with squared target weights. Then it
-                         holds the voltages (V) that fit the mode shape by least squares. */
+    double *gradient; /* [moving] work vector of a vibration mode for the amplifiers that are not
+                         held: products of their influence columns with the mode shape (weighted
+                         with squared target weights), then the voltages (V) that fit the mode shape
+                         by least squares */
     double *modal_response; /* [modes][moving] coordinate of each vibration mode in equilibrium per
                                volt of each amplifier that is not held at one voltage */
     double *loop; /* [modes][modes] loop matrix. The controller reacts to a measured unit of mode j
@@ -184,9 +184,9 @@ static void estimated_shape(const gains *gains, const estimator *estimator,
 }
 
 /*
- * Compute the column of the loop matrix that belongs to one vibration mode. The controller measures
- * a unit of this mode as an error of the shape and subtracts the voltages that would cause it; the
- * column contains the coordinates of all modes in equilibrium under these voltages.
+ * Compute the column of the loop matrix for one vibration mode: the coordinates of all modes in
+ * equilibrium under the voltages that the controller subtracts when it measures a unit of this mode
+ * as an error of the shape.
  */
 static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {

@@ -9,10 +9,9 @@
 #include "voltages.h"
 
 /*
- * Fill deformed->offset, the displacements of the outputs (target and named outputs) extrapolated
- * to 0 V: those in the equilibrium at the best voltages, minus influence matrix times voltages.
- * Also fill the largest displacement of the target nodes there, relative to the thickness of the
- * shell.
+ * Fill deformed->offset, the outputs extrapolated to 0 V (those at the best voltages, minus
+ * influence matrix times voltages), and the largest displacement of the target nodes there over the
+ * thickness of the shell.
  */
 static void fill_offset(deformed *deformed, const voltages *best)
 {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits between amplifiers (such as the difference of two voltages) in the least-squares problem
- * for the voltages. Each is a limit row, a limit of a weighted sum of voltages. This file makes
- * their tables, finds voltages that obey all of them, and names contradictory limits in an error
- * message.
+ * Limits between amplifiers, such as the difference of two voltages, as limit rows: limits of
+ * weighted sums of voltages in the least-squares problem. This file makes their tables, finds
+ * voltages that obey all of them, and names contradictory limits in a message.
  */
 #ifndef MODEL_DESIGN_ROWS_H
 #define MODEL_DESIGN_ROWS_H

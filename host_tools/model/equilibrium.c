@@ -143,9 +143,8 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
 
 /*
  * Set how a follower load (pressure that turns with the shell) is distributed over the corners of
- * an element. share[0], share[1] and share[2] are fractions of the pressure at a corner times the
- * area of the element: the forces on that corner, on each neighbouring corner and on the opposite
- * one.
+ * an element. share[0 to 2]: fractions of pressure times area at a corner that act on this corner,
+ * on each neighbouring and on the opposite one.
  */
 static void set_shares(pzs_follower *follower, int is_cartesian)
 {

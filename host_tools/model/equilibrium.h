@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Equilibrium of a scene under nonlinear kinematics. It consists of tables of the library and a
- * solver that uses them. The tables describe prescribed resultants (stress resultants that voltages
- * and temperatures cause at zero strain), prescribed displacements, follower loads and contact.
+ * Equilibrium of a scene under nonlinear kinematics: a solver and its tables, which describe
+ * prescribed resultants (of voltages and temperatures at zero strain), prescribed displacements,
+ * follower loads and contact.
  */
 #ifndef EQUILIBRIUM_H
 #define EQUILIBRIUM_H

@@ -244,8 +244,8 @@ static double constrained_change(const arc_search *arc_search, double arc)
     const double root = sqrt(half * half - load2 * rest);
     /*
      * The quadratic equation for the change of the load factor has two solutions. The sign of this
-     * scalar product, of the displacement increment and its change per unit of the load factor,
-     * selects the solution whose increment deviates less in direction from the present one.
+     * product of the increment and its change per unit of the load factor selects the one that
+     * turns the increment less.
      */
     const double along = scalar_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;
@@ -415,10 +415,9 @@ static bool differs(signature first, signature second, load_path_event_type type
 }
 
 /*
- * Load factor of the critical point between the last converged point and a point at the distance
- * `arc`, by bisection of the distance. The critical point is where the signature changes: the sign
- * of the change of the load factor and the number of negative pivots. The present point is
- * overwritten.
+ * Return the load factor of the critical point between the last converged point and a point at the
+ * distance `arc`: where the signature (sign of the load factor's change, number of negative pivots)
+ * changes, by bisection. The present point is overwritten.
  */
 static double locate_critical_point(arc_search *arc_search, double arc, signature before,
                                     load_path_event_type type)
@@ -440,9 +439,8 @@ static double locate_critical_point(arc_search *arc_search, double arc, signatur
 
 /*
  * Find the critical points within a step of length `arc` that has just converged, and append them
- * to the path. At a limit point one pivot of the tangent stiffness changes its sign; further sign
- * changes are bifurcations. Returns whether the solver could return to the end of the step after
- * the search.
+ * to the path: one pivot of the tangent stiffness changes its sign at a limit point, others at
+ * bifurcations. Returns whether the solver could return to the end of the step.
  */
 static bool find_events(arc_search *arc_search, load_path *path, double arc, signature before)
 {

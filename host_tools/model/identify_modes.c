@@ -73,11 +73,11 @@ typedef struct fit {
     double *signal; /* [channels][samples] signal of each channel (weighted sum of the readings),
                        without its mean in each interval of constant voltages (unit of the readings)
                      */
-    double *function, *slope; /* work arrays, each row as long as the longest interval. function:
-                                 BASIS orthonormal functions that span a constant and the decaying
-                                 cosines and sines of the modes, then derivatives of one fitted
-                                 signal by the parameters. slope: derivatives of the cosines and
-                                 sines by frequency and damping ratio */
+    double *function, *slope; /* work arrays, rows as long as the longest interval. function: BASIS
+                                 orthonormal functions that span a constant and the modes' decaying
+                                 cosines and sines, later derivatives of a fitted signal by the
+                                 parameters. slope: derivatives of cosines and sines by frequency
+                                 and damping ratio */
     double *column; /* work vector for one signal in the longest interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the
@@ -662,9 +662,9 @@ static void keep_strongest(fit *fit, int most)
 }
 
 /*
- * Estimate the vibration modes by a subspace method, which uses vectors of samples at equally
- * spaced times. This is done for several spacings (lags); each estimate is refined by nonlinear
- * least squares. The estimate that fits the signals best is kept. Returns whether memory sufficed.
+ * Estimate the vibration modes by a subspace method from vectors of samples at several equal
+ * spacings (lags). Each estimate is refined by nonlinear least squares, and the one that fits the
+ * signals best is kept. Returns whether memory sufficed.
  */
 static bool estimate(fit *fit, int most)
 {

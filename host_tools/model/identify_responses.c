@@ -193,10 +193,9 @@ static double unexplained(const steps *steps, double delay, double *squares)
 }
 
 /*
- * Find the delay with which the voltages act (samples): the value that best explains the jumps of
- * the free vibration at the voltage steps. The search covers one sample early to a quarter of a
- * period of the lowest vibration mode late. With a longer delay, the sign of a single mode would be
- * unknown.
+ * Return the delay with which the voltages act (samples) that best explains the jumps of the free
+ * vibration at the voltage steps, from one sample early to a quarter of a period of the lowest mode
+ * late. With a longer delay the sign of a single mode would be unknown.
  */
 static double find_delay(const steps *steps)
 {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Identification of the static responses of vibration modes to the voltages. A voltage step moves
- * the static value of a modal coordinate at once, so that the mode vibrates about the new value.
- * The amplitude of this vibration is static response times step; its phase tells the delay of the
- * voltages.
+ * Identification of the static responses of vibration modes to the voltages: after a voltage step a
+ * mode vibrates about its new static value. The amplitude is static response times step; the phase
+ * tells the delay of the voltages.
  */
 #ifndef IDENTIFY_RESPONSES_H
 #define IDENTIFY_RESPONSES_H

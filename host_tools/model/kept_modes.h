@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Store of computed vibration modes of one structure. The stability tests of a control loop ask for
- * the same numbers of modes again and again. A request for n modes is only answered with a stored
- * computation of exactly n modes, so that results do not depend on earlier requests.
+ * Store of computed vibration modes of one structure, because stability tests ask for the same
+ * numbers of modes repeatedly. A request for n modes is answered only by a computation of exactly n
+ * modes, so that results do not depend on earlier requests.
  */
 #ifndef KEPT_MODES_H
 #define KEPT_MODES_H

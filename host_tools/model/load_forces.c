@@ -103,10 +103,9 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
 }
 
 /*
- * Return the entry (row, column) of the matrix that maps the values of a distributed load at the
- * nodes to the consistent nodal forces. The entries are integers. The unit is 1/36 of the area of
- * an element with four nodes (count = 4), or 1/6 of the length of an edge with two nodes (count =
- * 2).
+ * Return the entry (row, column), an integer, of the matrix from a distributed load at the nodes to
+ * its consistent nodal forces. Unit: 1/36 of the area of an element with four nodes (count = 4), or
+ * 1/6 of the length of an edge with two (count = 2).
  */
 static double consistent_weight(int count, int row, int column)
 {

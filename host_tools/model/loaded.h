@@ -18,9 +18,8 @@ typedef struct loaded_frequency {
 
 /*
  * Compute the first natural frequency of a scene without and with its loads, with nonlinear
- * kinematics whatever the scene says. Both are NAN where the scene has no loads or no densities,
- * where it gives a measured influence matrix in place of a structure, or where an equilibrium was
- * not found.
+ * kinematics whatever the scene says. Both are NAN without loads, densities or a structure, or
+ * where an equilibrium was not found.
  */
 loaded_frequency loaded_first(const scene *scene);
 

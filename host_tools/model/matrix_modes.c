@@ -20,9 +20,9 @@ enum { SWAPS = 40 };
 static const double distinct = 1e-6;
 
 /*
- * A swap of two outputs (rows of the influence matrix) counts as found if it sufficiently reduces
- * the fraction of the matrix that the mode shapes leave unexplained. The reduction must exceed
- * `least_gain` times this fraction, and `rounding`, a multiple of the rounding error.
+ * A swap of two outputs (rows of the influence matrix) counts as found if it reduces the fraction
+ * that the mode shapes leave unexplained by more than `least_gain` times this fraction and by more
+ * than `rounding`.
  */
 static const double least_gain = 0.05, rounding = 1e-9;
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Displacements and forces at nodes as linear functions of the free dof of a mesh. A displacement
- * is a weighted sum of the dof of a node. The same weights give the nodal forces of a force at the
- * node. Functions add such weights or forces to a vector that has one entry for each free dof.
+ * is a weighted sum of the dof of a node; the same weights give the nodal forces of a force there.
+ * Functions add them to a vector with an entry for each free dof.
  */
 #ifndef NODE_FORCES_H
 #define NODE_FORCES_H

@@ -160,9 +160,9 @@ measure measure_prestress;
 measure measure_sudden_loads;
 
 /*
- * Function that measures the hysteresis of the actuators (width of the loop over the voltage
- * range). It does so only if the scene has a self-test of amplifiers, cables and sensors, because
- * with a wide loop the ceramic hardly follows the small pulses of this test (plausible_result.c).
+ * Function that measures the hysteresis of the actuators (width of the loop over the voltage range)
+ * if the scene has a self-test: with a wide loop the ceramic hardly follows the small pulses of
+ * this test (plausible_result.c).
  */
 measure measure_tested_hysteresis;
 

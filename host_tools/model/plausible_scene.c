@@ -63,9 +63,8 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 
 /*
  * Store in found->value the electric field (V/m) of an actuator's voltage in its patches: voltage
- * over thickness. The value stays NAN for a material with a field limit, by which voltages are
- * limited, and for a film at up to the voltage of its data sheet, whose field may run along the
- * faces.
+ * over thickness. It stays NAN for materials with a field limit, which limits the voltages, and for
+ * films within the voltage of their data sheet, whose field may run along the faces.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {

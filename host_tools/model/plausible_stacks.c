@@ -54,10 +54,9 @@ int measure_stack_stroke(const subject *of, int k, measured *found)
 }
 
 /*
- * Measure the stiffness of a stack times the square of its stroke per volt (F). It is the
- * difference between the capacitance of the free stack and that of the clamped stack. Its ratio to
- * the capacitance of the free stack is the squared coupling factor of the ceramic, so that it has
- * an upper limit.
+ * Measure the stiffness of a stack times the square of its stroke per volt (F): the capacitance of
+ * the free minus that of the clamped stack. Over that of the free stack it is the squared coupling
+ * factor of the ceramic, which has an upper limit.
  */
 int measure_stack_energy(const subject *of, int k, measured *found)
 {

@@ -86,9 +86,9 @@ static double worst_voltage(const scene_actuator *actuator, double voltage)
 }
 
 /*
- * Measure the applied voltage of an actuator, divided by the voltage at which the field in its
- * patches is the depolarisation field of their material. The ratio is negative where the field is
- * along the poling. An actuator that drives several patch grids has one ratio for each grid.
+ * Measure the applied voltage of an actuator over the voltage at which the field in its patches is
+ * the depolarisation field; negative for a field along the poling. An actuator has one ratio for
+ * each of its patch grids.
  */
 int measure_depolarisation(const subject *of, int k, measured *found)
 {

@@ -4,9 +4,9 @@
 #include <math.h>
 
 /*
- * The two fundamental solutions of x'' + 2 damping w x' + w^2 x = 0 at w t = angle, with angular
- * frequency w and time t. One is exponential decay times the cosine (the hyperbolic one above
- * critical damping). The other is the decay times the sine over the square root of |1 - damping^2|.
+ * Compute two fundamental solutions of x'' + 2 damping w x' + w^2 x = 0 at w t = angle (angular
+ * frequency w, time t): exponential decay times the cosine, and times the sine over the square root
+ * of |1 - damping^2|; hyperbolic functions above critical damping.
  */
 static void solutions(double damping, double angle, double *cosine, double *sine)
 {

@@ -21,9 +21,9 @@ enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 static const double same_within = 1e-3;
 
 /*
- * Whether a second try with more slowly rising loads may find a better equilibrium: the first one
- * failed or had to shorten load steps. It does not help in scenes with contact, where the contact
- * limits the load steps, nor at limit points, beyond which there may be no equilibrium.
+ * Return whether a second try with more slowly rising loads may find a better equilibrium: the
+ * first one failed or shortened load steps. It does not help with contact, which limits the load
+ * steps, nor at limit points, beyond which there may be no equilibrium.
  */
 static bool may_help(const equilibrium *equilibrium, pzs_status status)
 {

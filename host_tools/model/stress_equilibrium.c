@@ -42,10 +42,9 @@ typedef struct stencil {
 typedef double gradient[SAMPLES][2][3];
 
 /*
- * Transverse shear stresses s_13 and s_23 at each height at which stresses are recovered,
- * multiplied by c_1^2 c_2 and by c_2^2 c_1 (Pa). The factor c_a = 1 + k_a z, with the principal
- * curvature k_a and the height z, is a length along direction a at the height z relative to the
- * reference surface.
+ * Transverse shear stresses s_13 and s_23 at each recovered height, times c_1^2 c_2 and c_2^2 c_1
+ * (Pa). c_a = 1 + k_a z, with principal curvature k_a and height z, is a length along direction a
+ * over that in the reference surface.
  */
 typedef double profile[SAMPLES][2];
 

@@ -104,9 +104,9 @@ typedef struct stress_field {
 } stress_field;
 
 /*
- * Compute the strains and resultants of all elements and the in-plane stresses of their layers; the
- * other stresses are left to stress_equilibrium. The field keeps pointers to model, displacement
- * and input values. Returns 0, or -1 if memory runs out; call stress_free in both cases.
+ * Compute the strains and resultants of all elements and the in-plane stresses of their layers
+ * (stress_equilibrium computes the other stresses). The field keeps pointers into `state`. Returns
+ * 0, or -1 if memory runs out; call stress_free in both cases.
  */
 int stress_field_fill(stress_field *field, const stress_state *state);
 void stress_free(stress_field *field);

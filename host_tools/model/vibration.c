@@ -271,10 +271,9 @@ static void append(search *search, double *column)
         }
     }
     /*
-     * The vector mass_next was computed as M next, with the mass matrix M, before the last
-     * components along the basis were subtracted from `next`. The product of the new `next` with
-     * mass_next is still its squared norm, because the subtracted part is orthogonal to it with
-     * respect to M.
+     * mass_next is the mass matrix M times `next` before its last components along the basis were
+     * subtracted. Its product with the new `next` is still the squared norm, because these
+     * components are M-orthogonal to it.
      */
     const double norm = sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)
@@ -347,10 +346,9 @@ static void apply_to_waiting(search *search)
 }
 
 /*
- * One step of the Lanczos method. The operator is applied to the next basis vector. The products of
- * the result with the basis become a column of the projection. The part of the result that is
- * orthogonal to the basis becomes a new basis vector. Returns 0 where no basis vector is left,
- * otherwise 1.
+ * One step of the Lanczos method: apply the operator to the next basis vector. Products of the
+ * result with the basis become a column of the projection, its part orthogonal to the basis a new
+ * basis vector. Returns 0 where no basis vector is left, otherwise 1.
  */
 static int extend_basis(search *search)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration modes of a structure that is known by its measured influence matrix (vibration.h). The
- * dof are the outputs of the matrix. The static response is the sum over the modes of mode shape
- * times modal coordinate in equilibrium, plus the response of the modes that are left out.
+ * Vibration modes of a structure that is known by its measured influence matrix (vibration.h), with
+ * the outputs as dof. The static response is the sum over the modes of shape times modal coordinate
+ * in equilibrium, plus the response of other modes.
  */
 #include <math.h>
 #include <stdlib.h>

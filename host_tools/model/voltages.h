@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Voltages for a scene's target: the optimum within the limits on the linear or nonlinear
- * structure, and other voltages for comparison. Each result contains the voltages and the shape
- * that they cause on the structure that analysis->is_nonlinear selects (true: nonlinear, false:
- * linear).
+ * Voltages for a scene's target: the optimum within the limits, and other voltages for comparison.
+ * Each result has the voltages and their shape on the linear or nonlinear structure, as
+ * analysis->is_nonlinear says.
  */
 #ifndef VOLTAGES_H
 #define VOLTAGES_H

@@ -58,9 +58,8 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
 
 /*
  * List as text what the self-test of the wiring cannot detect: amplifiers without a test pulse,
- * with pulses that change no reading, or with a response that the scene's noise may hide. For the
- * last ones the text gives an amplitude and a duration that suffice. Empty where there is nothing
- * to list.
+ * without effect on a reading, or with a response that the scene's noise may hide (with an
+ * amplitude and a duration that suffice). Empty where there is nothing to list.
  */
 void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 

@@ -59,10 +59,9 @@ bool quad_take_word(quad_file *file, const char *word);
 /* ---- numbers ----------------------------------------------------------- */
 
 /*
- * Read an integer, a size or a real number, in text form or in binary form (4-byte int, 8-byte
- * unsigned size, 8-byte double). A real number must be finite in text form. `what` names the number
- * in an error message. Each function returns 0, or -1 after writing an error message about the mesh
- * file.
+ * Read an integer, size or real number, in text or binary form (4-byte int, 8-byte unsigned size,
+ * 8-byte double). In text a real number must be finite. `what` names it in messages. Each returns
+ * 0, or -1 after writing an error message about the mesh file.
  */
 int quad_read_int(quad_file *file, const char *what, int *value);
 int quad_read_size(quad_file *file, const char *what, int64_t *value);

@@ -51,19 +51,17 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
                  const quad_options *options, quad_topology *topology);
 
 /*
- * Determine the directors (unit normals) and the first local axes of all nodes of a mesh. Warnings
- * are added for sharp edges of the surface, and for two nodes at nearly the same place in elements
- * that are not connected there. Returns 0, or -1 after writing an error message about the mesh
- * file.
+ * Determine the directors (unit normals) and the first local axes of all nodes. Warn of sharp edges
+ * of the surface, and of two nodes at nearly the same place in elements not connected there.
+ * Returns 0, or -1 after writing an error message about the mesh file.
  */
 int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                    quad_warnings *warnings);
 
 /*
- * Choose the first side of each element so that it runs as nearly as possible along the first local
- * axes of its nodes: elements of equal shape then list their corners alike and share an element
- * type. The edge numbers in the named sets of edges are adapted. Returns 0, or -1 when memory runs
- * out.
+ * Choose the first side of each element along the first local axes of its nodes as nearly as
+ * possible, so that elements of equal shape share an element type, and adapt the edge numbers in
+ * named sets. Returns 0, or -1 when memory runs out.
  */
 int quad_turn(quad_mesh *mesh);
 

@@ -29,9 +29,12 @@ void draw_page_style(FILE *file);
 void draw_picture_style(FILE *file);
 
 /*
- * draw_path begins an SVG path with a style class, and draw_path_end ends it. Between both calls,
- * draw_step appends a point to a line, and draw_polygon a polygon, or a straight line through 2
- * points. Points whose coordinates are not finite are left out, with the polygon they belong to.
+ * SVG path:
+ *   draw_path      begins a path with a style class
+ *   draw_step      appends a point to a line
+ *   draw_polygon   appends a polygon, or a straight line through 2 points
+ *   draw_path_end  ends the path
+ * Points that are not finite are left out, with the polygon they belong to.
  */
 void draw_path(FILE *file, const char *style);
 void draw_step(FILE *file, bool *is_drawing, const double at[2]);

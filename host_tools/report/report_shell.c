@@ -7,9 +7,10 @@
 #include "../quads/vector.h"
 
 /*
- * Limits of the detail of a picture of a mesh. FINE: largest number of cells (quadrilaterals) whose
- * sides are drawn. SPACE_PIECES, MAP_PIECES: largest number of coloured pieces of all cells in a
- * picture in space and on a map. SIDE_PIECES: largest number of pieces along a side of a cell.
+ * Limits of the detail of a picture of a mesh.
+ *   FINE                      largest number of cells (quadrilaterals) whose sides are drawn
+ *   SPACE_PIECES, MAP_PIECES  largest number of coloured pieces in a picture in space and on a map
+ *   SIDE_PIECES               largest number of pieces along a side of a cell
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 

@@ -124,10 +124,9 @@ static void add_square(const double product[TERMS], double weight, double matrix
 }
 
 /*
- * Compute the penalty of one cell of the bicubic spline function f: the integral of f_xx^2 + 2
- * f_xy^2 + f_yy^2 over the cell, divided by its area and multiplied by the weight of the penalty.
- * The subscripts are derivatives; Gauss's rule of four points along each coordinate is exact for
- * this integral.
+ * Compute the penalty of one cell of the bicubic spline function f: integral of f_xx^2 + 2 f_xy^2 +
+ * f_yy^2 (derivatives) over the cell, over its area, times the weight of the penalty. Gauss's rule
+ * of four points along each coordinate is exact.
  */
 static void set_penalty(const bicubic *function, double matrix[TERMS][TERMS])
 {

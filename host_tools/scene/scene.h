@@ -78,10 +78,9 @@ typedef struct scene_equilibrium {
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
     int extrapolated_iterations; /* number of iterations at the start of a load step whose tangent
-                                    stiffness is computed with predicted stress resultants: those of
-                                    the present displacement, extrapolated by the last increment.
-                                    Later iterations use the resultants of the present displacement.
-                                    0: Newton's method throughout */
+                                    stiffness has predicted stress resultants: extrapolated from the
+                                    present displacement by the last increment. Later iterations use
+                                    the present resultants. 0: Newton's method throughout */
     int ramp_solves;   /* number of linear solves at the start of a load step over which its loads
                           rise in equal parts to their full size; 1: the first linear solve has the
                           full loads; 0: the program chooses */
@@ -450,9 +449,9 @@ typedef struct scene_support {
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
     int turn; /* local axis about which the support rotates its nodes. 1: e2; -1: e1; 0: no
-                 rotation. A rotation by the angle a (rad, formula `value`) prescribes the
-                 difference of both faces' displacements, divided by the thickness: sin(a) along e1
-                 for a rotation about e2, and -sin(a) along e2 for one about e1 */
+                 rotation. The angle a (rad, formula `value`) prescribes the difference of both
+                 faces' displacements over the thickness: sin(a) along e1 about e2, -sin(a) along e2
+                 about e1 */
     scene_at at;
 } scene_support;
 
@@ -667,11 +666,10 @@ typedef struct scene_limits {
     double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit, the
                                         largest change of a voltage in one tick (V), of all
                                         amplifiers; infinite if not given */
-    double regularisation; /* regularisation weight: factor, in the objective of the optimisation,
-                              of the sum of the squared distances of the voltages from their
-                              reference voltages. The weight is absolute (length^2/V^2), or relative
-                              to the mean diagonal entry of the Hessian if
-                              regularisation_is_relative is true */
+    double regularisation; /* weight of the regularisation: factor of the sum of squared distances
+                              of the voltages from their reference voltages in the objective;
+                              absolute (length^2/V^2), or over the mean diagonal entry of the
+                              Hessian if regularisation_is_relative is true */
     bool regularisation_is_relative;
     int each_count;
     scene_limit *each; /* [each_count] limits of single amplifiers: voltage limits, which override
@@ -1069,9 +1067,9 @@ int scene_read_text(scene *scene, const char *path, const char *text, size_t byt
 void scene_free(scene *scene);
 
 /*
- * Copy a scene so that its kinematics, material constants, loads and measured influence matrix may
- * be changed, with room for one more load. The copy shares all other lists and texts with the
- * original, which must outlive it. Returns 0, or -1 where memory runs out, with nothing to release.
+ * Copy a scene so that kinematics, material constants, loads (with room for one more) and measured
+ * influence matrix may be changed. The copy shares the rest with the original, which must outlive
+ * it. Returns 0, or -1 where memory runs out, with nothing to release.
  */
 int scene_vary(scene *copy, const scene *original);
 

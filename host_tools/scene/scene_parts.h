@@ -59,10 +59,9 @@ int scene_take_block(reader *reader, int node, scene *scene, const char *key, qu
                      const block_options *options);
 
 /*
- * Find the k-th set, counted from 0, of the sets of nodes, edges and elements of the mesh file
- * whose names fit a pattern. The first * in the pattern stands for any text. The name of the set is
- * copied to `name`, which stays as it is where fewer sets fit. Returns the number of the sets that
- * fit.
+ * Find the k-th set (from 0) of nodes, edges or elements of the mesh file whose name fits a
+ * pattern, in which the first * stands for any text, and copy its name to `name` (unchanged where
+ * fewer fit). Returns the number of sets that fit.
  */
 int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[SCENE_NAME]);
 

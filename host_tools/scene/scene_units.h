@@ -23,10 +23,9 @@ enum { SCENE_UNITS_TEXT = UNITS_NUMBER + 8 };
 int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], const char **plain);
 
 /*
- * Find the power of ten by which a value in a given unit is multiplied to convert it to the units
- * of the scene. Returns -1 on success. It fails if the unit contains a base unit, such as the
- * metre, for which the scene names no SI unit; then it returns the index of this base unit in
- * units_base.
+ * Find the power of ten that converts a value in a given unit to the units of the scene. Returns -1
+ * on success, or the index (units_base) of a base unit, such as the metre, for which the scene
+ * names no SI unit.
  */
 int scene_units_ten(const scene *scene, const units_unit *unit, int *ten);
 

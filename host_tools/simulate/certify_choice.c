@@ -134,8 +134,8 @@ static int try_choice(trial *trial, int choice, int older, damper_options *optio
 
 /*
  * Return a score for how well a loop tolerates a change of the readings' delay by one tick: 2 if it
- * is stable with a longer delay on every simulated structure, plus 1 if it is stable with a shorter
- * one. Longer delays count more, because filters and queues outside the model lengthen the delay.
+ * is stable with a longer delay, plus 1 with a shorter one. Longer delays count more: filters and
+ * queues outside the model lengthen the delay.
  */
 static int tolerance_of(const certificate_loop *loop)
 {

@@ -91,9 +91,9 @@ static bool accept_search(void *context, int i)
 }
 
 /*
- * Find three stability margins of the loop, in parallel threads: the largest static response to
- * voltages (gain), the lowest and the highest natural frequencies of the structure, all relative to
- * the controller's model, with which small vibrations decay. Returns 0, or -1 with error filled.
+ * Find three margins, in parallel threads: largest static response to voltages (gain), lowest and
+ * highest natural frequencies of the structure, relative to the controller's model, with which
+ * small vibrations decay. Returns 0, or -1 with error filled.
  */
 static int find_factors(const storm_rig *rig, certificate_loop *loop, char *error)
 {

@@ -95,10 +95,9 @@ int trial_measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is_
                          char *error);
 
 /*
- * Return the structure, the step limits and the targets of the i-th storm (simulation with fast
- * jumps of the target), with readings that are `older` ticks older than the scene file states. In
- * storms with the last sequence of targets some ticks are missed, and the loop is not informed of
- * them.
+ * Return structure, step limits and targets of the i-th storm (simulation with fast jumps of the
+ * target), with readings `older` ticks older than the scene file states. The last sequence of
+ * targets also misses some ticks without informing the loop.
  */
 storm_plant trial_plant(int i, int older);
 

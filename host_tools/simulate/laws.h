@@ -31,10 +31,9 @@ typedef struct law {
 } law;
 
 /*
- * Prepare a control law for a voltage optimisation problem, which is copied. The value
- * `regularisation` (m2/V2) is added to the problem's regularisation. law_open returns whether
- * memory sufficed; law_close is called in either case. The struct must not be moved in memory
- * between both calls.
+ * Prepare a control law for a voltage optimisation problem, which is copied, with `regularisation`
+ * (m2/V2) added to it. The struct must not be moved in memory until law_close. law_open returns
+ * whether memory sufficed; call law_close in either case.
  */
 bool law_open(law *law, const pzs_problem *problem, double regularisation);
 void law_close(law *law);

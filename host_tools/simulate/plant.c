@@ -55,9 +55,9 @@ static double random_number(uint32_t *state)
 }
 
 /*
- * Make the measured influence matrix of a plant differ from that of the controller. Each column,
- * and the static responses of measured modes, are multiplied by the gain of the plant for this
- * amplifier. Each entry of the matrix is also multiplied by a random factor near 1.
+ * Make the measured influence matrix of a plant differ from the controller's: columns, and the
+ * static responses of measured modes, are multiplied by the plant's gain for the amplifier, and
+ * entries by a random factor near 1.
  */
 static void scale_matrix(scene *scene)
 {

@@ -215,9 +215,10 @@ static double tangent_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Return the time (h + b)/2 (s), where h is the length of the time step and b is motion->viscosity
- * (s). In a step from the displacement u0 and velocity v0 to u1 and v1 the method sets u1 - u0 =
- * h v0 + (h + b)/2 (v1 - v0). With b = 0 the mean velocity is thus (v0 + v1)/2.
+ * Return the time (h + b)/2 (s) by which the change of velocity enters the change of displacement
+ * in a time step of length h with viscosity b (motion->viscosity):
+ *   u1 - u0 = h v0 + (h + b)/2 (v1 - v0).
+ *   u0, v0, u1, v1  displacement and velocity at the start and at the end of the step
  */
 static double response_time(const shell_motion *motion, double step)
 {
@@ -225,9 +226,9 @@ static double response_time(const shell_motion *motion, double step)
 }
 
 /*
- * Return the factor of the mass matrix in the tangent matrix of a time step (1/s2). The unknown of
- * the step is the change of the displacement in its first half. The factor is the derivative, with
- * respect to this unknown, of the acceleration plus mass_damping times the velocity.
+ * Return the factor of the mass matrix in the tangent matrix of a time step (1/s2): derivative of
+ * acceleration plus mass_damping times velocity with respect to the unknown, the change of the
+ * displacement in half the step.
  */
 static double mass_factor(const shell_motion *motion, double step)
 {

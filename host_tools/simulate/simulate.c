@@ -154,9 +154,9 @@ int simulate_tables(analysis *nominal, char *error)
 }
 
 /*
- * Refuse a fault detector for a target with free functions (shapes that may be added to the target
- * at no cost). The fault detector compares measured with predicted displacements, and free
- * functions are removed from these displacements. Returns 0, or -1 with error filled.
+ * Refuse a fault detector for a target with free functions (shapes that may be added at no cost):
+ * it compares measured with predicted displacements, from which these functions are removed.
+ * Returns 0, or -1 with error filled.
  */
 static int check_free(const design *design, char *error)
 {

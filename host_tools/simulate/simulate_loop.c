@@ -359,9 +359,9 @@ static int run_board_tick(loop *loop, char *error)
 }
 
 /*
- * Tick of the block (stage) that runs the firmware on a board in place of the library's step block,
- * which computes the voltages. The board receives the readings of the sensors and not the output of
- * the preceding blocks, because the firmware contains these blocks itself.
+ * Tick of the block (stage) that runs the firmware on a board in place of the library's step block.
+ * The board gets the readings of the sensors, not the output of preceding blocks, which the
+ * firmware contains itself.
  */
 static pzs_status board_tick(void *self, pzs_loop_signals *signals)
 {

@@ -189,17 +189,16 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error);
 void simulate_close(simulation *simulation);
 
 /*
- * Prepare the influence matrix of an analysis for the controller of its scene. Where the scene asks
- * for it, the influence matrix of the undeformed structure is replaced by that of the structure
- * deformed by the optimal voltages; otherwise nothing changes. Returns 0, or -1 with error filled.
+ * Prepare the influence matrix of an analysis for the controller of its scene: where the scene asks
+ * for it, replace the matrix of the undeformed structure by that at the optimal voltages. Returns
+ * 0, or -1 with error filled.
  */
 int simulate_tables(analysis *nominal, char *error);
 
 /*
- * Replace the controller by the firmware of a board: build the firmware now, and run it in QEMU
- * during simulate_run. A twin, the firmware's C code in the precision of the board on this
- * computer, computes every tick too, and the results are compared bit by bit. Returns 0, or -1 with
- * error filled.
+ * Replace the controller by the firmware of a board: build it now, and run it in QEMU during
+ * simulate_run. A twin, the same C code and precision on this computer, computes every tick too and
+ * is compared bit by bit. Returns 0, or -1 with error filled.
  */
 int simulate_device(simulation *simulation, const device_board *board, char *error);
 

@@ -29,10 +29,9 @@ typedef struct detection {
     int ticks;      /* duration of a test pulse (ticks) */
     int weakest;  /* index of the electrode whose response to its test pulse is the weakest relative
                      to noise, among the electrodes that the sensors can tell from others */
-    double ratio; /* signal-to-noise ratio (dimensionless) of the electrode `weakest`: size of the
-                     response of the sensor readings to a test pulse of its voltage, divided by the
-                     standard deviation that the noise of the readings causes; infinite without
-                     noise, 0 if the sensors can tell no electrode from others */
+    double ratio; /* signal-to-noise ratio (dimensionless) of the electrode `weakest`: response of
+                     the readings to a test pulse over the standard deviation of their noise;
+                     infinite without noise, 0 if the sensors can tell no electrode from others */
     detection_doubt *doubt; /* [electrodes] whether a fault of each electrode can be found, and if
                                not, why */
 } detection;

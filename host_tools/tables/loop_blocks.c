@@ -631,10 +631,9 @@ static int count_readings(const loop_blocks *blocks)
 }
 
 /*
- * Return an upper bound of the number of plays (elements with backlash) of the hysteresis model
- * that begin to move, or change their direction, in one tick. It is the largest number of plays
- * whose slack (half the backlash) differs by at most twice the largest change of a voltage in a
- * tick.
+ * Return an upper bound of the number of play operators of the hysteresis model that begin to move
+ * or reverse in one tick: the most whose slacks differ by at most twice the largest change of a
+ * voltage in a tick.
  */
 static size_t near_plays(const loop_blocks *blocks)
 {

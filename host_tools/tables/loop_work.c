@@ -67,10 +67,9 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions that the self-test needs in one tick. Two kinds of ticks are
- * long. In the evaluation a tick compares at most PZS_SELFTEST_WORK measured responses with the
- * model, plus the rest of the last comparison. During the test pulses a tick adds all readings to
- * weighted sums.
+ * Upper bound of the instructions of the self-test in one tick. The longest ticks are those of the
+ * evaluation (PZS_SELFTEST_WORK comparisons of responses with the model, plus the rest of the last
+ * one) and those of the pulses (all readings are added to weighted sums).
  */
 double loop_work_selftest(const block_counts *of, const loop_processor *on)
 {
