@@ -8,9 +8,10 @@
  *   A        active set: all others; their voltages are kept, most at a bound, some between the
  *            bounds
  *   tableau  H after one pivot exchange for each input of F
+ *   round    sequence of iterations that ends with the true gradient, computed from H
  *
- * Round. A round is a sequence of iterations. It makes the full step to the minimum over F if that
- * violates no bound and leaves no multiplier of the wrong sign. Otherwise it makes iterations:
+ * A round makes the full step to the minimum over F if that violates no bound and leaves no
+ * multiplier of the wrong sign. Otherwise it makes iterations:
  *
  *   descent           Go along the direction to the minimum over F. An input that meets a bound
  *                     stays there and leaves F.
@@ -22,31 +23,26 @@
  *                     along this line is nearer than the bound of the input, the input joins F
  *                     there.
  *
- *   - A round ends with the true gradient, computed from H. Rounding errors of the tableau
- *     therefore never reach the voltages; they only cost another round.
+ * Properties:
+ *   - Rounding errors of the tableau never reach the voltages; they only cost another round.
  *   - The voltages are feasible after every iteration.
- *   - A tableau with which a round ended at the optimum counts as verified until the next exchange;
- *     see take_direct_iteration.
+ *   - A tableau with which a round ended at the optimum counts as verified until the next exchange
+ *     (take_direct_iteration).
+ *   - Multiply-adds are counted. Nothing is begun that could exceed the work limit together with
+ *     the product that ends the round. The next tick continues from feasible voltages and the free
+ *     set reached.
  *
- * Termination. Let f be the number of inputs in F, and m that of inputs of A strictly between their
- * bounds, among n inputs.
- *
- *   - 2 m + f is at most 2 n. A descent that a bound stops lowers f. Inputs of A between their
- *     bounds are released first, and each such release lowers 2 m + f.
- *   - After at most 3 n iterations all inputs between their bounds therefore have zero gradient.
- *     The point is then the minimum of a face of the feasible box. Only there an input at a bound
- *     is released.
- *   - Iterations of zero length only make F smaller; the next one of positive length lowers the
- *     objective. No face occurs twice, and the number of faces is finite.
+ * Termination, for n inputs, f of them in F, and m of A strictly between their bounds:
+ *   - A descent that a bound stops lowers f. Inputs of A between their bounds are released first,
+ *     and each such release lowers 2 m + f, which is at most 2 n.
+ *   - After at most 3 n iterations all inputs between their bounds thus have zero gradient: the
+ *     minimum of a face of the feasible box. Only there an input at a bound is released.
+ *   - An iteration of zero length makes F smaller; one of positive length lowers the objective. No
+ *     face occurs twice, and the number of faces is finite.
  *   - Releases together never raise the objective, and their number in a round is limited.
  *
- * Many inputs. From PZS_DUAL_INPUTS inputs on, if no input depends linearly on the others, the
- * iterations of a round are those of the dual active-set method (boxls_dual.h). The tableau is then
- * the negative inverse of H, whichever inputs are free.
- *
- * Work. Multiply-adds are counted. Nothing is begun that could exceed the work limit together with
- * the product that ends the round. The next tick continues from feasible voltages and the free set
- * reached.
+ * From PZS_DUAL_INPUTS inputs on, if no input depends linearly on the others, the iterations are
+ * those of the dual active-set method (boxls_dual.h), and the tableau is the negative inverse of H.
  */
 #include <string.h>
 #include "boxls.h"
@@ -295,9 +291,9 @@ bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 
 /*
  * Compute the violation of the optimality (KKT) conditions for each active input (input whose
- * voltage is kept), and 0 for free inputs. If the gradient of an active input is at most `turn`
- * (m2/V) in absolute value and its two bounds differ, the sign of its gradient is uncertain; its
- * violation then counts as `turn`.
+ * voltage is kept), and 0 for free inputs.
+ *   turn in  absolute value up to which the sign of a gradient is uncertain (m2/V); such a gradient
+ *            of an input whose bounds differ counts as a violation of this size
  */
 static void active_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
@@ -389,10 +385,10 @@ static size_t mark_blocking(pzs_real *restrict mark, const pzs_real *restrict mo
 }
 
 /*
- * Find the first free input whose voltage reaches a bound when all free voltages change by the
- * vector `move` [inputs] (V) times `sense` (1 or -1) times `part`, and the fraction of the change
- * at which it does. With the vector unit AVX2, the inputs in question are marked first (array
- * `waiting`), so that only these are compared one by one.
+ * Find the first free input whose voltage reaches a bound when all free voltages change by move *
+ * sense * part, and the fraction of the change at which it does.
+ *   move [inputs] in  change of the voltages (V)
+ *   sense         in  1 or -1
  */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
@@ -402,6 +398,7 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
     const pzs_real *mark = IS_WIDE ? optimiser->waiting : optimiser->free_set;
     const uint32_t inputs = optimiser->inputs;
     blocking first = {part, inputs};
+    // Vector instructions mark the inputs in question, so that only these are compared one by one.
     if (IS_WIDE && mark_blocking(optimiser->waiting, move, optimiser->free_set, voltage, lower,
                                  upper, sense, part, optimiser_span(optimiser)) == 0)
         return first;
@@ -506,10 +503,9 @@ static void add_multiple(pzs_real *restrict sum, const pzs_real *restrict vector
 }
 
 /*
- * Choose the input that is kept (active) but whose voltage may change again: of the inputs whose
- * voltage is between its bounds, the one that violates the optimality (KKT) conditions most; if
- * none of them does, the one at a bound that violates them most. Returns the number of inputs if no
- * violation exceeds `rounding` (m2/V).
+ * Choose an active input (whose voltage is kept) to be released: of the inputs between their bounds
+ * the one that violates the optimality (KKT) conditions most; without any, such an input at a
+ * bound. Returns the number of inputs if no violation exceeds `rounding` (m2/V).
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -620,9 +616,9 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 }
 
 /*
- * Find the active inputs (whose voltages are kept) to be released together. They violate the
- * optimality (KKT) conditions by more than `rounding`, and each, if it alone became free, would go
- * as far as its opposite bound.
+ * Find the active inputs (whose voltages are kept) to be released together: those that violate the
+ * optimality (KKT) conditions by more than `rounding`, and each of which, if it alone became free,
+ * would go as far as its opposite bound.
  *   way [width] out  distance with sign of each of these inputs to that bound, 0 for all other
  *                    inputs (V)
  * Returns the number of these inputs.
@@ -647,10 +643,9 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Release several inputs from their bounds together. An input is released if it would reach its
- * other bound when it alone became free; each moves towards this bound, while the free voltages
- * follow so that their gradient stays zero. The change ends at the minimum of the objective, or
- * where a free input reaches a bound and becomes active. Returns whether any voltage has changed.
+ * Release together the inputs that collect_releases finds: each moves towards its other bound,
+ * while the free voltages follow so that their gradient stays zero. The change ends at the minimum
+ * of the objective, or where a free input reaches a bound. Returns whether any voltage has changed.
  */
 static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -681,15 +676,15 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 
 /*
  * Whether the gradient of every free input (whose voltage may change) is within its rounding-error
- * bound, and, in the dual active-set method, the voltage of every other input is at its bound. The
- * array next_voltage must hold the gradients of the free inputs (m2/V) and 0 for the others, as
- * pzs_boxls_gradient leaves it; it receives voltages only later.
+ * bound, and, in the dual active-set method, every other voltage is at its bound.
  */
 static bool is_stationary(const pzs_optimiser *optimiser)
 {
     if (optimiser_is_dual(optimiser) && !optimiser->dual->is_at_bounds(optimiser))
         return false;
     uint32_t i = 0;
+    // Until it receives voltages, next_voltage holds these gradients (m2/V), 0 for other inputs
+    // (pzs_boxls_gradient).
     while (i < optimiser->inputs &&
            number_absolute(optimiser->next_voltage[i]) <= optimiser->rounding_bound)
         i++;
@@ -698,9 +693,8 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 
 /*
  * Iterate, after a bound has blocked the full step along the search direction, until no voltage
- * violates the optimality (KKT) conditions. Descent iterations change the free voltages until no
- * bound ends the change; then release iterations change active voltages (which were kept) that
- * violate the conditions.
+ * violates the optimality (KKT) conditions: descent iterations until no bound blocks the free
+ * voltages, then releases of active inputs (whose voltages were kept).
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -739,10 +733,9 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
 }
 
 /*
- * Set the gradient [inputs] to its prediction for the end of a full step along the search direction
- * (m2/V). It is 0 for an input whose voltage is free, because the step ends at the minimum over the
- * free voltages. For the other inputs predict_step has computed it by the tableau (pivoted Hessian)
- * and stored it in the array `move`.
+ * Predict the gradient [inputs] at the end of a full step along the search direction (m2/V): 0 for
+ * a free input, because the step ends at the minimum over the free voltages; for the others the
+ * entry of `move`, which predict_step has computed.
  */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
@@ -768,10 +761,9 @@ static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict mod
 }
 
 /*
- * Make the full step along the search direction as one iteration; no bound blocks it. The gradient
- * that the tableau (pivoted Hessian) predicts is compared, for two inputs, with the gradient
- * computed from the Hessian. Returns false if the prediction is wrong: the voltages are then
- * unchanged, and the tableau no longer counts as verified.
+ * Make the full step along the search direction, which no bound blocks, as one iteration. Returns
+ * false if the gradient that the tableau (pivoted Hessian) predicts differs, for two inputs, from
+ * that computed from the Hessian: the voltages are then unchanged.
  */
 static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -821,10 +813,9 @@ static void find_way_and_slope(pzs_real *restrict way, pzs_real *restrict slope,
 }
 
 /*
- * Return whether the last round (sequence of iterations) lowered the objective. The objective is
- * quadratic, so that its change is proportional to (voltages - start voltages) times the sum of the
- * gradients at both ends. The rounding error of this product must be below target_energy, the scale
- * of the objective, or far below the decrease.
+ * Return whether the last round (sequence of iterations) lowered the objective. The change of a
+ * quadratic objective is proportional to (voltages - start voltages) times the sum of the gradients
+ * at both ends.
  */
 bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
 {
@@ -836,6 +827,8 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
                    sure = -change / SIGNIFICANT;
     const pzs_real far =
         PZS_SQRT(pzs_product_dot(optimiser->scratch, optimiser->scratch, optimiser->width));
+    // The rounding error of the change must be far below the change, or below the scale of the
+    // objective.
     return change < 0 && far * optimiser->model_rounding <
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }

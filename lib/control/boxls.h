@@ -49,7 +49,7 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
  * a full step along it.
  *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
  * Returns how many inputs prevent the full step: free ones that would exceed a bound, and active
- * ones that would violate the optimality conditions.
+ * ones that would violate the conditions.
  */
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
@@ -60,10 +60,10 @@ uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 
 /*
- * Optimise the voltages, as far as the member work_limit of the optimiser allows. The function adds
- * to the members `iterations` and `work`, and sets kkt_violation (violation of the optimality
- * conditions), rounding_bound (its rounding-error bound) and is_optimal. After the first iteration
- * the voltages are inside their bounds.
+ * Optimise the voltages, as far as the member work_limit of the optimiser allows. Adds to
+ * `iterations` and `work`; sets is_optimal, kkt_violation (of the optimality conditions) and
+ * rounding_bound (its rounding-error bound). After the first iteration the voltages are inside
+ * their bounds.
  */
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
@@ -76,9 +76,9 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser);
 
 /*
  * Shorten a round (sequence of iterations) of the optimiser: move the voltages to the minimum of
- * the objective on the straight line from the voltages at the start of the round to the present
- * ones. Returns whether they have moved; the gradient must then be computed anew. The arrays
- * scratch and direction of the optimiser are overwritten.
+ * the objective on the line from the start of the round to the present voltages. Returns whether
+ * they have moved; the gradient must then be computed anew. Overwrites the arrays scratch and
+ * direction.
  */
 bool pzs_boxls_shorten(pzs_optimiser *optimiser);
 

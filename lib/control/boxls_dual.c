@@ -3,19 +3,17 @@
  * Dual active-set method of the voltage optimiser. Active inputs are kept at a bound; all others
  * are free.
  *
- *   - An iteration takes the free input that is farthest outside its bounds and changes its
- *     multiplier until it reaches its bound. The other multipliers follow, so that active inputs
- *     stay at their bounds.
+ *   - An iteration changes the multiplier of the free input that is farthest outside its bounds
+ *     until it reaches its bound. The other multipliers follow, so that active inputs stay at their
+ *     bounds.
  *   - If the multiplier of an active input becomes zero before, this input becomes free, and the
  *     next iteration continues with the same input.
  *   - The minimum over the free inputs rises with each iteration of positive length. No active set
  *     thus occurs twice, and their number is finite.
  *   - Between iterations voltages may be outside their bounds; the present voltages receive them
  *     only clamped.
- *
- * Work of an iteration: two triangular solutions with the factor of the inverse Hessian restricted
- * to the active inputs, and its columns of these inputs. No pivot exchange changes the whole
- * matrix, so that a small active set takes little work.
+ *   - An iteration takes two triangular solutions with the factor of the inverse Hessian restricted
+ *     to the active inputs, and its columns of these inputs: little work for a small active set.
  */
 #include <string.h>
 #include "boxls_dual.h"
@@ -33,8 +31,8 @@
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
- * Factor in a test of the dual active-set method for a distance d (V) by which a voltage seems to
- * be outside its bounds although it depends linearly on active voltages. It is a rounding error if
+ * Factor in a test of the dual active-set method, for a voltage that depends linearly on active
+ * ones and seems to be outside its bounds by a distance d (V). It is a rounding error if
  *   PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change
  *   pivot_rounding     estimated rounding error of a pivot (V2/m2)
  *   multiplier_change  size of all changes of multipliers in the round (m2/V)
@@ -64,10 +62,9 @@
  */
 #define TRIAL_PART 4u
 /*
- * Before the dual active-set method replaces its active set by an estimate, it usually tries
- * ordinary iterations (TRIAL_PART). It leaves these out if at most one in this number of inputs is
- * right. An input is right if it is free with its voltage inside its bounds, or active (kept at a
- * bound) with a multiplier of the right sign.
+ * The dual active-set method replaces its active set by an estimate without trying ordinary
+ * iterations (TRIAL_PART) if at most one in this number of inputs is right: free and inside its
+ * bounds, or active (kept at a bound) with a multiplier of the right sign.
  */
 #define FEW_RIGHT 5u
 
@@ -149,10 +146,9 @@ static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real
 }
 
 /*
- * Move row k + 1 of the Cholesky factor to row k, after the input of row `removed` has become free.
- * The factor is that of the inverse Hessian restricted to the active inputs (voltages at a bound).
- * The plane rotations found for the rows before are applied to the row, and a new rotation makes
- * its entry beyond the diagonal zero.
+ * Move row k + 1 of the Cholesky factor of the inverse Hessian, restricted to the active inputs
+ * (voltages at a bound), to row k, after the input of row `removed` has become free. The plane
+ * rotations of the rows before are applied, and a new one makes its entry beyond the diagonal zero.
  */
 static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
 {
@@ -467,9 +463,8 @@ bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside)
 
 /*
  * Make one iteration of the dual active-set method: change the multiplier of free input i until its
- * voltage reaches its bound and the input becomes active, or until the multiplier of an active
- * input becomes zero and that input becomes free. The array `side` tells the bound. Returns
- * false if neither happens.
+ * voltage reaches its bound (array `side`) and it becomes active, or until the multiplier of an
+ * active input becomes zero and that input becomes free. Returns false if neither happens.
  */
 static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -534,9 +529,8 @@ static void release_all(pzs_optimiser *optimiser)
 }
 
 /*
- * Estimate the optimal voltages by a fixed number (SWEEPS) of sweeps over the inputs, from the
- * present voltages on. In a sweep each input in turn goes to the minimum of the objective over its
- * own voltage within its bounds.
+ * Estimate the optimal voltages by SWEEPS sweeps over the inputs. In a sweep each input in turn
+ * goes to the minimum of the objective over its own voltage within its bounds.
  *   voltage  [width] out  estimated voltages (V)
  *   gradient [width] out  half the gradient of the objective at these voltages (m2/V)
  */
@@ -569,10 +563,9 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 }
 
 /*
- * Replace the active set (inputs whose voltages are kept at a bound) by an estimate, if the work
- * limit of the optimiser allows this. The function estimates the optimal voltages. An input becomes
- * active if its estimated voltage is at a bound and the objective would fall beyond this bound; all
- * others become free.
+ * Replace the active set (inputs kept at a bound) by an estimate, if the work limit allows this: an
+ * input becomes active if its estimated optimal voltage is at a bound and the objective would fall
+ * beyond this bound.
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Dual active-set method of the voltage optimiser for many inputs (Goldfarb and Idnani 1983). An
- * active input is kept at a bound by its multiplier, the gradient of the objective there. The
- * tableau stays the negative inverse of the whole Hessian; a Cholesky factor of the inverse
- * restricted to the active inputs gives the multipliers.
+ * active input is kept at a bound by its multiplier. The tableau stays the negative inverse of the
+ * whole Hessian; a Cholesky factor of the inverse restricted to the active inputs gives the
+ * multipliers.
  */
 #ifndef PZS_LIB_BOXLS_DUAL_H
 #define PZS_LIB_BOXLS_DUAL_H
@@ -112,9 +112,8 @@ bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
  * Iterate the dual active-set method as pzs_iterate_dual does, where no sums of voltages are
- * limited. If a large part of the active set is still wrong after a few iterations, as after a jump
- * of the target, the active set is estimated as a whole from the Hessian. This takes less work than
- * to correct it by iterations.
+ * limited. If much of the active set is still wrong after a few iterations, as after a jump of the
+ * target, it is estimated as a whole from the Hessian, which takes less work.
  */
 bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
@@ -157,9 +156,9 @@ uint32_t pzs_dual_choose_outside(const pzs_optimiser *optimiser);
 bool pzs_dual_may_iterate(pzs_optimiser *optimiser, uint64_t extra);
 
 /*
- * Prepare the step in which free input i becomes active: compute the changes of the other
- * multipliers and of all voltages when its multiplier changes by 1 m2/V, while active voltages stay
- * at their bounds. Results in work arrays:
+ * Prepare the step in which free input i becomes active: compute how the other multipliers and all
+ * voltages change per 1 m2/V of its multiplier, while active voltages stay at their bounds. Results
+ * in work arrays:
  *   DUAL_SOLUTION [active_count] out  row that the input would have in the Cholesky factor of the
  *                                     inverse Hessian restricted to the active inputs
  *   DUAL_CHANGE   [active_count] out  change of the multipliers of the active inputs

@@ -66,8 +66,8 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 
 /*
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them to its
- * tableau, which is then read and written less often while it is computed. The exchanges are stored
- * in arrays of the dual active-set method, which is not in use meanwhile:
+ * tableau, which is then read and written less often. They are stored in arrays of the dual
+ * active-set method, which is not in use while the tableau is computed:
  *   factor       in three equal parts their rank-one updates, and two copies that apply_wide makes
  *   side, order  input, sign, scale and pivot of each exchange
  */
@@ -128,14 +128,12 @@ static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t fir
 
 /*
  * Compute row k of the tableau T, the pivoted Hessian, including the pivot exchanges that are
- * collected but not yet applied to the matrix. An exchange of input c changes T, for other inputs i
- * and j:
+ * collected but not yet applied. An exchange of input c changes T, for other inputs i and j:
  *   T_ij  becomes  T_ij - sign(p) u_i u_j
  *   T_ic  becomes  r_i / |p|
  *   T_cc  becomes  -1 / p
  *   r, p  row c before the exchange, pivot r_c
  *   u     r / sqrt |p|, but u_c = -sign(p) / sqrt |p|
- * With row and column c set to zero before, the first line with this u_c gives the second one, too.
  */
 static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
@@ -152,6 +150,8 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
     } else {
         read_row(optimiser, k, row);
     }
+    // Row and column of an exchanged input are set to zero first: the rank-one update then gives
+    // their new values, too.
     for (uint32_t later = j; later < optimiser->pending_count; later++)
         row[optimiser->exchange[later].input] = 0;
     for (; j < optimiser->pending_count; j += TOGETHER)
@@ -209,8 +209,7 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 /*
  * Prepare rows i to i + most - 1 of the tableau (fewer at the end of the matrix) for the rank-one
  * updates of the collected pivot exchanges: set entries in the row or column of an exchanged input
- * to zero, because the updates give them their new values. Columns from i + most on are only set in
- * the rows of exchanged inputs, because the caller does not update them otherwise.
+ * to zero, because the updates give them their new values.
  */
 static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
@@ -221,6 +220,8 @@ static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
         const size_t input = optimiser->exchange[j].input;
         if (input >= i && input < i + rows)
             memset(optimiser->tableau + input * width, 0, width * sizeof(pzs_real));
+        // Columns from i + most on are set only in rows of exchanged inputs: the caller updates no
+        // others.
         for (size_t line = 0; input < i + rows && line < rows; line++)
             first[line * width + input] = 0;
     }
@@ -261,9 +262,8 @@ static inline void mirror_block(pzs_real *matrix, size_t width, size_t i, size_t
 
 /*
  * Define a function that applies all collected rank-one updates to one block of the tableau
- * (pivoted Hessian) and, if the block is below the diagonal, mirrors it across the diagonal. The
- * block starts at row i and column j and has ROWS rows of COUNT entries of type `entry`, which the
- * function keeps in registers.
+ * (pivoted Hessian), kept in registers, and mirrors a block below the diagonal. The block starts at
+ * row i and column j and has ROWS rows of COUNT entries of type `entry`.
  */
 #define UPDATE_BLOCK(name, entry, ROWS, COUNT)                                                     \
     static void name(pzs_optimiser *optimiser, size_t i, size_t j)                                 \

@@ -10,10 +10,10 @@
  *   H_FA  rows of F and columns of A in H, and so on
  *
  *   - A pivot exchange moves one input between F and A by a symmetric rank-one update.
- *   - Up to PZS_PENDING updates are collected before all are applied together, which reads and
- *     writes the matrix only once. The result has the same bits as if they were applied one by one.
- *   - One product of the tableau with the gradient of F gives the search direction: for F the step
- *     to the minimum over F, for A the change of the gradient by this step.
+ *   - Up to PZS_PENDING updates are applied together, which reads and writes the matrix only once,
+ *     with the same bits as one by one.
+ *   - The tableau times the gradient of F is the search direction: for F the step to the minimum
+ *     over F, for A the change of the gradient by this step.
  */
 #ifndef PZS_LIB_BOXLS_TABLEAU_H
 #define PZS_LIB_BOXLS_TABLEAU_H
@@ -77,9 +77,9 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending);
 
 /*
  * Continue to recompute the tableau (the optimiser's pivoted Hessian): move the inputs that were
- * free before pzs_tableau_reset back into the free set, the most independent first, as long as the
- * work limit allows. Inputs that depend linearly on the free ones stay active. Returns whether the
- * tableau is complete. The array next_voltage is overwritten.
+ * free before pzs_tableau_reset back into the free set, the most independent first, as far as the
+ * work limit allows. Linearly dependent inputs stay active. Returns whether the tableau is
+ * complete. Overwrites next_voltage.
  */
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser (boxls.c) and its tableau (boxls_tableau.c), compiled a second time for
- * hosts with the vector unit AVX2 (option PZS_WIDE). The voltages have the bits of the first
- * compilation, because fused multiply-add instructions, which round differently, are not used.
- * pzs_boxls_optimise calls the function compiled here if the processor has AVX2.
+ * processors with AVX2 (option PZS_WIDE), where pzs_boxls_optimise calls this version. Fused
+ * multiply-adds, which round differently, are not used, so that the voltages have the same bits.
  */
 #include "pzs_control.h"
 

@@ -10,22 +10,21 @@
  *   r, t     gradients of the regularisation and of the target at the base voltages
  *   A        matrix of the limit rows
  *
- * Quantities. A quantity is the voltage of an input or the scaled sum of a limit row, which is its
- * sum divided by its largest absolute coefficient. A quantity is either free, or active: kept at a
- * bound by its multiplier, the derivative of the objective with respect to the quantity.
+ * Quantities. A quantity is the voltage of an input, or the sum of a limit row divided by its
+ * largest absolute coefficient. It is either free, or active: kept at a bound by its multiplier,
+ * the derivative of the objective with respect to it.
  *
- * Tableau. It does not depend on the active set. Changes dm of the multipliers change the
- * quantities by -T dm, with the tableau
+ * Tableau. Changes dm of the multipliers change the quantities by -T dm, whatever is active:
  *   T = -C P C'
  *   C  identity matrix with the scaled rows of A below it; the quantities are C v
  *   P  inverse of the Hessian
  *
  * The dual active-set method (boxls_dual.h) reads only the tableau, the bounds and the quantities,
- * and treats limit rows like further inputs. The active set never holds more quantities than
- * inputs, because no more are linearly independent.
+ * and treats limit rows like further inputs.
  *
- * Round. A round is a sequence of iterations. It begins with the gradient computed from H and the
- * sums computed from A, and ends with voltages inside all bounds and limit rows:
+ * Round. A round begins with the gradient computed from H and the sums computed from A, and ends
+ * with voltages inside all bounds and limit rows. Rounds are repeated until the multipliers prove
+ * the voltages optimal up to rounding errors:
  *
  *   step        to the minimum over the free quantities, with the active ones at their bounds;
  *   iterations  of the dual active-set method, until all quantities are inside their bounds and all
@@ -34,11 +33,9 @@
  *               work limit has stopped the iterations, the round ends at the minimum on the part of
  *               its step that is inside all limits. A round that raises the objective is undone.
  *
- * Rounds are repeated until the multipliers prove the voltages optimal up to rounding errors.
- *
- * Singular Hessian. If the Hessian is singular, or nearly so, P is the inverse of the Hessian with
- * a shift of its diagonal. A round is then a proximal-point step, whose optimum the shift does not
- * change. After rounds that fail because of rounding errors, the shift is raised.
+ * Singular Hessian. P is then the inverse of the Hessian with a shift of its diagonal, and a round
+ * is a proximal-point step, whose optimum the shift does not change. After rounds that fail because
+ * of rounding errors, the shift is raised.
  *
  * Rounding. The limits of each row are narrowed by a margin, so that a sum at a narrowed limit is
  * inside the true limit.
@@ -81,10 +78,9 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Size of the first shift of a Hessian that is singular or nearly so. A shift is a number added to
- * all diagonal entries. It is chosen so that (regularisation weight + shift) / (largest diagonal
- * entry of the Hessian) is the value of this constant. A Hessian whose pivots all exceed this
- * fraction of its largest diagonal entry is not shifted.
+ * First shift, added to all diagonal entries of a Hessian that is singular or nearly so, stated as
+ * (regularisation weight + shift) / (largest diagonal entry). A Hessian whose pivots all exceed
+ * this fraction of its largest diagonal entry is not shifted.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
@@ -243,9 +239,8 @@ static void reset_tableau(const rows_run *run)
 
 /*
  * Return the input for the next pivot exchange (elimination step) while the optimiser's tableau is
- * computed anew: of those not yet exchanged, the one with the largest pivot. Returns the number of
- * inputs if all are exchanged, or if the largest pivot is so small that the diagonal of the Hessian
- * must be shifted.
+ * computed anew: the one with the largest pivot of those not yet exchanged. Returns the number of
+ * inputs if there is none, or if so small a pivot demands a shift of the diagonal of the Hessian.
  */
 static uint32_t next_pivot(const rows_run *run)
 {
@@ -414,10 +409,11 @@ static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 }
 
 /*
- * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limited
- * sums of voltages and multipliers of the active ones. Also stores the duality gap, an upper bound
- * of the distance of half the objective from its minimum, in solver->gap.
+ * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages
+ * and limited sums.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
+ * Also stores in solver->gap the duality gap, an upper bound of the distance of half the objective
+ * from its minimum (m2).
  */
 pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 {
@@ -441,8 +437,8 @@ pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 
 /*
  * Return the largest violation of the optimality (KKT) conditions (m2/V), and store the duality gap
- * in solver->gap. Where sums of absolute values are limited, each voltage keeps a chosen sign;
- * voltages at 0 V whose other sign would lower the objective count, too.
+ * in solver->gap. In sums of absolute values, voltages at 0 V whose other sign would lower the
+ * objective count, too.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  */
 static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
@@ -516,10 +512,9 @@ static void predict_step(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * Bring the sum of limit row k (limit of a sum of voltages) back inside its limits, which are
- * narrowed by a margin for rounding errors. This is done if the sum is outside by more than half of
- * the margin: the voltages of the row change as little as possible (in the sum of squares) and are
- * clamped to their bounds. Returns whether the sum was outside.
+ * Bring the sum of limit row k (limit of a sum of voltages) back inside its narrowed limits if it
+ * is outside by more than half of the margin. The voltages of the row change as little as possible
+ * (sum of squares) and are clamped to their bounds. Returns whether the sum was outside.
  */
 static bool project_row(const rows_run *run, uint32_t k)
 {
@@ -546,9 +541,8 @@ static bool project_row(const rows_run *run, uint32_t k)
 
 /*
  * Correct the voltages for one limit row (limit of a sum of voltages) after the other, until no sum
- * is outside its narrowed limits. These are its limits, moved inwards by a margin for rounding
- * errors. A correction may push another sum beyond its narrowed limits, but only by as much as
- * rounding errors, so that this sum stays inside its true limits.
+ * is outside its limits narrowed by a margin. A correction may push another sum beyond its narrowed
+ * limits only by rounding errors, so that it stays inside its true limits.
  */
 static void project_rows(const rows_run *run)
 {
@@ -676,19 +670,19 @@ static void undo_round(const rows_run *run)
 /* ---- rounds ------------------------------------------------------------------ */
 
 /*
- * Make a fresh start after iterations that no longer reduce the duality gap: free all voltages and
- * limited sums from their bounds, or compute the tableau anew with a larger shift of the diagonal
- * of the Hessian. The latter is done at every second call in a tick, and at each call where sums of
- * absolute values are limited. Returns whether further iterations may help.
+ * Make a fresh start after iterations that no longer reduce the duality gap. Returns whether
+ * further iterations may help.
  */
 static bool start_anew(const rows_run *run)
 {
     run->solver->failures++;
     run->solver->last_gap = (pzs_real)HUGE_VAL;
+    // At every other call: free all voltages and limited sums from their bounds.
     if (!has_absolute(run) && run->solver->failures % 2u != 0) {
         pzs_dual_free_all(run->tableau);
         return true;
     }
+    // Otherwise compute the tableau anew with a larger shift of the diagonal of the Hessian.
     if (run->optimiser->rebuilds >= REBUILDS || remaining_work(run) < PZS_PRODUCT_WORK(run->count))
         return false;
     run->optimiser->rebuilds++;
@@ -697,10 +691,9 @@ static bool start_anew(const rows_run *run)
 }
 
 /*
- * Whether the present voltages are optimal. Let g be the distance of the objective from a lower
- * bound of its minimum, divided by target_energy, the scale of the objective. The voltages are
- * optimal if g is at most GAP. They are also optimal if g is at most LOOSE_GAP and the violation of
- * the optimality (KKT) conditions is below its rounding-error bound.
+ * Whether the present voltages are optimal: the distance of the objective from a lower bound of its
+ * minimum, divided by the scale of the objective, is at most GAP, or at most LOOSE_GAP with a
+ * violation of the optimality (KKT) conditions below its rounding-error bound.
  */
 static bool is_converged(const rows_run *run)
 {
@@ -747,9 +740,8 @@ static bool iterate(const rows_run *run)
 
 /*
  * Make the iterations of a round: the step to the minimum over the free quantities (voltages and
- * limited sums), then the iterations of the dual active-set method. The voltages that they reach
- * are taken as far as they are inside the limits of all voltages and of all sums. Returns whether
- * they are taken as they are.
+ * limited sums), then the dual active-set method. The voltages reached are taken as far as they are
+ * inside all limits. Returns whether they are taken as they are.
  */
 static bool run_round(const rows_run *run)
 {
@@ -763,10 +755,9 @@ static bool run_round(const rows_run *run)
         run->rows->absolute_call->resume(run->control);
     predict_step(run);
     /*
-     * The work limit of the dual active-set method is the work done so far plus the remaining work,
-     * in which the work at the end of the round is already subtracted. The method reserves two
-     * products of the matrix with a vector for the end of its round. They are not needed here and
-     * are added, so that this reserve does not shorten the iterations.
+     * The dual active-set method reserves two products of the matrix with a vector for the end of
+     * its round. Here they are not needed: the remaining work already excludes the end of the
+     * round.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = iterate(run);

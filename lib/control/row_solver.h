@@ -77,10 +77,10 @@ pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient);
 
 /*
  * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages,
- * limited sums and multipliers; a voltage in a sum of absolute values keeps its sign. Stores the
- * duality gap in solver->gap, an upper bound (m2) of how much half the objective can still
- * decrease.
+ * limited sums and multipliers; a voltage in a sum of absolute values keeps its sign.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
+ * Stores in solver->gap the duality gap, an upper bound of how much half the objective can still
+ * decrease (m2).
  */
 pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced);
 

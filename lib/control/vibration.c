@@ -8,9 +8,8 @@
  *   d = q - g v - w  deviation from static equilibrium under the voltages v and the loads w
  *   p                velocity / w0
  *
- * An observer of constant gain estimates q, p and w from readings that are `delay` ticks old. It
- * corrects the state predicted for the time of the readings, and predicts the present state from
- * the corrected one.
+ * An observer of constant gain estimates q, p and w: it corrects the state predicted for the time
+ * of the readings, `delay` ticks ago, and predicts the present state from the corrected one.
  *
  * The control tick minimises, within all limits and up to terms that do not depend on v,
  *
@@ -18,19 +17,16 @@
  *   W, B, C    output weights, influence matrix, mode shapes
  *   z, r       target shape; low-passed part of the shape that the modes do not explain
  *   damping_i  damping gradient of mode i
+ *   d_i        weighted mean (pzs_vibration.mix) of q - g v - w and of an estimate without g:
+ *              change of p in a tick / angle by which the mode turns in a tick
  *   share      from 0 to 1, slows the approach to the static optimum
  *
- * The damping term moves the voltages in phase with the deviation, which takes energy out of the
- * modes. For exact modes that are observed without error, the sum of their energy and of the static
- * objective never rises, because every limit permits unchanged voltages. In static equilibrium the
- * voltages are those of a tick without damping.
- *
- * d_i in the damping term is a weighted mean (pzs_vibration.mix) of q - g v - w and of an estimate
- * that does not depend on errors of g: the change of p in a tick / angle by which the mode turns in
- * a tick.
+ * The damping term moves the voltages in phase with the deviation. For exact modes observed without
+ * error, their energy plus the static objective never rises, because every limit permits unchanged
+ * voltages. In static equilibrium the voltages are those of a tick without damping.
  *
  * Work of a tick: at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
- * sensors multiply-adds, whatever the data are, plus the optimisation of the voltages.
+ * sensors multiply-adds, plus the optimisation of the voltages.
  */
 #include <string.h>
 #include "vibration.h"
@@ -291,10 +287,9 @@ static void find_residuals(pzs_damper *damper, pzs_real *rest)
 }
 
 /*
- * Replace the innovation (reading minus predicted reading) of each sensor whose reading is
- * unusable. The replacement is the residual of the sensor: the low-passed innovation of earlier
- * ticks, minus the part that the vibration modes explain. Returns the number of unusable readings;
- * *where receives the index of the first one.
+ * Replace the innovation (reading minus predicted reading) of each sensor with an unusable reading
+ * by the low-passed innovation of earlier ticks, minus the part that the vibration modes explain.
+ * Returns the number of unusable readings; *where receives the index of the first one.
  */
 static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
@@ -368,10 +363,9 @@ static pzs_real low_pass(pzs_real *restrict filtered, const pzs_real *restrict p
 
 /*
  * Whether info.innovation reports only the part of the innovations (readings minus predicted
- * readings) that the vibration modes explain: if the target has free motions (shapes that may be
- * added to it, as rigid motions), every target node is measured, and vibration modes are observed.
- * The part is measured by its RMS, because modes may resemble each other without the free motions:
- * opposite modal coordinates then hardly move anything.
+ * readings) that the vibration modes explain: the target has free motions (shapes that may be added
+ * to it), every target node is measured, and vibration modes are observed. The part is an RMS,
+ * because single modal coordinates may be large but cancel each other.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {
@@ -438,9 +432,8 @@ static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, 
 
 /*
  * Compute the static shape under the present voltages and loads, if the sensors measure the shape
- * itself. It is the sum of three parts: the predicted shape, the shape of the vibration modes in
- * static equilibrium under the loads, and the low-passed residuals. Residuals are the part of the
- * readings that the vibration modes do not explain.
+ * itself: predicted shape, plus the shape of the vibration modes in static equilibrium under the
+ * loads, plus the low-passed part of the readings that the modes do not explain.
  *   shape [outputs] out  static shape (m)
  */
 static void measured_shape(pzs_damper *damper, pzs_real *shape)
@@ -457,8 +450,8 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
 
 /*
  * Compute the static shape under the present voltages and loads from few sensors: the predicted
- * shape, plus the shape of the vibration modes in static equilibrium, plus the gain matrix of the
- * shape estimator times the residuals (readings that the modes do not explain).
+ * shape, plus the shape of the vibration modes in static equilibrium, plus the estimator's gain
+ * matrix times the readings that the modes do not explain.
  *   shape [outputs] out  static shape (m)
  */
 static void estimated_shape(pzs_damper *damper, pzs_real *shape)
