@@ -112,8 +112,8 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
     double reach = reach_of(cell, centre);
     /*
      * The points are sorted by x; the loop runs outwards from the centre of the Voronoi cell. A
-     * point farther from the centre than twice its farthest corner does not cut the cell. The loop
-     * ends where this holds for x alone on both sides.
+     * point at more than twice the distance of the cell's farthest corner does not cut the cell.
+     * The loop ends where this holds for x alone on both sides.
      */
     for (size_t step = 1; step < count; step++) {
         int is_near = 0;

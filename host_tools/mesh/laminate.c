@@ -958,10 +958,11 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
  * (prescribed resultants), and the strains of the element if it is free instead.
  */
 typedef struct free_field {
-    double resultants[N], strain[N]; /* resultants: of the element under a voltage or temperature at
-                                        zero strains (N/m). strain: minus the strains of an unloaded
-                                        element under the same field; 0 if that causes no transverse
-                                        shear stress. Order of both: ten strains (`voigt`) */
+    double resultants[N], strain[N]; /* resultants: stress resultants of the element under a voltage
+                                        or temperature at zero strains (N/m). strain: minus the
+                                        strains of an unloaded element under the same field; 0 if
+                                        that causes no transverse shear stress. Order of both:
+                                        `voigt` */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
     double constant[N][N]; /* stiffness of the element for strains that are constant over it (N/m).

@@ -255,9 +255,9 @@ static bool has_value(const held_axes *held)
 }
 
 /*
- * Constrain a node whose held directions are axes of its triad (local axes) or all of space. The
- * reaction of each constrained mean displacement (of both faces) along an axis counts for the
- * support whose direction has the smallest angle to this axis.
+ * Constrain a node whose held directions are axes of its triad (local axes), or which is held in
+ * all directions. The reaction of each constrained mean displacement (of both faces) along an axis
+ * counts for the support whose direction has the smallest angle to this axis.
  */
 static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 {

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tables of the control tick that damps vibration (pzs_vibration): observed modes, their shapes at
- * sensors and outputs, and gains (damper_gains.h). The lowest modes that move the outputs and
- * advance by at most 2 rad a tick are observed: fewer than sensors, and at most as many as
- * amplifiers with free voltage. A unit modal coordinate moves the outputs by a root mean square of
- * 1.
+ * sensors and outputs, and gains (damper_gains.h). Observed are the lowest modes that move the
+ * outputs and advance by at most 2 rad a tick: fewer than sensors, at most as many as amplifiers
+ * with free voltage. A unit modal coordinate moves the outputs by a root mean square of 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H
@@ -57,9 +56,9 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
                 const damper_options *options, char *error);
 
 /*
- * Make the tables of a control tick that damps vibration if the scene has a tick rate and
- * densities, and its control step alone would be unstable (certificate_refuses). Otherwise, and
- * with the option `quasi_static`, the damper is left unused.
+ * Make the tables of a control tick that damps vibration if the scene has a tick rate and densities
+ * and its control step alone would be unstable (certificate_refuses). Otherwise, and with
+ * `quasi_static`, the damper is left unused.
  *   analysis   in  analysis with the least-squares problem for the voltages and the result of the
  *       stability tests; must outlive the damper
  *   estimator  in  shape estimator of the controller, which must outlive the damper; NULL: every

@@ -171,10 +171,9 @@ static double add_change(doubling *doubling, const double *next)
 
 /*
  * Do one iteration of the structured doubling for the discrete Riccati equation, whose solution is
- * the limit of h. Returns the relative change of h, or NAN where a matrix is singular. With w = (1
- * + g h)^-1 and the transpose ':
- *   h becomes h + a' h w a,  g becomes g + a w g a',  a becomes a w a.
- *   a  at first the transposed transition matrix
+ * the limit of h. Returns the relative change of h, or NAN where a matrix is singular.
+ *   h becomes h + a' h w a,  g becomes g + a w g a',  a becomes a w a,  with w = (1 + g h)^-1.
+ *   a  at first the transposed transition matrix; a' is its transpose
  *   g  at first the information of the measurement
  *   h  at first the process noise
  */

@@ -2,7 +2,7 @@
 /*
  * Gains of the control tick that damps vibration (pzs_vibration), from a modal model: propagators
  * of free vibration, observer, and damping term in the gradient of the tick's objective. The
- * observer is a stationary Kalman filter, whose covariance P solves
+ * observer is a stationary Kalman filter with the covariance P:
  *   P = A P A' - A P C' (C P C' + 1)^-1 C P A' + Q.
  *   states  of each mode: position q, velocity p over angular frequency, static position w under
  *       loads

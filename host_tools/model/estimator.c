@@ -34,9 +34,8 @@ typedef struct estimation {
     double *target_part, *side, *direction,
         *rotated; /* work arrays. direction [targets]: weights of a sum of target displacements.
                      target_part [disturbances]: this sum under each disturbance. side [sensors]: b,
-                     then x, of (1 + C) x = b with the covariance C of the readings, each divided by
-                     its sensor's noise. rotated [sensors]: `side` in the basis of the eigenvectors
-                     of C */
+                     then x, of (1 + C) x = b with the covariance C of the readings over their
+                     noise. rotated [sensors]: `side` in the basis of C's eigenvectors */
 } estimation;
 
 static int allocate(estimation *estimation)

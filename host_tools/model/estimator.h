@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gains with which a firmware estimates the shape from a few sensors, and measures of how well
- * these sensors determine it. Model of shape y and readings s, best linear estimate, and error
- * covariance:
+ * Gains with which a firmware estimates the shape y from the readings s of few sensors, and
+ * measures of how well these determine it. Model, best linear estimate and covariance of its error:
  *   y = B v + A a,  s = S v + C a + noise,
  *   y = B v + G (s - S v) with G = A C' (C C' + N^2)^-1,
  *   A (1 + C' N^-2 C)^-1 A'.
@@ -21,20 +20,18 @@ typedef struct estimator {
     int sensors, disturbances;
     int rank; /* number of combinations of disturbances (loads and voltage errors) that the sensors
                  distinguish from noise */
-    double condition; /* condition number of the matrix whose entry (i, j) is the change of sensor
-                         reading i, divided by the noise of this sensor, under one standard
-                         deviation of disturbance j (load or voltage error). It is the ratio of the
-                         largest to the smallest singular value; only singular values above 1, which
-                         stand out from the noise, count. */
+    double condition; /* condition number of the matrix of readings, each over its sensor's noise,
+                         under one standard deviation of each disturbance (load or voltage error):
+                         ratio of the largest to the smallest singular value above 1; smaller ones
+                         do not stand out from the noise */
     double disturbed; /* expected root mean square of the shape, weighted with the target weights,
                          under the disturbances (loads and voltage errors), before estimation */
     double remaining; /* expected root mean square of the error of the estimated shape, weighted
                          with the target weights */
-    double worst_disturbed; /* worst_disturbed, worst_remaining: numbers of the shape in which the
-                               estimation error is largest (member `worst`). worst_disturbed:
-                               expected root mean square of the displacements along this shape under
-                               the disturbances (loads and voltage errors). worst_remaining:
-                               expected root mean square of the estimation error along it. */
+    double worst_disturbed; /* worst_disturbed, worst_remaining: expected root mean square, along
+                               the shape in which the estimation error is largest (member `worst`),
+                               of the displacements under the disturbances (loads and voltage
+                               errors) and of the estimation error */
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */
@@ -55,7 +52,7 @@ typedef struct estimator {
 
 /*
  * Compute the gains of a scene with an `estimate` section from its structure in the reference
- * state; for a scene without that section only shape_per_load is computed.
+ * state; for other scenes only shape_per_load.
  *   analysis in  analysis whose influence matrix is computed
  * Returns 0, or -1 with error filled and the estimator empty, also where the error of the estimate
  * would exceed the scene's tolerance.

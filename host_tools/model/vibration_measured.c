@@ -2,7 +2,7 @@
 /*
  * Vibration modes of a structure that is known by its measured influence matrix (vibration.h), with
  * the outputs as dof. The static response is the sum over the modes of shape times modal coordinate
- * in equilibrium, plus the response of other modes.
+ * in equilibrium, plus the response of modes that are left out.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -450,8 +450,8 @@ typedef struct scene_support {
                               other supports */
     int turn; /* local axis about which the support rotates its nodes. 1: e2; -1: e1; 0: no
                  rotation. The angle a (rad, formula `value`) prescribes the difference of both
-                 faces' displacements over the thickness: sin(a) along e1 about e2, -sin(a) along e2
-                 about e1 */
+                 faces' displacements over the thickness: sin(a) along e1 for a rotation about e2,
+                 -sin(a) along e2 for one about e1 */
     scene_at at;
 } scene_support;
 

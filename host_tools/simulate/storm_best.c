@@ -34,10 +34,10 @@ void storm_compute_rest(storm *storm, const double *voltage)
 
 /*
  * Find the voltages at which a control loop comes to rest on a structure whose influence matrix
- * differs from the controller's. They are not the best ones for the structure, because the
- * controller uses its own matrix.
+ * differs from the controller's. They are not the best ones, because the controller uses its own
+ * matrix.
  *   control  in/out  controller with its own influence matrix; its voltage limits are those of the
- *                    voltages that can act on the ceramic
+ *       voltages that can act on the ceramic
  */
 static pzs_status find_rest(storm *storm, pzs_control *control)
 {
@@ -57,8 +57,8 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 
 /*
  * Compute the influence matrix of the simulated structure for the voltage optimisation: without the
- * part of its columns along the free functions of the target (shapes that cost nothing). Small
- * entries, which the controller may leave out, are included.
+ * free functions of the target (shapes that cost nothing), and with small entries that the
+ * controller may leave out.
  *   column    [targets]             out  work array
  *   influence [targets][amplifiers] out  displacement per volt (length unit/V)
  */

@@ -9,10 +9,9 @@
 #include "storm_state.h"
 
 /*
- * Return the amplitude of small vibrations of a control loop as one number: the root of the sum of
- * two squared norms, weighted with the target weights. One norm is that of the vibration
- * displacements. The other is that of the static displacements by the last change of the voltages,
- * because an unstable loop can also make the voltages oscillate.
+ * Return the amplitude of small vibrations of a control loop: root of the sum of two squared norms,
+ * weighted with the target weights. They are of the vibration displacements, and of the static
+ * displacements by the last change of the voltages, which can oscillate, too.
  */
 static double amplitude(storm *storm)
 {

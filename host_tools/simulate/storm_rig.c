@@ -63,10 +63,9 @@ static void fill_limits(storm_rig *rig)
 }
 
 /*
- * Shape errors are divided by the norm of the target, or by a lower limit of it if the target is
- * smaller. The limit is this fraction of a reference norm: the root mean square, over random signs,
- * of the norm of the shape in which the voltage of every amplifier differs by plus or minus half
- * its range from the middle.
+ * Lower limit of the norm of the target by which shape errors are divided, as a fraction of a
+ * reference norm: root mean square, over random signs, of the norm of the shape with every voltage
+ * at plus or minus half its range from the middle.
  */
 static const double least_scale = 0.02;
 

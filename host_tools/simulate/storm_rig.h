@@ -107,9 +107,8 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
 void storm_close(storm_rig *rig);
 
 /*
- * Let the following storms (simulations with fast target jumps) move another structure: the one
- * linearised about its equilibrium at the target, in place of the undeformed one. The controller
- * keeps its tables.
+ * Let the following storms (simulations with fast target jumps) move the structure linearised about
+ * its equilibrium at the target. The controller keeps its tables.
  *   deformed in  data of the structure in that equilibrium; must outlive `rig`
  * Returns whether memory sufficed.
  */
@@ -119,8 +118,7 @@ bool storm_deform(storm_rig *rig, const deformed *deformed);
  * Set the control loop of the next storms (simulations with fast target jumps).
  *   rig            in/out  data that all storms share
  *   block [blocks] in      blocks (stages) of the control tick, copied; their tables must outlive
- *                          the rig. The supervisor is left out: it would take storms for a
- *                          diverging loop and set the voltages itself
+ *       the rig. The supervisor is left out, because it would take a storm for a diverging loop
  *   delay          in      age of the readings that the scene file states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);

@@ -112,10 +112,9 @@ static void append_block(storm *storm, const pzs_block *given)
 }
 
 /*
- * Copy the blocks (stages of the control tick) that the simulation runs. A simulation without
- * limits measures the growth of vibrations. It omits the blocks after the one that computes the
- * voltages, because converter steps and held electrodes would hide the growth. It also omits the
- * compensation of hysteresis, which has no inverse without limits.
+ * Copy the blocks (stages of the control tick) that the simulation runs. Without limits (growth of
+ * vibrations), those after the step block are left out, because converter steps and held electrodes
+ * would hide the growth, and the compensation of hysteresis, which has no inverse without limits.
  */
 static void set_tables(storm *storm)
 {

@@ -105,10 +105,9 @@ void storm_compute_shape(storm *storm);
 double storm_distance(const storm *storm, const double *first, const double *second);
 
 /*
- * Static displacement of an output of the structure at 0 V (m). It is the sum of the displacement
- * that the output has at 0 V without the load of a load step, and of the displacement by this load.
- * Simulations without voltage limits, which measure the growth of small vibrations, leave out the
- * first term: the voltages would only move to compensate it.
+ * Return the static displacement of an output of the structure at 0 V (m): without load, plus that
+ * by the load of a load step. Simulations without voltage limits (growth of small vibrations) leave
+ * out the first term, which the voltages would only move to compensate.
  */
 double storm_offset(const storm *storm, size_t row);
 
@@ -120,9 +119,9 @@ double storm_offset(const storm *storm, size_t row);
 void storm_compute_rest(storm *storm, const double *voltage);
 
 /*
- * Compute the best shape for the last target that the voltages on the ceramic allow on the
- * simulated structure, with its own influence matrix. On a structure linearised about a deformed
- * state, compute the shape at which the loop comes to rest instead, with the controller's matrix.
+ * Compute the best shape of the simulated structure, with its own influence matrix, for the last
+ * target within the voltages on the ceramic. On a structure linearised about a deformed state,
+ * compute the shape at which the loop comes to rest, with the controller's matrix.
  *   voltage [amplifiers] out  voltages of this shape (V)
  */
 pzs_status storm_find_best(storm *storm, double *voltage);
