@@ -135,9 +135,9 @@ void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
  * Turn the triads (local axes) of nodes at supports with the key `direction`: e1 becomes this
- * direction, projected on the surface. For meshes between mesh lines, not from a file. Returns 0,
- * or -1 with error filled if the direction is normal to the surface, or if other supports or
- * distributed loads need other axes there.
+ * direction, projected on the surface. Not for meshes from a file. Returns 0, or -1 with error
+ * filled if the direction is normal to the surface, or other supports or distributed loads need
+ * other axes.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 

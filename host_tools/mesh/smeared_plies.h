@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Plies of patches with smeared stiffness, which may end within an element. Integrals over the
- * thickness (stiffness, mass, thermal expansion) count such a ply by the fraction of the area that
- * it covers. In-plane strains are the same in the covered part and beside it; so is the normal
- * stress 33 with the element option lin33.
+ * thickness count such a ply by the fraction of the area that it covers. In-plane strains, and with
+ * the element option lin33 the normal stress 33, are the same in the covered part and beside it.
  */
 #ifndef SMEARED_PLIES_H
 #define SMEARED_PLIES_H

@@ -82,9 +82,8 @@ enum { WIRING_FAULTS = 16 };
 
 /*
  * Find faults of electrodes and cables that explain the difference between measured shapes and a
- * model: first pairs of exchanged cables, then electrodes that do not act or act with the opposite
- * sign. A pair counts if its exchange lowers the sum of squared differences by at least the
- * fraction WIRING_GAIN.
+ * model: first pairs of exchanged cables, if that lowers the sum of squared differences by at least
+ * the fraction WIRING_GAIN; then electrodes that do not act or act with the opposite sign.
  *   fault          out  faults found, each with the index of its electrode
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns the number of faults, or -1 where memory runs out.

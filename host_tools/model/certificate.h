@@ -69,10 +69,10 @@ typedef struct certificate_target {
                          target jumps), from the one at which the loop should come to rest; relative
                          to the norm of the target */
     double at_gain, at_frequency; /* structure on which the loop did worst: static response to
-                                     voltages (at_gain) and natural frequencies (at_frequency),
-                                     relative to the deformed structure. If a storm (fast target
-                                     jumps) failed, the one whose storm ended farthest from the best
-                                     shape; else the one on which small vibrations grow most */
+                                     voltages (at_gain) and natural frequencies (at_frequency), over
+                                     those of the deformed structure. Worst: the storm (fast target
+                                     jumps) that ended farthest from the best shape, or without a
+                                     failed storm the fastest growth of small vibrations */
 } certificate_target;
 
 /*

@@ -321,13 +321,13 @@ static bool is_stable_at(const assessed_loop *loop, double interval)
     return true;
 }
 
-/*
- * Return whether the control loop is stable at a tick rate on all structures to be tested. If a
- * tick interval exceeds four periods of the first vibration mode, the phase of the vibration
- * matters: intervals longer by fractions k / PHASES of a period are tested, too.
- */
+/* Return whether the control loop is stable at a tick rate on all structures to be tested. */
 static bool is_stable(const assessed_loop *loop, double rate)
 {
+    /*
+     * If a tick interval exceeds four periods of the first mode, the phase of the vibration at the
+     * tick matters, and intervals longer by fractions k / PHASES of a period are tested, too.
+     */
     const double period = two_pi / sqrt(loop->square[0]), interval = 1 / rate;
     const int phases = interval > 4 * period ? PHASES : 1;
     for (int k = 0; k < phases; k++)

@@ -266,9 +266,8 @@ static int check_park_rows(const design *design, char *error)
 
 /*
  * Compute the park voltages, to which the supervisor returns after a fault: that of the scene for
- * all amplifiers, or those nearest to 0 within each amplifier's limits. If these violate limits
- * between amplifiers, others that obey all limits replace them. Returns 0, or -1 with error filled
- * if the park voltage of the scene violates limits.
+ * all amplifiers, or those nearest to 0 within each amplifier's limits. Returns 0, or -1 with error
+ * filled if the park voltage of the scene violates limits.
  */
 static int build_park(design *design, char *error)
 {
@@ -288,6 +287,7 @@ static int build_park(design *design, char *error)
     }
     if (is_given)
         return check_park_rows(design, error);
+    /* Voltages near 0 that violate limits between amplifiers are replaced by ones that obey all. */
     if (design_rows_violated(design, design->park) >= 0)
         memcpy(design->park, design->rows.safe, amplifiers * sizeof *design->park);
     return 0;

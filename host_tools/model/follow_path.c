@@ -484,11 +484,14 @@ typedef struct step_control {
 
 /*
  * Choose the length of the next step on the load path: longer after fewer iterations than
- * control->usual, shorter after more. `usual` rises where a shortened step has not reduced the
- * iterations, as with follower loads, the tangent of which is approximate.
+ * control->usual, shorter after more.
  */
 static void adapt_length(step_control *control, double arc, int iterations)
 {
+    /*
+     * A shortened step that has not reduced the iterations raises `usual`: with follower loads the
+     * tangent is approximate, and shorter steps do not help.
+     */
     if (control->is_shorter && iterations >= control->before)
         control->usual = iterations > control->usual ? iterations : control->usual;
     const double ratio = fmin(2, fmax(0.5, sqrt((double)control->usual / iterations)));

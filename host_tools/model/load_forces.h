@@ -33,10 +33,10 @@ void load_temperature_resultants(const mesh *mesh, const scene_load *load, int e
                                  double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute two base vectors of a face at a corner of an element, for the nodal forces of a pressure
- * with Cartesian kinematics. They run along the straight sides (chords) that meet there. A chord
- * over an arc of angle a leans by a/2, reduced to 1/(a/2) - cot(a/2): nodal forces then have the
- * resultant and moment of the pressure on the arc.
+ * Compute two base vectors of a face at a corner of an element along the straight sides (chords)
+ * that meet there, for the nodal forces of a pressure with Cartesian kinematics. A chord over an
+ * arc of angle a leans by a/2, reduced to 1/(a/2) - cot(a/2) for the resultant and moment of the
+ * pressure on the arc.
  *   flat [2][2] out  components of the base vectors in the tangent plane
  *   lean [2]    out  component of each base vector normal to it, reduced
  * Returns the area that the two base vectors span.

@@ -11,8 +11,8 @@
 
 /*
  * Compute the load path from the reference state to the full load, and append its points to an
- * empty path. It ends early where no equilibrium is found, as above a limit load; where the load
- * factor moves a contact body or a support, it continues beyond a maximum of the force.
+ * empty path. The path ends early where no equilibrium is found, as above a limit load. A moved
+ * contact body or support lets it continue beyond a maximum of the force.
  *   analysis in/out  with an equilibrium solver in the reference state
  *   reached  out     load factor of the last point
  * Returns 0, or -1 with error filled where memory runs out.

@@ -515,9 +515,7 @@ static double largest_change(const analysis *analysis, const newton *newton, con
 
 /*
  * Move the voltages to the optimum of the linearised structure within the trust radius, the largest
- * change of any voltage. The radius follows the ratio of actual to predicted decrease of the
- * objective. A step without decrease is undone and repeated with a smaller radius. Returns the
- * relative decrease; 0 if no step decreases the objective.
+ * change of any voltage. Returns the relative decrease of the objective; 0 if no step decreases it.
  */
 static double make_trust_region_step(analysis *analysis, common_limits common, newton *newton,
                                      voltages *result, pzs_status *status, char *error)
@@ -532,12 +530,14 @@ static double make_trust_region_step(analysis *analysis, common_limits common, n
                      promise = predicted_objective(analysis, newton, result);
         const int reached = evaluate(analysis, result, 1, error) == 0;
         const double kept = (before - objective(analysis, result)) / (before - promise);
+        /* The radius follows the ratio of actual to predicted decrease of the objective. */
         if (!reached || !(kept > 0.75))
             newton->trust_radius = change / (kept > 0.25 && reached ? 1 : 4);
         else if (change >= 0.99 * newton->trust_radius)
             newton->trust_radius = 2 * change;
         if (reached && objective(analysis, result) < before)
             return 1 - objective(analysis, result) / before;
+        /* A step without decrease is undone and repeated with a smaller radius. */
         restore_best(analysis, newton, result);
     }
     return 0;

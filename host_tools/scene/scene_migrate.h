@@ -10,8 +10,8 @@
 
 /*
  * Rewrite the text of a scene file with the present names of keys and words. The retired step limit
- * `slew` (V a tick) becomes a rate limit (V/s); without a tick rate, or if rounding would change
- * it, it remains a step limit.
+ * `slew` (V a tick) becomes a rate limit (V/s), unless the tick rate is missing or rounding would
+ * change the limit.
  *   text, bytes                out  new text and its length, to be released with free; NULL after
  *       an error
  *   error        [SCENE_ERROR] out  one line with the position of the fault

@@ -11,9 +11,9 @@
 
 /*
  * Return whether a surface is given by formulas or fitted to points; the functions of this file are
- * for such surfaces alone. There e1 is along the theta1 line, e3 the unit normal (cross product of
- * the tangents), and e2 = e3 x e1. In surface_point, `lame` holds the lengths of the tangents,
- * `curvature` the normal curvatures of the coordinate lines, and `geodesic` 0.
+ * for such surfaces alone. Their axis e1 is along the theta1 line, e3 is the cross product of the
+ * tangents with length 1, and e2 = e3 x e1. In surface_point, `lame` holds the lengths of the
+ * tangents, `curvature` the normal curvatures of the coordinate lines, and `geodesic` 0.
  */
 int surface_is_general(const scene_surface *surface);
 

@@ -23,8 +23,8 @@ typedef bool storm_visit(void *context, const storm_task *task, const storm_resu
 
 /*
  * Run the simulations of a batch in several threads with the same tables of the loop's blocks
- * (stages of the control tick), none of which may keep memory in its tables, as those of laws.h do.
- * The results do not depend on the number of threads.
+ * (stages of the control tick). No block may keep memory in its tables, as those of laws.h do.
+ * Results do not depend on the number of threads.
  *   count in  number of simulations, at most STORM_BATCH_LIMIT
  * Returns 0, or -1 with the error of the first simulation that failed; those before it have been
  * visited.

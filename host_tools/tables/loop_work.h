@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Upper bounds of the processor instructions in a control tick, for each of its blocks (stages),
- * from the sizes of the tables: operations in the loops of a block, times the instructions of gcc
- * for one. Checked with QEMU by tests/bench/count_bound.sh. Not covered are ticks that repair
- * damaged memory, or that follow more than LOOP_WORK_MISSED missed ticks.
+ * Upper bounds of the processor instructions in a control tick, for each of its blocks (stages):
+ * operations by the sizes of the tables, times the instructions of gcc for one. The script
+ * tests/bench/count_bound.sh compares them with QEMU. Not covered are ticks that repair damaged
+ * memory, or that follow more than LOOP_WORK_MISSED missed ticks.
  */
 #ifndef LOOP_WORK_H
 #define LOOP_WORK_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The plant of a scene as the model in an FMU: amplifiers, cables, ceramic, linear structure with
- * or without vibration, and sensors. The order of the calls is that of simulate_loop.c, which gives
- * identical bits. Readings after a step belong to the controller's next tick; a load set before a
- * step acts from its end.
+ * or without vibration, and sensors. The order of calls and the bits are those of simulate_loop.c.
+ * Readings after a step belong to the controller's next tick; a load set before a step acts from
+ * its end.
  */
 #include <math.h>
 #include <stdio.h>
