@@ -109,11 +109,11 @@ typedef struct pzs_optimiser {
                                to the tableau (pivoted Hessian); their rank-one updates are in the
                                array `pending` */
     /*
-     * [width >= inputs] marks of inputs, 1 or 0. While the tableau (pivoted Hessian) is recomputed:
-     * 1 for an input whose voltage is to become free again. In iterations of the dual active-set
-     * method: 1 for an input that is ignored, because only rounding errors move its voltage out of
-     * its bounds. In iterations of the primal method: 1 for a free input whose voltage would pass a
-     * bound
+     * [width >= inputs] marks of inputs, 1 or 0, with a meaning in each method:
+     *   tableau (pivoted Hessian) recomputed  1: voltage that is to become free again
+     *   dual active-set method                1: ignored input, which only rounding errors move out
+     *                                         of its bounds
+     *   primal method                         1: free input whose voltage would pass a bound
      */
     pzs_real *waiting;
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] Cholesky factor of the inverse of the Hessian
@@ -183,29 +183,29 @@ typedef struct pzs_optimiser {
     pzs_real pivot_rounding; /* estimated rounding error of the pivots that belong to limits of sums
                                 of voltages in the dual active-set method (V2/m2); 0: no sums are
                                 limited */
-    pzs_real multiplier_change; /* size of the changes of multipliers in the present round of
-                                   iterations (m2/V), from which rounding errors of the voltages
-                                   are estimated; used only where sums of voltages are limited.
-                                   It begins with the largest gradient of a free voltage. Each
-                                   iteration of the dual active-set method adds the change of the
-                                   multiplier of the input that becomes active */
-    pzs_real model_rounding;    /* rounding-error bound of each entry of model_gradient (m2/V). The
-                                   array model_gradient is the part of half the gradient of the
-                                   objective that depends on the voltages */
-    pzs_real start_rounding;    /* rounding-error bound of each entry of start_gradient (m2/V). The
-                                   array start_gradient is half the gradient of the objective at
-                                   the start of the present round (sequence of iterations) */
-    pzs_real target_rounding;   /* rounding-error bound of each entry of target_gradient (m2/V).
-                                   The array target_gradient is the part of half the gradient of
-                                   the objective that depends on the target shape */
-    pzs_real target_energy; /* scale of the objective, with which its rounding errors are compared
-                               (m2): weighted squared norm of the target shape minus the shape
-                               without voltages */
     /*
-     * largest violation of the optimality (KKT) conditions by an input (m2/V). Exception: where
-     * most of the gradient is only predicted, by the tableau (pivoted Hessian), two of its entries
-     * are also computed from the Hessian. The member is then the sum of the absolute errors of both
-     * predictions. In either case it is compared with `rounding_bound`
+     * size of the changes of multipliers in the present round of iterations (m2/V), from which
+     * rounding errors of the voltages are estimated where sums of voltages are limited: largest
+     * gradient of a free voltage at the start, plus the changes of the multipliers of all inputs
+     * that become active
+     */
+    pzs_real multiplier_change;
+    pzs_real model_rounding;  /* rounding-error bound of each entry of model_gradient (m2/V). The
+                                 array model_gradient is the part of half the gradient of the
+                                 objective that depends on the voltages */
+    pzs_real start_rounding;  /* rounding-error bound of each entry of start_gradient (m2/V). The
+                                 array start_gradient is half the gradient of the objective at
+                                 the start of the present round (sequence of iterations) */
+    pzs_real target_rounding; /* rounding-error bound of each entry of target_gradient (m2/V).
+                                 The array target_gradient is the part of half the gradient of
+                                 the objective that depends on the target shape */
+    pzs_real target_energy;   /* scale of the objective, with which its rounding errors are compared
+                                 (m2): weighted squared norm of the target shape minus the shape
+                                 without voltages */
+    /*
+     * largest violation of the optimality (KKT) conditions by an input (m2/V), to be compared with
+     * `rounding_bound`. Where the tableau (pivoted Hessian) has predicted most of the gradient: sum
+     * of the absolute errors of two predicted entries, found from the Hessian
      */
     pzs_real kkt_violation;
     pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)
@@ -464,11 +464,9 @@ typedef struct pzs_pulse_detector_state {
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
                                input (unit of each sensor / V) */
     /*
-     * L D L^T factors of the matrix D'S^2 D + ridge (1/V2). D [sensors][inputs] holds the static
-     * readings per volt, the diagonal matrix S the scales of the sensors. With these factors the
-     * fault detector estimates the voltage error of each electrode from the readings by least
-     * squares. The voltage error is the voltage that the readings show minus the one that the
-     * amplifier gave
+     * L D L^T factors of D'S^2 D + ridge (1/V2), with which the fault detector estimates by least
+     * squares the voltage error of each electrode (voltage that the readings show minus the given
+     * one). D [sensors][inputs]: static readings per volt; S: scales of the sensors
      */
     pzs_envelope columns;
     /*
@@ -480,10 +478,9 @@ typedef struct pzs_pulse_detector_state {
                                 in which readings are averaged) or test pulse; after a window its
                                 mean voltages (V) */
     /*
-     * [inputs] weighted sum of the voltages (V), each minus the voltage in the first tick. In a
-     * window (an interval in which readings are averaged) the sum is a weighted mean: the weights
-     * add up to 1. In a test pulse the weights are symmetric in time about the middle of the pulse,
-     * and the sum measures the pulse
+     * [inputs] weighted sum of the voltages (V), each minus that in the first tick. In a window (an
+     * interval in which readings are averaged) the weights add up to 1; in a test pulse they are
+     * symmetric in time about its middle, and the sum measures the pulse
      */
     pzs_real *voltage;
     pzs_real *late_voltage; /* [inputs] weighted sum of voltages over the ticks of the present test
@@ -523,10 +520,9 @@ typedef struct pzs_pulse_detector_state {
                                 in which readings are averaged) or test pulse; after a window its
                                 mean readings (unit of each sensor) */
     /*
-     * [sensors] weighted sum of the readings (unit of each sensor), each minus the reading in the
-     * first tick. In a window (an interval in which readings are averaged) the sum is a weighted
-     * mean: the weights add up to 1. In a test pulse the weights are symmetric in time about the
-     * middle of the pulse, and the sum measures the response to the pulse
+     * [sensors] weighted sum of the readings (unit of each sensor), each minus that in the first
+     * tick. In a window (an interval in which readings are averaged) the weights add up to 1; in a
+     * test pulse they are symmetric in time about its middle, and the sum measures the response
      */
     pzs_real *reading;
     pzs_real *late_reading; /* [sensors] weighted sum of readings over the ticks of the present test
@@ -741,12 +737,12 @@ typedef struct pzs_monitor_state {
     pzs_real answered; /* exponentially decaying sum of predicted times measured change of the shape
                           in the last ticks (m2); divided by `moved` it tells how well the structure
                           follows its model */
-    uint32_t fixed;    /* number by which the divergence monitor notices that voltages were fixed
-                          or released, or that a test signal began or ended: 2 * (number of
-                          inputs with equal lower and upper voltage limit in the last tick), plus
-                          1 if the fault detector applied a test signal. The monitor does not
-                          judge a tick in which the number changes, because the predicted shape
-                          may have jumped */
+    /*
+     * number by which the divergence monitor notices that voltages were fixed or released, or that
+     * a test signal began or ended, so that the predicted shape may have jumped: 2 * (number of
+     * inputs with equal lower and upper limit in the last tick), plus 1 during a test signal
+     */
+    uint32_t fixed;
     bool is_started;
 } pzs_monitor_state;
 
@@ -803,8 +799,7 @@ typedef struct pzs_selftest_core {
 /*
  * Sums with which the self-test compares a measured and a modelled response: of all sensors to one
  * amplifier, or of one sensor to all amplifiers. A response is the change of a reading per volt of
- * a test pulse, times the scale factor of the sensor (1 / unit of the sensor), which makes it a
- * number per volt (1/V).
+ * a test pulse, times the scale factor of the sensor (1/V).
  */
 typedef struct pzs_selftest_sums {
     pzs_real product; /* scalar product of measured and modelled response (1/V2). Both are vectors:
@@ -864,18 +859,16 @@ typedef struct pzs_selftest_state {
     pzs_real *start;  /* [inputs] voltages before the self-test, to which each amplifier returns
                          after its test pulse (V) */
     /*
-     * largest deviation from the model found so far (1/V2): [0] of an amplifier, [1] of a sensor.
-     * It is
+     * largest deviation from the model found so far (1/V2): [0] of an amplifier, [1] of a sensor:
      *   |measured response - mean gain of all amplifiers * modelled response|^2 - part of the noise
-     * A response is a vector of readings per volt times scale factors (1/V): of an amplifier with
-     * an entry for each sensor, of a sensor with an entry for each amplifier
+     * The response of an amplifier has an entry for each sensor, that of a sensor for each
+     * amplifier (scaled readings per volt, 1/V)
      */
     pzs_real difference[2];
     /*
-     * squared sine of the smallest angle found so far (dimensionless). The angle is that between
-     * two modelled responses, taken as vectors: that of the amplifier (or sensor) under examination
-     * and that of another one. The start value is a limit: at a larger angle the self-test would
-     * notice if the cables of both were exchanged
+     * squared sine of the smallest angle found so far between the modelled responses (vectors) of
+     * the amplifier (or sensor) under examination and of another one (dimensionless). At an angle
+     * above the start value the self-test would notice exchanged cables
      */
     pzs_real least_angle;
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
@@ -883,10 +876,9 @@ typedef struct pzs_selftest_state {
                                        its own (own), and with the nearest one found so far
                                        (nearest) */
     /*
-     * results of two comparisons in the search for exchanged cables. Both compare the measured
-     * response of a partner: a second amplifier (or sensor), whose cable may be exchanged with that
-     * of the one under evaluation. In partner_own it is compared with the modelled response of the
-     * partner, in partner_nearest with that of the one under evaluation
+     * comparisons of the measured response of a partner, with whose cable that of the amplifier (or
+     * sensor) under evaluation may be exchanged: with the modelled response of the partner
+     * (partner_own), and with that of the one under evaluation (partner_nearest)
      */
     pzs_selftest_sums partner_own, partner_nearest;
     uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs
@@ -902,9 +894,8 @@ typedef struct pzs_calibration_state {
                                   the columns that its records do not determine (m/V) */
     /*
      * [inputs + 1][inputs + outputs] memory of the recursive least squares of a calibration. First
-     * `inputs` columns (V): triangular factor R, where R'R is the sum of v v' over the recorded
-     * voltages v. Other columns (m): the readings of the records, rotated by the same rotations.
-     * Last row: record that is being added
+     * `inputs` columns (V): triangular factor R with R'R = sum of v v' over the recorded voltages
+     * v. Other columns (m): the readings after the same rotations. Last row: record being added
      */
     pzs_real *factor;
     /*

@@ -1,28 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Iterations of the dual active-set method where sums of absolute values of voltages are limited.
- *
- * Optimality. For one input, with the slope f of its limits: a positive voltage between its bounds
- * is optimal if g + f = 0, a negative one if g - f = 0, a voltage of 0 V if -f <= g <= f.
- *   g  half the gradient of the objective without limits of sums of absolute values
- *   f  sum of (weight * multiplier) over these limits (pzs_absolute_slopes)
- *
- * An input may thus also be kept at 0 V, by the multiplier m = s g + f with the chosen sign s of
- * its voltage; 0 <= m <= 2 f.
- *
- * Iteration. As in boxls_dual.c, the multiplier of one free quantity outside its bounds, the
- * entering one, changes; the multipliers of the active quantities follow. It ends at the first
- * event:
- *   - the entering quantity reaches its bound and becomes active;
- *   - a multiplier becomes 0: its quantity becomes free;
- *   - the multiplier m of an input at 0 V becomes 2 f: the input becomes free with the other sign;
- *   - the entering quantity is an input at the wrong side of 0 V, and its m becomes 2 f before its
- *     voltage reaches 0 V: it gets the other sign and stays free.
- *
- * After a change of sign away from 0 V, limits of the changed sums become free but keep their
- * multipliers; each then becomes the entering quantity. The number of iterations is finite, because
- * every iteration of positive length raises the dual objective. An input with f = 0 gets the sign
- * of its voltage without an iteration.
+ * An input may then also be kept at 0 V (input_state), and its voltage has a chosen sign, which the
+ * iterations may reverse.
  */
 #include "absolute_rows.h"
 #include "boxls_dual.h"
@@ -39,7 +19,14 @@
  */
 #define REPEATS 2u
 
-/* State of an input in the iterations. */
+/*
+ * State of an input in the iterations, where sums of absolute values of voltages are limited. With
+ *   g  half the gradient of the objective without these limits
+ *   f  sum of (weight * multiplier) over these limits (pzs_absolute_slopes)
+ *   s  chosen sign of the voltage, 1 or -1
+ * a voltage between its bounds is optimal if s g + f = 0, and a voltage of 0 V if -f <= g <= f. The
+ * multiplier m = s g + f that keeps an input at 0 V thus has two limits, 0 <= m <= 2 f.
+ */
 typedef enum {
     INPUT_FREE,     /* its multiplier is 0 */
     INPUT_AT_BOUND, /* kept at a bound of its voltage by a multiplier of one sign */
@@ -169,6 +156,25 @@ static void drop_wrong(const rows_run *run, pzs_real rounding)
 }
 
 /* ---- iteration ----------------------------------------------------------------- */
+
+/*
+ * As in boxls_dual.c, an iteration changes the multiplier of one free quantity outside its bounds
+ * (a voltage or a limited sum), the entering one; the multipliers of the active quantities follow.
+ * It ends at the first event:
+ *   - the entering quantity reaches its bound and becomes active;
+ *   - a multiplier becomes 0: its quantity becomes free;
+ *   - the multiplier of an input at 0 V becomes twice the slope of its limits (input_state): the
+ *     input becomes free with the other sign;
+ *   - the entering quantity is an input at the wrong side of 0 V, and its multiplier becomes twice
+ *     this slope before its voltage reaches 0 V: it gets the other sign and stays free.
+ */
+
+/*
+ * Another sign of a voltage away from 0 V changes the limited sums of absolute values. Their limits
+ * then become free but keep their multipliers, until iterations bring them to their limits or the
+ * multipliers to 0. The number of iterations is finite, because every iteration of positive length
+ * raises the dual objective.
+ */
 
 /*
  * Find the input at 0 V, or the entering input, whose multiplier first becomes twice the slope of

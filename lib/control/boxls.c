@@ -1,48 +1,21 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser: a primal active-set method that works on one symmetric matrix, the
- * tableau.
+ * tableau. Every iterate is feasible.
  *
  *   H        Hessian
  *   F        free set: inputs whose voltages may change
  *   A        active set: all others; their voltages are kept, most at a bound, some between the
  *            bounds
  *   tableau  H after one pivot exchange for each input of F
- *   round    sequence of iterations that ends with the true gradient, computed from H
+ *   round    the full step to the minimum over F if all conditions allow it, otherwise a sequence
+ *            of iterations; it ends with the gradient computed from H
  *
- * A round makes the full step to the minimum over F if that violates no bound and leaves no
- * multiplier of the wrong sign. Otherwise it makes iterations:
- *
- *   descent           Go along the direction to the minimum over F. An input that meets a bound
- *                     stays there and leaves F.
- *   release together  At a minimum over F: move all inputs of A, each of which alone would reach
- *                     its other bound, towards these bounds. F follows so that its gradient stays
- *                     zero. Stop at the minimum along this line, or where an input of F meets a
- *                     bound.
- *   release           At a minimum over F: move one input of A while F follows. If the minimum
- *                     along this line is nearer than the bound of the input, the input joins F
- *                     there.
- *
- * Properties:
  *   - Rounding errors of the tableau never reach the voltages; they only cost another round.
- *   - The voltages are feasible after every iteration.
- *   - A tableau with which a round ended at the optimum counts as verified until the next exchange
- *     (take_direct_iteration).
- *   - Multiply-adds are counted. Nothing is begun that could exceed the work limit together with
- *     the product that ends the round. The next tick continues from feasible voltages and the free
- *     set reached.
- *
- * Termination, for n inputs, f of them in F, and m of A strictly between their bounds:
- *   - A descent that a bound stops lowers f. Inputs of A between their bounds are released first,
- *     and each such release lowers 2 m + f, which is at most 2 n.
- *   - After at most 3 n iterations all inputs between their bounds thus have zero gradient: the
- *     minimum of a face of the feasible box. Only there an input at a bound is released.
- *   - An iteration of zero length makes F smaller; one of positive length lowers the objective. No
- *     face occurs twice, and the number of faces is finite.
- *   - Releases together never raise the objective, and their number in a round is limited.
- *
- * From PZS_DUAL_INPUTS inputs on, if no input depends linearly on the others, the iterations are
- * those of the dual active-set method (boxls_dual.h), and the tableau is the negative inverse of H.
+ *   - Nothing is begun that could exceed the work limit (multiply-adds) together with the product
+ *     that ends the round. The next tick continues from the voltages and the free set reached.
+ *   - From PZS_DUAL_INPUTS inputs on, if no input depends linearly on the others, the iterations
+ *     are those of the dual active-set method (boxls_dual.h).
  */
 #include <string.h>
 #include "boxls.h"
@@ -344,6 +317,31 @@ static bool is_converged(pzs_optimiser *optimiser)
 }
 
 /* ---- iterations of the active-set method ----------------------------- */
+
+/*
+ * Iterations of the active-set method, with free set F and active set A:
+ *   descent           Go along the direction to the minimum over F. An input that meets a bound
+ *                     stays there and leaves F.
+ *   release together  At a minimum over F: move all inputs of A, each of which alone would reach
+ *                     its other bound, towards these bounds. F follows so that its gradient stays
+ *                     zero. Stop at the minimum along this line, or where an input of F meets a
+ *                     bound.
+ *   release           At a minimum over F: move one input of A while F follows. If the minimum
+ *                     along this line is nearer than the bound of the input, the input joins F
+ *                     there.
+ */
+
+/*
+ * Why the iterations end, for n inputs, f of them in the free set F, and m outside F strictly
+ * between their bounds:
+ *   - A descent that a bound stops lowers f. Inputs between their bounds are released first, and
+ *     each such release lowers 2 m + f, which is at most 2 n.
+ *   - After at most 3 n iterations all inputs between their bounds thus have zero gradient: the
+ *     minimum of a face of the feasible box. Only there an input at a bound is released.
+ *   - An iteration of zero length makes F smaller; one of positive length lowers the objective. No
+ *     face occurs twice, and the number of faces is finite.
+ *   - Releases together never raise the objective, and their number in a round is limited.
+ */
 
 typedef struct blocking {
     pzs_real part;  /* fraction of a change of all free voltages after which the first of them

@@ -10,17 +10,6 @@
  * Plane rotations of the rows of [T Z] add a record, without squaring the condition number. The
  * part of the readings that they leave is the residual of the record; its mean square is the
  * variance of the noise.
- *
- * Forgetting is directional: a direction without new voltages loses nothing. A record with the
- * voltages v changes the information matrix to
- *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/M, |v|^4/(v'Iv))
- *   M  settings.memory, number of records after which older ones are forgotten
- *
- * The covariance of B, the variance of the noise times the inverse of J, is bounded, because the
- * eigenvalues of J are:
- *   at most   the larger one of the largest eigenvalue of I and V^2 M
- *   at least  det I/(V^2 M)^(inputs - 1), because the choice of f makes det J >= det I
- *   V         largest norm of v in all records
  */
 #include <string.h>
 #include "pzs_calibrate.h"
@@ -359,6 +348,20 @@ static void clear_open_rows(pzs_calibration *calibration)
         memset(row, 0, width_of(calibration) * sizeof *row);
     }
 }
+
+/*
+ * Forgetting of old records is directional: a direction without new voltages loses nothing. A
+ * record with the voltages v changes the information matrix I, the sum of v v' over the records, to
+ *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/M, |v|^4/(v'Iv))
+ *   f  part of the information in the direction of v that is forgotten
+ *   M  settings.memory, number of records after which older ones are forgotten
+ *
+ * The covariance of the influence matrix, the variance of the noise times the inverse of J, is
+ * bounded, because the eigenvalues of J are:
+ *   at most   the larger one of the largest eigenvalue of I and V^2 M
+ *   at least  det I/(V^2 M)^(inputs - 1), because the choice of f makes det J >= det I
+ *   V         largest norm of v in all records
+ */
 
 /*
  * Return the part of the information about one direction of the voltage vector that a calibration

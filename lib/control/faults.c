@@ -10,16 +10,6 @@
  *   f  voltages by which the effects of the electrodes exceed their commands, estimated by least
  *      squares; x + f is about x if an electrode follows, otherwise about 0
  *
- * An electrode is suspected in two cases:
- *   - Its voltage was changed by at least the amplitude of a test signal, and the shape hardly
- *     responded: it is stuck, or was dead before.
- *   - The shape jumped as if the voltage of this electrode, more than that of any other, had
- *     vanished: it has just died.
- *
- * A load may cause either. The suspected electrode is therefore set alternately one amplitude above
- * and below its voltage, inside all limits. It is faulty if it does not respond; a load does not
- * correlate with these moves.
- *
  * Work of a tick for m outputs and n inputs: (m + n) n multiply-adds and less than 40 (m + n) other
  * operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return.
  */
@@ -395,6 +385,18 @@ static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *v
 }
 
 /* ---- test signals of suspected electrodes ---------------------------- */
+
+/*
+ * An electrode is suspected of not following its amplifier in two cases:
+ *   - Its voltage was changed by at least the amplitude of a test signal, and the shape hardly
+ *     responded: it is stuck, or was dead before.
+ *   - The shape jumped as if the voltage of this electrode, more than that of any other, had
+ *     vanished: it has just died.
+ *
+ * A load may cause either. The suspected electrode is therefore set alternately one amplitude above
+ * and below its voltage, inside all limits. It is faulty if it does not respond; a load does not
+ * correlate with these moves.
+ */
 
 static bool is_held(const pzs_control *control, uint32_t j)
 {

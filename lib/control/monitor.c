@@ -89,10 +89,9 @@ typedef struct squares {
 } squares;
 
 /*
- * Return the number of inputs whose voltage is fixed (pzs_hold), times 2, plus 1 while the fault
- * detector applies a test signal. If this number changes, the predicted shape may have jumped
- * without a motion of the structure, because an input was fixed at the voltage that its electrode
- * really has, or was released.
+ * Return a number that changes if voltages are fixed (pzs_hold) or released, or if a test signal
+ * begins or ends: the predicted shape may then have jumped without a motion of the structure. The
+ * number is twice that of the fixed voltages, plus 1 during a test signal.
  */
 static uint32_t count_fixed(const pzs_loop_signals *signals)
 {
@@ -107,10 +106,9 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
 }
 
 /*
- * Store the measured, predicted and target shapes of a tick, with which those of the next tick are
- * compared. The divergence monitor starts anew in this way in its first tick, and when an input is
- * fixed at a voltage or released: the predicted shape, and with it the disturbance (measured minus
- * predicted shape), then jumps without a motion of the structure.
+ * Store the predicted shape of a tick and its disturbance (measured minus predicted shape), with
+ * which those of the next tick are compared. The divergence monitor thus starts anew in its first
+ * tick, and when a voltage is fixed or released, which makes the predicted shape jump.
  */
 static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -199,9 +197,8 @@ static pzs_real change_of_target(pzs_monitor_state *monitor, const pzs_loop_sign
 
 /*
  * Update two variables of the divergence monitor in a loop with a vibration damper (m, RMS over the
- * outputs). `amplitude` is the recent peak of the amplitude of vibration that the damper estimates.
- * `envelope` bounds the amplitude that motions of the target can have caused: it adds up the
- * changes of the target and decays as the vibration does.
+ * outputs): `amplitude`, the recent peak of the amplitude of vibration, and `envelope`, the
+ * amplitude that motions of the target can have caused, which decays as the vibration does.
  */
 static void follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
                          const pzs_loop_signals *signals)

@@ -1,29 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Fault detector for a loop that damps vibration (pzs_loop.h): finds dead, stuck and reversed
- * electrodes from the readings of the sensors, while the loop goes on.
- *
- * Suspicion, at the end of each window of time:
- *   - The mean readings and mean voltages of the window are compared with those of an earlier
- *     interval in which the target stood still. Weights that fall to 0 at both ends of the window
- *     suppress vibration.
- *   - find_losses estimates the voltage errors of all electrodes from these changes.
- *   - find_suspect chooses the electrode whose error explains most of the change of the readings.
- *
- * Proof:
- *   - The suspected electrode and a reference electrode, which seems healthy, make slow test pulses
- *     (test_pulse.h) at the same time. Meanwhile the loop damps vibration, but does not follow the
- *     target.
- *   - A fit of modelled responses to weighted sums of the readings (pulse_fit.h) gives the gains of
- *     both electrodes. The weights suppress constant loads, drift and vibration.
- *   - The suspected electrode is faulty if its gain is small or negative compared with that of the
- *     reference electrode. Hysteresis, a wrong model or missing readings change both gains alike.
- *   - A pulse during which a load has jumped proves nothing.
- *   - A motion of the target interrupts a proof, which begins anew after a pause of the target.
- *
- * Where the loop compensates hysteresis, this file predicts readings with the measured model of
- * hysteresis. The compensation assumes less hysteresis to be robust; with its model, healthy
- * electrodes would seem to miss a part of their voltages.
+ * electrodes from the readings of the sensors, while the loop goes on. An electrode whose voltage
+ * the readings do not show is suspected; test pulses of this and of a healthy electrode then prove
+ * the fault.
  *
  * Work in operations: outputs + 8 (inputs + sensors) in a tick, and about 3 for each play of each
  * electrode where hysteresis is compensated. In addition:
@@ -304,7 +284,8 @@ static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 /*
  * Return the voltages [inputs] with which the model predicts the readings of the sensors (V): those
  * of the last tick or, in a loop that compensates hysteresis, their effects (voltages that would
- * move the structure as far without hysteresis) by the measured model.
+ * move the structure as far without hysteresis) by the measured model. The model of the
+ * compensation assumes less hysteresis: healthy electrodes would seem to miss voltage.
  */
 static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
                                        const pzs_loop_signals *signals)
@@ -590,6 +571,15 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
 /* ---- suspicion ------------------------------------------------------------ */
 
 /*
+ * How an electrode is suspected of a fault, at the end of each window (an interval of time):
+ *   - The mean readings and mean voltages of the window are compared with those of an earlier
+ *     interval in which the target stood still. Weights that fall to 0 at both ends of the window
+ *     suppress vibration.
+ *   - find_losses estimates the voltage errors of all electrodes from these changes.
+ *   - find_suspect chooses the electrode whose error explains most of the change of the readings.
+ */
+
+/*
  * Compute the mean voltages and mean readings of a window, a time over which the fault detector
  * averages, from the values in its first tick and the weighted sums of the deviations from them.
  * The means replace the values of the first tick in the state of the detector.
@@ -868,6 +858,19 @@ static void set_base(pzs_pulse_detector_state *state)
 }
 
 /* ---- proof ---------------------------------------------------------------- */
+
+/*
+ * Proof that a suspected electrode is faulty:
+ *   - The suspected electrode and a reference electrode, which seems healthy, make slow test pulses
+ *     (test_pulse.h) at the same time. Meanwhile the loop damps vibration, but does not follow the
+ *     target.
+ *   - A fit of modelled responses to weighted sums of the readings (pulse_fit.h) gives the gains of
+ *     both electrodes. The weights suppress constant loads, drift and vibration.
+ *   - The suspected electrode is faulty if its gain is small or negative compared with that of the
+ *     reference electrode. Hysteresis, a wrong model or missing readings change both gains alike.
+ *   - A pulse during which a load has jumped proves nothing.
+ *   - A motion of the target interrupts a proof, which begins anew after a pause of the target.
+ */
 
 /*
  * End the test of a suspected electrode: the controller again chooses its voltage and that of the

@@ -10,35 +10,10 @@
  *   r, t     gradients of the regularisation and of the target at the base voltages
  *   A        matrix of the limit rows
  *
- * Quantities. A quantity is the voltage of an input, or the sum of a limit row divided by its
- * largest absolute coefficient. It is either free, or active: kept at a bound by its multiplier,
- * the derivative of the objective with respect to it.
- *
- * Tableau. Changes dm of the multipliers change the quantities by -T dm, whatever is active:
- *   T = -C P C'
- *   C  identity matrix with the scaled rows of A below it; the quantities are C v
- *   P  inverse of the Hessian
- *
- * The dual active-set method (boxls_dual.h) reads only the tableau, the bounds and the quantities,
- * and treats limit rows like further inputs.
- *
- * Round. A round begins with the gradient computed from H and the sums computed from A, and ends
- * with voltages inside all bounds and limit rows. Rounds are repeated until the multipliers prove
- * the voltages optimal up to rounding errors:
- *
- *   step        to the minimum over the free quantities, with the active ones at their bounds;
- *   iterations  of the dual active-set method, until all quantities are inside their bounds and all
- *               multipliers have the right sign;
- *   correction  for rounding errors: the step is shortened if a sum is outside its limits. If the
- *               work limit has stopped the iterations, the round ends at the minimum on the part of
- *               its step that is inside all limits. A round that raises the objective is undone.
- *
- * Singular Hessian. P is then the inverse of the Hessian with a shift of its diagonal, and a round
- * is a proximal-point step, whose optimum the shift does not change. After rounds that fail because
- * of rounding errors, the shift is raised.
- *
- * Rounding. The limits of each row are narrowed by a margin, so that a sum at a narrowed limit is
- * inside the true limit.
+ * A quantity is the voltage of an input, or the sum of a limit row divided by its largest absolute
+ * coefficient. It is either free, or active: kept at a bound by its multiplier, the derivative of
+ * the objective with respect to it. The dual active-set method (boxls_dual.h) treats limit rows
+ * like further inputs.
  */
 #include <string.h>
 #include "row_solver.h"
@@ -166,6 +141,17 @@ static uint64_t remaining_work(const rows_run *run)
 }
 
 /* ---- tableau: changes of voltages and limited sums per change of multipliers ----- */
+
+/*
+ * Tableau T of the optimiser: changes dm of the multipliers change the quantities (voltages and
+ * scaled sums of limit rows) by -T dm, whatever is active:
+ *   T = -C P C'
+ *   C  identity matrix with the scaled limit rows below it
+ *   P  inverse of the Hessian; of a singular Hessian, or one that is nearly so, with a shift of its
+ *      diagonal
+ * With a shift, a round is a proximal-point step, whose optimum the shift does not change. After
+ * rounds that fail because of rounding errors, the shift is raised.
+ */
 
 /* Return the largest diagonal entry of the Hessian (m2/V2). */
 static pzs_real stiffest_of(const rows_run *run)
@@ -668,6 +654,19 @@ static void undo_round(const rows_run *run)
 }
 
 /* ---- rounds ------------------------------------------------------------------ */
+
+/*
+ * A round begins with the gradient computed from the Hessian and the sums computed from the limit
+ * rows, and ends with voltages inside all bounds and limit rows. Rounds are repeated until the
+ * multipliers prove the voltages optimal up to rounding errors.
+ *   step        to the minimum over the free quantities (voltages and limited sums), with the
+ *               active ones at their bounds;
+ *   iterations  of the dual active-set method, until all quantities are inside their bounds and all
+ *               multipliers have the right sign;
+ *   correction  for rounding errors: the step is shortened if a sum is outside its limits. If the
+ *               work limit has stopped the iterations, the round ends at the minimum on the part of
+ *               its step that is inside all limits. A round that raises the objective is undone.
+ */
 
 /*
  * Make a fresh start after iterations that no longer reduce the duality gap. Returns whether

@@ -11,12 +11,6 @@
  *   3. The column or row that differs most is reported and excluded from later comparisons, until
  *      nothing differs. One at a time: a faulty amplifier also changes the rows of sensors near it,
  *      and a faulty sensor columns likewise.
- *
- * Each stage is a sequence of steps. A step compares one measured with one modelled column or row;
- * the last step decides what the comparisons mean, and which stage is next.
- *
- * A tick makes steps until it has compared settings.work_limit entries, so that its time hardly
- * depends on the size of the structure. The findings are the same for any number of ticks.
  */
 #include "selftest.h"
 #include "../core/numbers.h"
@@ -680,6 +674,15 @@ static void give_verdict(pzs_selftest *selftest)
 }
 
 /* ---- stages --------------------------------------------------------------- */
+
+/*
+ * Each stage of the self-test's evaluation is a sequence of steps. A step compares one measured
+ * with one modelled column or row; the last step decides what the comparisons mean, and which stage
+ * is next.
+ *
+ * A tick makes steps until it has compared settings.work_limit entries, so that its time hardly
+ * depends on the size of the structure. The findings are the same for any number of ticks.
+ */
 
 /*
  * Plan of a stage of the self-test's evaluation: which comparisons of measured with modelled

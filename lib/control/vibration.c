@@ -11,20 +11,6 @@
  * An observer of constant gain estimates q, p and w: it corrects the state predicted for the time
  * of the readings, `delay` ticks ago, and predicts the present state from the corrected one.
  *
- * The control tick minimises, within all limits and up to terms that do not depend on v,
- *
- *   share * |W (B v + C w + r - z)|^2 / 2  -  v . sum_i damping_i d_i  +  |W B (v - v_last)|^2 / 2
- *   W, B, C    output weights, influence matrix, mode shapes
- *   z, r       target shape; low-passed part of the shape that the modes do not explain
- *   damping_i  damping gradient of mode i
- *   d_i        weighted mean (pzs_vibration.mix) of q - g v - w and of an estimate without g:
- *              change of p in a tick / angle by which the mode turns in a tick
- *   share      from 0 to 1, slows the approach to the static optimum
- *
- * The damping term moves the voltages in phase with the deviation. For exact modes observed without
- * error, their energy plus the static objective never rises, because every limit permits unchanged
- * voltages. In static equilibrium the voltages are those of a tick without damping.
- *
  * Work of a tick: at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
  * sensors multiply-adds, plus the optimisation of the voltages.
  */
@@ -398,6 +384,25 @@ static void correct(pzs_damper *damper)
 }
 
 /* ---- results ---------------------------------------------------------- */
+
+/*
+ * A control tick that damps vibration chooses the voltages v that minimise, within all limits and
+ * up to terms that do not depend on v,
+ *   share * |W (B v + C w + r - z)|^2 / 2  -  v . sum_i damping_i d_i  +  |W B (v - v_last)|^2 / 2
+ *   v_last     voltages of the last tick
+ *   W, B, C    output weights, influence matrix, mode shapes
+ *   w          static modal coordinates under the loads
+ *   z, r       target shape; low-passed part of the shape that the modes do not explain
+ *   damping_i  damping gradient of mode i
+ *   d_i        deviation of mode i from static equilibrium: weighted mean (pzs_vibration.mix) of
+ *              the observed one and of (change of velocity / angular frequency in a tick) / (angle
+ *              by which the mode turns in a tick), which needs no static modal coordinates
+ *   share      from 0 to 1, slows the approach to the static optimum
+ *
+ * For exact modes observed without error, their energy plus the static objective never rises,
+ * because every limit permits unchanged voltages. In static equilibrium the voltages are those of a
+ * tick without damping.
+ */
 
 /*
  * Compute how far each vibration mode deviates from its static equilibrium, and the damping
