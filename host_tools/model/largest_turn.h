@@ -19,8 +19,8 @@ double largest_turn(const mesh *mesh, const double *displacement, int *element);
 
 /*
  * Return the largest angle between the line through the thickness of the deformed shell and the
- * normal of the undeformed shell (degrees). At 90 degrees the seventh dof of a node, which acts
- * along this normal, has no stiffness left.
+ * normal of the undeformed shell (degrees). At 90 degrees the seventh dof, along this normal, has
+ * no stiffness left.
  *   displacement [free_dof] in   displacement vector of the structure
  *   node                    out  index of the node with that angle
  */

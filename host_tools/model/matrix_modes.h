@@ -44,8 +44,8 @@ enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 /*
  * Compute an orthonormal basis of the shapes of all modes by Gram-Schmidt orthogonalisation.
  *   basis    [modes][outputs] out  orthonormal vectors
- *   triangle [modes][modes]   out  column k: coefficients of the shape of mode k in the basis (j <=
- *       k); 0 before the call
+ *   triangle [modes][modes]   out  column k: coefficients of the shape of mode k in the basis (rows
+ *       0 to k); 0 before the call
  * Returns the first mode whose shape is a combination of the shapes before it, or -1 if there is
  * none.
  */

@@ -17,8 +17,8 @@ static const double LEAST_UNCERTAINTY = 1e-9;
 
 /*
  * Return the expected error of a result extrapolated with second order where the convergence is
- * slower. Differences between further meshes are taken as a geometric series with the sum
- * last/(ratio - 1), of which the extrapolation contains last/3.
+ * slower: differences between further meshes form a geometric series with the sum last/(ratio - 1),
+ * of which the extrapolation contains last/3.
  *   last  in  difference between the results on the two finest meshes
  *   ratio in  difference between the second and the third finest, divided by `last`; 4 for second
  *       order; values below SLOWEST count as SLOWEST

@@ -9,9 +9,8 @@
 enum { PATH_CAUSE_BYTES = 2 * SCENE_ERROR };
 
 /*
- * Return whether the shell is compressed so strongly that its material law softens. This is
- * examined at one point of the load path: at the first limit point; without limit points, at the
- * first bifurcation; with neither limit points nor bifurcations, at the last point.
+ * Return whether the shell is compressed so strongly that its material law softens, at one point of
+ * the load path: the first limit point, else the first bifurcation, else the last point.
  */
 bool path_is_softened(const load_path *path);
 
@@ -23,12 +22,12 @@ bool path_is_softened(const load_path *path);
 bool path_has_lost_normal(const load_path *path, const mesh *mesh);
 
 /*
- * Fill a text with the most likely cause of the critical points or the end of a load path:
- *   equal load steps, or a solver error   the last status of the solver
- *   at the last point of the path         a turn of the shell that takes the stiffness of the
- *       seventh dof of a node
- *   at the first limit point, otherwise bifurcation, otherwise the last point   compression that
- *       softens the material law; otherwise a bend too sharp for one element
+ * Write the most likely cause of the critical points or the end of a load path into `text`, the
+ * first of
+ *   1. the last status of the solver, for equal load steps or after a solver error
+ *   2. a shell that has turned so far that a dof has lost its stiffness (path_has_lost_normal)
+ *   3. compression that softens the material law (path_is_softened)
+ *   4. a bend too sharp for one element
  */
 void path_cause(const load_path *path, const analysis *analysis, char text[PATH_CAUSE_BYTES]);
 

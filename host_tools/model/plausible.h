@@ -108,8 +108,8 @@ void plausible_loads(plausible *warnings, const scene *scene, double load, doubl
 
 /*
  * Warn about a stable control loop with a vibration model if sensor noise is as large as the
- * target, if readings one tick older make the loop unstable, or if the target is too many
- * thicknesses for the linear vibration model.
+ * target, readings one tick older make the loop unstable, or the target is too large for linear
+ * vibration.
  *   older     in  largest additional age of the readings (ticks) with which the loop is stable
  *   amplitude in  largest displacement of the target divided by the thickness of the structure
  *   noise     in  standard deviation of the sensors' noise over the root mean square of the target;

@@ -302,7 +302,7 @@ static void plane_stress(const laminate_ply *ply, const double bent[6], double z
 
 /*
  * Compute the gradient of the in-plane stresses under a unit gradient of one normal force or
- * bending moment of the laminate. The force or moment in direction a changes along a.
+ * bending moment of the laminate along its own direction.
  *   flex [6][6]  in   membrane strains and curvatures of the laminate per unit of force and moment
  *   pattern      in   0 or 1: normal force 11 or 22; 2 or 3: bending moment 11 or 22
  *   slope        out  the gradient

@@ -33,8 +33,8 @@ static void sift(const quad_graph *graph, uint32_t *list, size_t count)
 
 /*
  * List all nodes of the mesh by levels: level 0 is given, and each further level consists of the
- * new neighbours of the previous one. Among the neighbours of a node, those with fewer neighbours
- * come first.
+ * new neighbours of the previous one. Of a node's neighbours, those with fewer neighbours come
+ * first.
  *   order [nodes] in/out  in: nodes of level 0, `count` in number; out: all nodes
  *   level [nodes] out     level of each node
  * Returns the number of levels.
