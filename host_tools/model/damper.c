@@ -27,10 +27,9 @@ enum { MODE_LIMIT = 200 };
 static const double visible = 1e-3;
 
 /*
- * Gain per tick of a low-pass filter for the part of the sensor readings that observed vibration
- * modes do not explain, if the control tick observes no mode: the filter then receives the whole
- * readings. The gain is slow_part x damping ratio x angular frequency x tick interval of the first
- * vibration mode, and at most slow_limit.
+ * Gain per tick of the low-pass filter for the sensor readings where the control tick observes no
+ * vibration mode: slow_part x damping ratio x angular frequency x tick interval of the first mode,
+ * at most slow_limit. (With observed modes the filter receives what these do not explain.)
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -271,9 +270,8 @@ static void fill_noise(const builder *builder, double *noise)
 
 /*
  * Compute the weight of each sensor in the fit of vibration modes to readings: the inverse variance
- * of its noise. Where every target node is measured, it is 1, or the squared target weight where
- * the target has free functions. The weights are scaled so that the weighted readings of a mode
- * have a root mean square of about 1.
+ * of its noise; if every target node is measured, 1, or the squared target weight with free
+ * functions. Scaled so that the weighted readings of a mode have a root mean square of about 1.
  */
 static void fill_precision(builder *builder)
 {
