@@ -240,6 +240,16 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
 pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
 /*
+ * Protection of a control loop against damaged memory:
+ *   - Pointers, sizes and limits are derived anew in each tick from three copies of the list of
+ *     blocks, of which two outvote a damaged third.
+ *   - The optimiser's Hessian is compared with the tables, one row in each tick.
+ *   - Each tick adds 64 bytes of pzs_problem and 64 bytes of other tables to their checksums.
+ *   - Voltages of a damaged loop stay inside voltage limits and step limits, unless the damage
+ *     occurs after a tick and before the program reads info.voltage.
+ */
+
+/*
  * Run one tick of a control loop: all blocks (stages of the tick) in the order of their list, then
  * the last gate, which checks the voltages.
  *   wanted   [outputs] in  target shape (m)
@@ -259,14 +269,6 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  *   PZS_E_CRC     tables are damaged: reported at once for limits, otherwise after at most three
  *                 complete readings of the tables; info.block is NULL for pzs_problem, otherwise
  *                 the block with the damaged tables
- *
- * Protection against damaged memory:
- *   - Pointers, sizes and limits are derived anew in each tick from three copies of the list of
- *     blocks, of which two outvote a damaged third.
- *   - The optimiser's Hessian is compared with the tables, one row in each tick.
- *   - Each tick adds 64 bytes of pzs_problem and 64 bytes of other tables to their checksums.
- *   - Voltages of a damaged loop stay inside voltage limits and step limits, unless the damage
- *     occurs after a tick and before the program reads info.voltage.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
@@ -587,15 +589,7 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
 pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event);
 
 /*
- * Block (stage of the control tick, in PZS_PHASE_SUPERVISE) that decides whether the loop controls
- * the voltages or ramps them to the park voltages, which are safe.
- *   tables                             pzs_supervision
- *   memory returned by pzs_loop_find   pzs_supervisor
- * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and
- *   PZS_E_ARGUMENT  also for tables of other sizes
- *   PZS_E_LIMITS    the park voltage of input info.where is outside its voltage limits, or the park
- *                   voltages violate a limit of a sum of voltages
- * Status of pzs_loop_tick with this block:
+ * Status of pzs_loop_tick in a loop with a supervisor:
  *   PZS_W_PARKED   before control begins, or by command: the voltages are parked or on their way
  *   PZS_W_RAMP     control is lost, the voltages are on their way to the park voltages; the program
  *                  must keep calling pzs_loop_tick
@@ -604,8 +598,19 @@ pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor
  *
  * A program that ticks until an error (top of this file) thus ends with the amplifiers at the park
  * voltages, after at most pzs_supervisor_longest_ramp ticks. Damaged limits (PZS_E_CRC with
- * info.block NULL) end it at once, at the last voltages, because no voltage can be checked without
+ * info.block NULL) end the program at once, at the last voltages, which cannot be checked without
  * limits. So does any error in a loop without a supervisor.
+ */
+
+/*
+ * Block (stage of the control tick, in PZS_PHASE_SUPERVISE) that decides whether the loop controls
+ * the voltages or ramps them to the park voltages, which are safe.
+ *   tables                             pzs_supervision
+ *   memory returned by pzs_loop_find   pzs_supervisor
+ * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and
+ *   PZS_E_ARGUMENT  also for tables of other sizes
+ *   PZS_E_LIMITS    the park voltage of input info.where is outside its voltage limits, or the park
+ *                   voltages violate a limit of a sum of voltages
  */
 extern const pzs_block_type pzs_supervisor_block;
 #define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \
@@ -1193,6 +1198,10 @@ extern const pzs_block_type pzs_fault_detector_block;
  *   - After a fault this tick and all later ones return PZS_E_SELFTEST and keep the voltages before
  *     the test. pzs_loop_find(&loop, &pzs_selftest_block) returns the findings; pzs_selftest_accept
  *     makes the loop run despite them.
+ */
+
+/*
+ * What disturbs the self-test, and what the self-test does to the structure:
  *   - If noise or vibration hides the response of an amplifier, the loop does not begin to control.
  *   - A sensor that no amplifier moves enough is not tested and does not prevent control.
  *   - The voltages obey voltage limits and step limits, and end where they began.
@@ -1420,6 +1429,10 @@ extern const pzs_block_type pzs_selftest_block;
  *   - Time: the pulses begin a quarter of a pulse after the last motion of the target; a motion
  *     interrupts them. If the target never stands still for one and a quarter pulses, no fault is
  *     found.
+ */
+
+/*
+ * Conditions under which the fault detector for structures that vibrate works:
  *   - During the pulses the loop damps vibration, but does not follow loads. If a load jumps, the
  *     pulse is repeated.
  *   - Sensors: at least four are needed. With fewer sensors than electrodes several electrodes may

@@ -468,12 +468,6 @@ typedef struct pzs_contact_settings {
  *   - Length: a body nearer to a node than half of the longest diagonal of an element may move in a
  *     load step by at most half of its smallest radius of curvature and half of
  *     pzs_contact_face.size; solver->info.shortened_steps counts the load steps shortened for this.
- *
- * They do not find:
- *   - a tip that enters by less than (L/512)^2 / (2 R);
- *   - a second local minimum of the gap in a strongly warped element;
- *   - a body between the two faces that touches neither;
- *   - penetration by some parts of a body that is not convex.
  */
 typedef enum pzs_penetration {
     PZS_PENETRATION_NONE = 0,
@@ -483,6 +477,15 @@ typedef enum pzs_penetration {
                                       between its nodes */
     PZS_PENETRATION_PASSED /* kind of penetration: the contact body has passed through an element */
 } pzs_penetration;
+
+/*
+ * Penetrations that the checks of a contact do not find, with side length L of an element and
+ * radius R of the contact body:
+ *   - a tip that enters by less than (L/512)^2 / (2 R);
+ *   - a second local minimum of the gap in a strongly warped element;
+ *   - a body between the two faces that touches neither;
+ *   - penetration by some parts of a body that is not convex.
+ */
 
 /*
  * Results of the contact between the shell and a rigid body that a program may read after an

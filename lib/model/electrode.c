@@ -164,7 +164,7 @@ static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
         for (uint32_t entry = input->start[j]; entry < input->start[j + 1]; entry++)
             *sensitivity(electric, k, j) += input->value[entry] * displacement[input->dof[entry]];
     }
-    // Add the part that does not depend on the displacement.
+    // Add the charge that inputs cause directly, at fixed displacement.
     for (uint32_t i = direct->start[k]; i < direct->start[k + 1]; i++)
         *sensitivity(electric, k, direct->dof[i]) += direct->value[i];
     return status;

@@ -21,10 +21,10 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
     const pzs_real of_22 = ratio * (*along2 - a2 * *e22) - a1 * e12;
     const pzs_real sum = a1 * (*along1 - a1 * *e11) + a2 * ratio * of_22;
     const pzs_real excess = sum / (1 - a1 * a1 - a2 * a2);
-    // Mode 00: from the mean over the four corners to the strain at the centre (excess: c above).
+    // Turn mode 00 from the mean over the four corners into the strain at the centre.
     *e11 -= excess;
     *e22 -= excess / (ratio * ratio);
-    // Modes 01 and 10: subtract what a constant strain causes in them.
+    // Subtract from the linear modes 01 and 10 what a constant strain causes in them.
     *along1 -= 2 * a1 * *e11 + a2 * ratio * e12;
     *along2 -= 2 * a2 * *e22 + a1 / ratio * e12;
 }

@@ -408,7 +408,8 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
-    // Sum and difference of a pair of rows serve all nodes where the mode has the same sign.
+    // Sum and difference of a pair of rows are the stresses at the nodes where the mode by which
+    // the rows differ is 1 and -1.
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = stress_row_of[row_pairs[i].first],
                  *second = stress_row_of[row_pairs[i].second];
