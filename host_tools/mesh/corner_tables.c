@@ -59,7 +59,7 @@ static pzs_node node_of(const surface_point *point)
 /*
  * Compute the corner tables with the element option `cartesian`: a derivative is the difference of
  * the displacement vectors of two corners over the length of their side, in the triad (local axes)
- * of the corner. The library function is the one that firmware uses, for equal numbers.
+ * of the corner. Firmware calls the same library function and gets equal numbers.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])

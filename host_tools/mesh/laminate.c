@@ -441,9 +441,9 @@ typedef struct ply_integrals {
                            of the plies against the normal stress 33 (m/Pa) */
     double length;      /* thickness of all plies of the element together (m) */
     double narrowing[N]; /* integrals of c_i3/c_33 over the thickness for the ten strains i of an
-                            element (m), in the order of `voigt`: stiffness c_i3, which couples
-                            strain i with the thickness strain 33, over that of the strain 33 alone
-                          */
+                            element (m), in the order of the array `voigt`: stiffness c_i3, which
+                            couples strain i with the thickness strain 33, over that of the strain
+                            33 alone */
 } ply_integrals;
 
 /*
@@ -643,9 +643,9 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
 }
 
 /*
- * Compute the stiffness of all plies together per area (N/m) for the ten strains of an element
- * (order of `voigt`). With the element option lin33 every ply thickens freely. Returns 0, or -1 if
- * no ply is present.
+ * Compute the stiffness of all plies together per area (N/m) for the ten strains of an element, in
+ * the order of the array `voigt`. With the element option lin33 every ply thickens freely. Returns
+ * 0, or -1 if no ply is present.
  */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])

@@ -143,8 +143,8 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
 
 /*
  * Set how a follower load (pressure that turns with the shell) is distributed over the corners of
- * an element. share[0 to 2]: fractions of pressure times area at a corner that act on this corner,
- * on each neighbouring and on the opposite one.
+ * an element. The force of pressure times area at a corner acts with the fraction share[0] on this
+ * corner, share[1] on each neighbouring corner and share[2] on the opposite one.
  */
 static void set_shares(pzs_follower *follower, int is_cartesian)
 {

@@ -5,8 +5,8 @@
 
 /*
  * Green's strain in a face of the shell below which the material counts as softened. With stress
- * linear in Green's strain, a compressive force has its maximum at -1/3; strains at element centres
- * are smaller in size than the largest.
+ * linear in Green's strain, a compressive force has its maximum at -1/3. The threshold is closer to
+ * 0, because strains at element centres are smaller in size than the largest.
  */
 static const double soft_strain = -0.3;
 

@@ -375,9 +375,10 @@ static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *
 }
 
 /*
- * Extrapolate the directors (unit normals) of neighbouring nodes to the nodes on free edges.
- * Solutions are scaled to length 1 and the equations solved again, until the change is below
- * rounding. Returns the number of extrapolated directors.
+ * Extrapolate the directors (unit normals) of neighbouring nodes to the nodes on free edges. The
+ * equations hold for unit vectors: solutions are scaled to length 1 and the equations solved again,
+ * STEPS times in all; the last change is below rounding. Returns the number of extrapolated
+ * directors.
  */
 static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *sums)
 {
