@@ -117,7 +117,7 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
 /*
  * Compute the influence matrix that fits the records of a calibration best, for pzs_control_init or
  * pzs_loop_init. The column of an amplifier that is off differs from 0 by its standard errors at
- * most, without a warning: test for it before use.
+ * most, without a warning: test for this case before use.
  *   influence [outputs][inputs] out  influence matrix (m/V)
  *   spread    [inputs]          out  standard error of entry (i, k) of the matrix is spread[k]
  *                                    times the square root of info.noise[i] (1/V); with a finite

@@ -414,8 +414,8 @@ extern const pzs_block_type pzs_reading_delay_block;
 
 /*
  * Operating modes of the supervisor, which decides in each tick whether the loop controls the
- * voltages. Where it does not, it ramps them to the park voltages, the safe voltages in its tables,
- * on a straight line inside voltage limits and step limits.
+ * voltages. Where it does not, the supervisor ramps the voltages to the park voltages, the safe
+ * voltages in its tables, on a straight line inside voltage limits and step limits.
  *
  *   mode        voltages                             event: next mode
  *   INITIALISE  ramp to the park voltages            command ARM: ARMED
@@ -773,9 +773,9 @@ extern const pzs_block_type pzs_vibration_block;
 
 /*
  * Tables of the governor, a stage of the control tick that slows a moving target down so that the
- * vibration damper can follow it: in each tick it moves all voltages by the same fraction of the
- * way to their static optimum. In the list of blocks it comes after the feed-forward and before the
- * damper.
+ * vibration damper can follow it: in each tick the governor moves all voltages by the same fraction
+ * of the way to their static optimum. In the list of blocks it comes after the feed-forward and
+ * before the damper.
  */
 typedef struct pzs_governor {
     pzs_real share; /* factor, above 0 and at most 1, by which a tick that damps vibration
@@ -864,8 +864,8 @@ pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table);
 
 /*
  * Subtract the effect of known loads from a shape or from readings, so that the controller
- * compensates them before they act. Call it before each tick for the measured shape (with a shape
- * estimator: for the readings) and for the target shape.
+ * compensates them before they act. Call the function before each tick for the measured shape (with
+ * a shape estimator: for the readings) and for the target shape.
  *   table           in      one row for each output; for readings one for each sensor
  *   value [inputs]  in      values of the known loads (unit of each load): for a measurement at its
  *                           time, for the target the coming ones
@@ -969,8 +969,8 @@ typedef struct pzs_hysteresis {
                                    each creep term moves in a tick */
     /*
      * Measured hysteresis model of the electrodes (`identified_...`), which the fault detector
-     * uses; NULL where it equals the model above, which the compensation uses. That model may
-     * describe a ceramic with less hysteresis, because its inverse is more robust.
+     * uses; NULL where it equals the model without this prefix. The compensation uses
+     * that model, which may have less hysteresis than the ceramic, so that its inverse is robust.
      */
     const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
                                           constant part of the effect of an electrode (V): the
@@ -1083,9 +1083,10 @@ extern const pzs_block_type pzs_amplifier_block;
  *   - Detection takes 12 ticks plus the delay of the sensors, for an electrode that loses more than
  *     two test amplitudes at once or does not follow a command of that size.
  *   - While more than an eighth of the outputs is not measured, no electrode is observed.
- *   - On a structure that vibrates, or with strong hysteresis, it suspects healthy electrodes,
- *     because it assumes static shapes.
- *   - In a loop with the vibration damper it finds nothing; use pzs_pulse_detector_block there.
+ *   - On a structure that vibrates, or with strong hysteresis, the detector suspects healthy
+ *     electrodes, because it assumes static shapes.
+ *   - In a loop with the vibration damper the detector finds nothing; use pzs_pulse_detector_block
+ *     there.
  */
 
 /* Largest age of measured shapes or readings that a control loop accepts (ticks). */
@@ -1190,7 +1191,7 @@ extern const pzs_block_type pzs_fault_detector_block;
  * The self-test finds amplifiers and sensors that do not respond, respond with the wrong sign or a
  * wrong gain, or have exchanged cables, before the loop controls the voltages. It moves each
  * amplifier in turn by a small voltage and compares the readings with the influence matrix. A
- * program needs no call for it.
+ * program needs no call for the test.
  *
  *   - The test takes at most PZS_SELFTEST_TICKS ticks, which return PZS_W_SELFTEST. No other stage
  *     of the tick runs. Without a fault, its last tick is the first in which the loop controls the

@@ -681,8 +681,8 @@ static bool is_stationary(const pzs_optimiser *optimiser)
     if (optimiser_is_dual(optimiser) && !optimiser->dual->is_at_bounds(optimiser))
         return false;
     uint32_t i = 0;
-    // Until it receives voltages, next_voltage holds these gradients (m2/V), 0 for other inputs
-    // (pzs_boxls_gradient).
+    // Until it receives voltages, the array next_voltage holds the gradients of the free inputs
+    // (m2/V).
     while (i < optimiser->inputs &&
            number_absolute(optimiser->next_voltage[i]) <= optimiser->rounding_bound)
         i++;

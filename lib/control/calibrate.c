@@ -8,8 +8,8 @@
  *   Z [inputs][outputs]  readings in the same basis: T B' = Z
  *
  * Plane rotations of the rows of [T Z] add a record, without squaring the condition number. The
- * part of the readings that they leave is the residual of the record; its mean square is the
- * variance of the noise.
+ * part of the readings that the rotations leave is the residual of the record; its mean square is
+ * the variance of the noise.
  */
 #include <string.h>
 #include "pzs_calibrate.h"
@@ -333,7 +333,7 @@ static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
 
 /*
  * Remove the rows of the triangular factor of the information matrix whose diagonal entry is 0:
- * rotate each into the rows below it, until the whole row is 0. These rows then hold what it
+ * rotate each into the rows below it, until the whole row is 0. The rows below then hold what it
  * contained about their inputs.
  */
 static void clear_open_rows(pzs_calibration *calibration)

@@ -8,9 +8,9 @@
  *   B, W   influence matrix, output weights
  *   e, v0  target error, reference voltages
  *
- * Near the base it is as accurate as the residual e - B base. The predicted shape B v of a tick
- * makes v the next base at no cost; pzs_step renews its base only where rounding errors would
- * matter.
+ * Near the base this expression is as accurate as the residual e - B base. The predicted shape B v
+ * of a tick makes v the next base at no cost; pzs_step renews its base only where rounding errors
+ * would matter.
  */
 #include <string.h>
 #include "boxls.h"

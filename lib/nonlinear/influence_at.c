@@ -31,8 +31,8 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
 {
     const pzs_prescribed_motion *motion = &solver->state.tables->prescribed;
-    // The tangent matrix is assembled anew, because the rows and columns of these degrees of
-    // freedom become zero apart from the diagonal. Its new factors stay in the model.
+    // The tangent matrix is assembled anew, because the rows and columns of degrees of freedom with
+    // a prescribed motion become zero apart from the diagonal. Its new factors stay in the model.
     pzs_nonlinear_build(solver, true,
                         solver->state.model->state.work +
                             solver->state.model->state.structure->free_dof);
