@@ -704,10 +704,9 @@ typedef struct pzs_damper_info {
     pzs_real deviation;
     /*
      * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick,
-     * less their low-passed values, so that a steady error of the model does not count (m); 0 where
-     * no reading was usable. If all target nodes are measured and the target leaves some shapes
-     * free, only the part that a fit of the observed vibration modes explains, weighted by
-     * `precision`: free motions are in the readings, but not in the model
+     * less their low-passed values (m); 0 where no reading was usable. Where all target nodes are
+     * measured and the target leaves some motions free, which the model does not know, it is the
+     * RMS (weighted by `precision`) of the part that the observed vibration modes explain
      */
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
@@ -969,8 +968,8 @@ typedef struct pzs_hysteresis {
                                    each creep term moves in a tick */
     /*
      * Measured hysteresis model of the electrodes (`identified_...`), which the fault detector
-     * uses; NULL where it equals the model without this prefix. The compensation uses
-     * that model, which may have less hysteresis than the ceramic, so that its inverse is robust.
+     * uses; NULL where it equals the model without this prefix. The compensation uses that model,
+     * which may have less hysteresis than the ceramic, so that its inverse is robust.
      */
     const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
                                           constant part of the effect of an electrode (V): the
@@ -1423,7 +1422,7 @@ extern const pzs_block_type pzs_selftest_block;
  *
  *   - Suspicion: the mean readings, compared with those of an earlier interval in which the target
  *     stood still, show less voltage on an electrode, or less change of it, than its amplifier
- *     gave. It must lack more than 5 % of the height of its test pulse.
+ *     gave. More than 5 % of the height of its test pulse must be missing.
  *   - Test: the electrode makes slow test pulses together with one that seems healthy. It is faulty
  *     if its response is missing although the other one responds, or has the wrong sign. One
  *     undisturbed pulse is enough, otherwise two are needed.

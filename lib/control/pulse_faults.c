@@ -284,8 +284,8 @@ static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 /*
  * Return the voltages [inputs] with which the model predicts the readings of the sensors (V): those
  * of the last tick or, in a loop that compensates hysteresis, their effects (voltages that would
- * move the structure as far without hysteresis) by the measured model. The model of the
- * compensation assumes less hysteresis: healthy electrodes would seem to miss voltage.
+ * move the structure as far without hysteresis) by the measured model. With the model of the
+ * compensation, which assumes less hysteresis, healthy electrodes would seem to miss voltage.
  */
 static const pzs_real *acting_voltages(const pzs_pulse_detector_state *state,
                                        const pzs_loop_signals *signals)

@@ -395,8 +395,8 @@ static void correct(pzs_damper *damper)
  *   z, r       target shape; low-passed part of the shape that the modes do not explain
  *   damping_i  damping gradient of mode i
  *   d_i        deviation of mode i from static equilibrium: weighted mean (pzs_vibration.mix) of
- *              the observed one and of (change of velocity / angular frequency in a tick) / (angle
- *              by which the mode turns in a tick), which needs no static modal coordinates
+ *              the observed one and of (decrease of velocity / angular frequency in a tick) /
+ *              (angle by which the mode turns in a tick), which needs no static modal coordinates
  *   share      from 0 to 1, slows the approach to the static optimum
  *
  * For exact modes observed without error, their energy plus the static objective never rises,
