@@ -251,6 +251,9 @@ const option_entry option_table[OPTIONS] = {
                      "follow the load path from the reference state by the arc-length method, "
                      "through limit points, and name limit points and bifurcations; with a moved "
                      "contact body or prescribed displacements in equal load steps"},
+    [OPTION_BRANCH] = {"--branch", NULL, "N", ARGUMENT_TEXT, NULL, BIT(COMMAND_SOLVE),
+                       "follow the load path, leave it at its bifurcation N (1: the first) along "
+                       "the mode of the bifurcation, and follow this branch; -N: against the mode"},
     [OPTION_REPORT] = {"--report", NULL, "FILE.html", ARGUMENT_FILE, NULL,
                        BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
                        "pictures and tables in one page"},

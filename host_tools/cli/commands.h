@@ -34,6 +34,7 @@ typedef enum option_id {
     OPTION_ERROR,
     OPTION_STRESS,
     OPTION_PATH,
+    OPTION_BRANCH,
     OPTION_REPORT,
     OPTION_SVG,
     OPTION_VTU,

@@ -222,8 +222,9 @@ static int solve_error(const options *options, analysis *analysis, const double 
 {
     mesh_values values = {.count = 0};
     mesh_values_add_outputs(&values, analysis, value);
-    return estimate_error(options, analysis->design.scene, &values, mesh_measure_solve, NULL,
-                          &analysis->mesh_error);
+    return estimate_error(options, analysis->design.scene, &values,
+                          options->follows_path ? mesh_measure_path : mesh_measure_solve,
+                          &options->branch, &analysis->mesh_error);
 }
 
 /*
@@ -308,7 +309,7 @@ static int solve_scene(const options *options, analysis *analysis, double *displ
     char error[SCENE_ERROR];
     if (!options->follows_path)
         return analysis_solve(analysis, displacement, error) == 0 ? 0 : complain(error, 1);
-    if (load_path_follow(&analysis->load_path, analysis, error) < 0)
+    if (load_path_follow_branch(&analysis->load_path, analysis, options->branch, error) < 0)
         return complain(error, OPTIONS_WRONG);
     if (!analysis->load_path.is_complete) {
         progress_stop();

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "../model/load_path.h"
 #include "keys.h"
 
 /* ---- messages --------------------------------------------------------- */
@@ -196,6 +197,19 @@ static int take_image(options *options, const char *value)
     return 0;
 }
 
+static int take_branch(options *options, const char *value)
+{
+    char *end;
+    const long number = strtol(value, &end, 10);
+    if (end == value || *end || number == 0 || labs(number) > LOAD_PATH_EVENTS)
+        return options_refuse("--branch wants the number of a bifurcation, from 1 to 32 or -1 to "
+                              "-32, not",
+                              value);
+    options->branch = (int)number;
+    options->follows_path = true;
+    return 0;
+}
+
 static int take_file(const char **file, const char *value)
 {
     *file = value;
@@ -223,6 +237,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_COMPACT: options->is_compact = true; return 0;
     case OPTION_QUASI_STATIC: options->quasi_static = true; return 0;
     case OPTION_PATH: options->follows_path = true; return 0;
+    case OPTION_BRANCH: return take_branch(options, value);
     case OPTION_ERROR: options->estimates_error = true; return 0;
     case OPTION_STRESS: options->recovers_stress = true; return 0;
     case OPTION_REPORT: return take_file(&options->report, value);

@@ -36,7 +36,9 @@ typedef struct options {
     bool is_compact; /* whether to write tables without what the device can compute from the nodes
                         (option --compact) */
     bool quasi_static;
-    bool follows_path;    /* whether to follow the load path through limit points */
+    bool follows_path; /* whether to follow the load path through limit points */
+    int branch; /* number of the bifurcation at which to leave the load path, negative against its
+                   mode; 0: stay on the path */
     bool estimates_error; /* whether to estimate the discretisation error from coarser meshes */
     bool recovers_stress; /* whether to recover stresses and strains from the displacement */
     const char *report, *svg, *vtu, *csv, *output, *prefix;

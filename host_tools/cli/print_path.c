@@ -53,15 +53,29 @@ static void print_cause(const analysis *analysis, const load_path *path)
     printf("  %s\n", cause);
 }
 
+/* List the critical points; of a bifurcation with the option that leaves the path there. */
+static void print_events(const load_path *path)
+{
+    int bifurcation = 0;
+    for (int i = 0; i < path->events; i++) {
+        const load_path_event *event = &path->event[i];
+        printf("  %s at load factor %.6g, between points %d and %d", event_name[event->type],
+               event->load_factor, event->point + 1, event->point + 2);
+        if (event->type == LOAD_PATH_BIFURCATION && path->branch_point == 0)
+            printf("; --branch %d follows its branch", ++bifurcation);
+        putchar('\n');
+    }
+    if (path->branch_point > 0)
+        printf("  branch of a bifurcation from point %d on\n", path->branch_point + 1);
+}
+
 void print_load_path(const analysis *analysis, const load_path *path)
 {
-    const char *reach = path->is_complete ? "" : "; it does not reach the full load";
+    const bool is_at_full_load = path->point[path->points - 1].load_factor >= 1;
     printf("  load path: %d points%s, %d linear solves%s\n", path->points,
-           path->has_equal_steps ? " in equal load steps" : "", path->linear_solves, reach);
-    for (int i = 0; i < path->events; i++)
-        printf("  %s at load factor %.6g, between points %d and %d\n",
-               event_name[path->event[i].type], path->event[i].load_factor,
-               path->event[i].point + 1, path->event[i].point + 2);
+           path->has_equal_steps ? " in equal load steps" : "", path->linear_solves,
+           is_at_full_load ? "" : "; it does not reach the full load");
+    print_events(path);
     if (path->events == 0)
         puts(path->has_equal_steps ? "  no change of stability"
                                    : "  no limit point and no bifurcation");
@@ -110,6 +124,8 @@ void print_load_path_json(json *json, const analysis *analysis, const load_path 
     json_bool(json, "complete", path->is_complete);
     json_bool(json, "equal_load_steps", path->has_equal_steps);
     json_number(json, "linear_solves", path->linear_solves);
+    if (path->branch_point > 0)
+        json_number(json, "branch_from_point", path->branch_point + 1);
     json_open(json, "events", '[');
     for (int i = 0; i < path->events; i++)
         json_event(json, &path->event[i]);

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "arc_search.h"
+#include "path_branch.h"
 #include "path_cause.h"
 #include "path_points.h"
 #include "stepped_path.h"
@@ -43,26 +44,36 @@ static bool differs(signature first, signature second, load_path_event_type type
 }
 
 /*
- * Return the load factor of the critical point between the last converged point and a point at the
- * distance `arc`: where the signature (sign of the load factor's change, number of negative pivots)
- * changes, by bisection. The present point is overwritten.
+ * Locate the critical point between the last converged point and a point at the distance *arc, by
+ * bisection of the distance. The critical point is where the signature changes: the sign of the
+ * change of the load factor and the number of negative pivots. The present point is overwritten.
+ *   arc in/out  a distance beyond the critical point; then that of the critical point, from above
+ * Returns the load factor of the critical point.
  */
-static double locate_critical_point(arc_search *arc_search, double arc, signature before,
+static double locate_critical_point(arc_search *arc_search, double *arc, signature before,
                                     load_path_event_type type)
 {
     enum { BISECTIONS = 14 };
-    double low = 0, high = arc, load_factor = arc_search->load_factor;
+    double low = 0, load_factor = arc_search->load_factor;
     for (int i = 0; i < BISECTIONS; i++) {
-        const double middle = (low + high) / 2;
+        const double middle = (low + *arc) / 2;
         if (!arc_restore(arc_search) || !arc_try_step(arc_search, middle))
             return load_factor;
         load_factor = arc_search->load_factor;
         if (differs(before, signature_at(arc_search, arc_search->increment), type))
-            high = middle;
+            *arc = middle;
         else
             low = middle;
     }
     return load_factor;
+}
+
+/* Append the critical point of one type within a step of length `arc` to the path. */
+static void add_event(arc_search *arc_search, load_path *path, double arc, signature before,
+                      load_path_event_type type)
+{
+    const double load_factor = locate_critical_point(arc_search, &arc, before, type);
+    path_points_event(path, type, path->points - 1, load_factor);
 }
 
 /*
@@ -84,11 +95,9 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
     memcpy(kept, arc_search->increment, arc_search->entries * sizeof *kept);
     arc_contact_keep(&arc_search->contact);
     if (is_limit)
-        path_points_event(path, LOAD_PATH_LIMIT, path->points - 1,
-                          locate_critical_point(arc_search, arc, before, LOAD_PATH_LIMIT));
+        add_event(arc_search, path, arc, before, LOAD_PATH_LIMIT);
     if (changes > is_limit)
-        path_points_event(path, LOAD_PATH_BIFURCATION, path->points - 1,
-                          locate_critical_point(arc_search, arc, before, LOAD_PATH_BIFURCATION));
+        add_event(arc_search, path, arc, before, LOAD_PATH_BIFURCATION);
     memcpy(arc_search->increment, kept, arc_search->entries * sizeof *kept);
     free(kept);
     arc_contact_take_back(&arc_search->contact);
@@ -148,11 +157,60 @@ static bool find_point(arc_search *arc_search, load_path *path, double *arc, int
     return find_events(arc_search, path, length, before);
 }
 
+/* Return the number of bifurcations that have been found on a load path. */
+static int bifurcations(const load_path *path)
+{
+    int count = 0;
+    for (int i = 0; i < path->events; i++)
+        count += path->event[i].type == LOAD_PATH_BIFURCATION;
+    return count;
+}
+
+/* Make the present equilibrium a point of the load path, from which the next step starts. */
+static void add_point(arc_search *arc_search, analysis *analysis, load_path *path)
+{
+    arc_accept(arc_search);
+    path_points_add(path, analysis, arc_search->start_factor, arc_search->iterations);
+}
+
+/*
+ * Leave the load path at the bifurcation within the step that was made last, and append the
+ * bifurcation and the first point of the branch to the path.
+ *   branch  in      number of the bifurcation; negative: leave against its mode
+ *   control in/out  length of the step that passed the bifurcation; then that of the next step
+ * Returns whether a point of the branch was found.
+ */
+static bool enter_branch(arc_search *arc_search, analysis *analysis, load_path *path, int branch,
+                         step_control *control)
+{
+    double arc = control->arc, longest;
+    arc_search->iterations = 0;
+    if (!arc_restore(arc_search))
+        return false;
+    const signature before = signature_at(arc_search, arc_search->direction);
+    (void)locate_critical_point(arc_search, &arc, before, LOAD_PATH_BIFURCATION);
+    if (!arc_restore(arc_search) || !arc_try_step(arc_search, arc))
+        return false;
+    add_point(arc_search, analysis, path);
+    path->branch_point = path->points - 1;
+    path->linear_solves += arc_search->iterations;
+    arc_search->iterations = 0;
+    if (!arc_solve(arc_search, true) ||
+        !path_branch_enter(arc_search, &analysis->design.mesh, branch < 0, &arc, &longest))
+        return false;
+    path->linear_solves += arc_search->iterations;
+    add_point(arc_search, analysis, path);
+    *control = (step_control){arc, longest, control->usual, arc_search->iterations, false};
+    return true;
+}
+
 /*
  * Make all steps of the load path. The first step is as long as the linear displacement under a
- * twentieth of the load, and no step is longer than four times that. A step that fails is halved.
+ * twentieth of the load, and no step is longer than four times that, but on a branch. A step that
+ * fails is halved.
+ *   branch in  number of the bifurcation at which to leave the path; 0: none
  */
-static void take_steps(arc_search *arc_search, analysis *analysis, load_path *path)
+static void take_steps(arc_search *arc_search, analysis *analysis, load_path *path, int branch)
 {
     const double first =
         sqrt(arc_product(arc_search, arc_search->by_load, arc_search->by_load)) / 20;
@@ -175,8 +233,13 @@ static void take_steps(arc_search *arc_search, analysis *analysis, load_path *pa
                 return;
             continue;
         }
-        arc_accept(arc_search);
-        path_points_add(path, analysis, arc_search->start_factor, arc_search->iterations);
+        if (branch != 0 && path->branch_point == 0 && bifurcations(path) >= abs(branch)) {
+            control.arc = arc;
+            if (!enter_branch(arc_search, analysis, path, branch, &control))
+                return;
+            continue;
+        }
+        add_point(arc_search, analysis, path);
         adapt_length(&control, arc, iterations);
     }
 }
@@ -207,9 +270,11 @@ static int refuse(const analysis *analysis, const char *reason, char *error)
 
 /*
  * Compute the load path by the arc-length method and append its points to an empty path. *reached
- * is the load factor of the last point. Returns 0, or -1 with error filled.
+ * is the load factor of the last point, `branch` the number of the bifurcation at which to leave
+ * the path, 0 for none. Returns 0, or -1 with error filled.
  */
-static int follow_arcs(load_path *path, analysis *analysis, double *reached, char *error)
+static int follow_arcs(load_path *path, analysis *analysis, int branch, double *reached,
+                       char *error)
 {
     arc_search arc_search;
     if (arc_open(&arc_search, analysis) < 0)
@@ -221,7 +286,7 @@ static int follow_arcs(load_path *path, analysis *analysis, double *reached, cha
                       error);
     }
     path_points_add(path, analysis, 0, arc_search.iterations);
-    take_steps(&arc_search, analysis, path);
+    take_steps(&arc_search, analysis, path, branch);
     continue_from_end(&arc_search);
     *reached = arc_search.start_factor;
     path->status = arc_search.contact.refused;
@@ -243,7 +308,24 @@ static void explain_end(const load_path *path, const analysis *analysis, double 
                 cause);
 }
 
-int load_path_follow(load_path *path, analysis *analysis, char *error)
+/*
+ * Check that a load path has taken the branch that was asked for. Returns 0, or -1 with error
+ * filled.
+ */
+static int check_branch(const load_path *path, const analysis *analysis, int branch, char *error)
+{
+    const int found = bifurcations(path);
+    if (branch == 0 || (path->branch_point > 0 && path->branch_point < path->points - 1))
+        return 0;
+    if (path->branch_point > 0)
+        return scene_fault(analysis->design.at, error,
+                           "--branch: no equilibrium near the mode of bifurcation %d", abs(branch));
+    return scene_fault(analysis->design.at, error,
+                       "--branch %d: the load path has %d bifurcation%s", branch, found,
+                       found == 1 ? "" : "s");
+}
+
+int load_path_follow_branch(load_path *path, analysis *analysis, int branch, char *error)
 {
     const design *design = &analysis->design;
     const bool is_stepped = design->mesh.prescribed_count > 0 || !arc_contact_fits(analysis);
@@ -251,16 +333,27 @@ int load_path_follow(load_path *path, analysis *analysis, char *error)
     memset(path, 0, sizeof *path);
     if (!analysis->equilibrium.full_input)
         return refuse(analysis, " needs kinematics: nonlinear (or auto)", error);
+    if (is_stepped && branch != 0)
+        return refuse(analysis,
+                      " with --branch needs the arc-length method, which takes no prescribed "
+                      "displacement, no moved body, no shell held by contact alone",
+                      error);
     if (path_points_open(path, analysis, error) < 0)
         return -1;
     analysis->is_nonlinear = true;
     pzs_solver_reset(&analysis->equilibrium.solver);
     const int failed = is_stepped ? stepped_path_follow(path, analysis, &reached, error)
-                                  : follow_arcs(path, analysis, &reached, error);
+                                  : follow_arcs(path, analysis, branch, &reached, error);
     if (failed)
         return -1;
-    path->is_complete = reached >= 1;
-    if (!path->is_complete)
+    const bool has_branch = check_branch(path, analysis, branch, error) == 0;
+    path->is_complete = reached >= 1 && has_branch;
+    if (!path->is_complete && has_branch)
         explain_end(path, analysis, reached, error);
     return 0;
+}
+
+int load_path_follow(load_path *path, analysis *analysis, char *error)
+{
+    return load_path_follow_branch(path, analysis, 0, error);
 }

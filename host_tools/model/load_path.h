@@ -59,7 +59,9 @@ typedef struct load_path {
     load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
                                                 beyond the largest number that can be stored
                                                 (LOAD_PATH_EVENTS) are left out */
-    int outputs;                             /* number of outputs of the scene */
+    int branch_point;  /* index of the point at a bifurcation from which the path follows a branch;
+                          0: none */
+    int outputs;       /* number of outputs of the scene */
     double *value;     /* [points][outputs] first value of each output of the scene at each point of
                           the load path; not filled for outputs of strains and stresses */
     double *row;       /* work array for the values of all outputs at one point of the load path */

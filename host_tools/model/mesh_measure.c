@@ -5,6 +5,7 @@
  */
 #include <stdio.h>
 #include <stdlib.h>
+#include "follow_path.h"
 #include "loaded.h"
 #include "mesh_measure.h"
 #include "voltages.h"
@@ -33,10 +34,24 @@ void mesh_mode_name(int mode, char name[SCENE_LABEL])
 }
 
 /*
+ * Compute the displacement of the structure on one mesh at the end of its load path, or of the
+ * branch of its bifurcation `branch`. Returns 0, or -1 with error filled.
+ */
+static int solve_path(analysis *analysis, int branch, double *displacement, char *error)
+{
+    if (load_path_follow_branch(&analysis->load_path, analysis, branch, error) < 0 ||
+        !analysis->load_path.is_complete)
+        return -1;
+    return analysis_continue(analysis, displacement, error);
+}
+
+/*
  * Compute the displacement of the structure on one mesh, and append the values of the scene's
  * outputs to `values`. Returns 0, or -1 with error filled.
+ *   branch in  at the end of the load path: number of the bifurcation at which to leave it, 0 for
+ *       none; NULL: by the load steps of the scene
  */
-static int solve_prepared(analysis *analysis, mesh_values *values, char *error)
+static int solve_prepared(analysis *analysis, const int *branch, mesh_values *values, char *error)
 {
     const pzs_structure *structure = &analysis->design.structure;
     double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
@@ -44,7 +59,8 @@ static int solve_prepared(analysis *analysis, mesh_values *values, char *error)
     int failed = -1;
     snprintf(error, SCENE_ERROR, "out of memory");
     if (displacement && value)
-        failed = analysis_solve(analysis, displacement, error);
+        failed = branch ? solve_path(analysis, *branch, displacement, error)
+                        : analysis_solve(analysis, displacement, error);
     if (!failed) {
         pzs_observe(structure, displacement, value);
         mesh_values_add_outputs(values, analysis, value);
@@ -54,15 +70,26 @@ static int solve_prepared(analysis *analysis, mesh_values *values, char *error)
     return failed;
 }
 
-int mesh_measure_solve(const scene *scene, const void *context, mesh_values *values, char *error)
+/* Prepare a scene and append the values of its outputs (solve_prepared). */
+static int measure_outputs(const scene *scene, const int *branch, mesh_values *values, char *error)
 {
     analysis analysis;
-    (void)context;
     int failed = analysis_prepare(&analysis, scene, error);
     if (!failed)
-        failed = solve_prepared(&analysis, values, error);
+        failed = solve_prepared(&analysis, branch, values, error);
     analysis_free(&analysis);
     return failed;
+}
+
+int mesh_measure_solve(const scene *scene, const void *context, mesh_values *values, char *error)
+{
+    (void)context;
+    return measure_outputs(scene, NULL, values, error);
+}
+
+int mesh_measure_path(const scene *scene, const void *context, mesh_values *values, char *error)
+{
+    return measure_outputs(scene, context, values, error);
 }
 
 int mesh_measure_shape(const scene *scene, const void *context, mesh_values *values, char *error)

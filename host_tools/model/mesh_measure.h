@@ -18,6 +18,11 @@ void mesh_values_add_outputs(mesh_values *values, const analysis *analysis, cons
  */
 mesh_measure mesh_measure_solve;
 /*
+ * Compute the outputs of the scene at the end of its load path on one mesh. The argument `context`
+ * points to the number of the bifurcation at which to leave the path, an int; 0: none.
+ */
+mesh_measure mesh_measure_path;
+/*
  * Compute, on one mesh, the relative shape error of the optimal voltages within limits. The
  * argument `context` points to the voltage limits, which are the same on all meshes.
  */

@@ -22,6 +22,9 @@
 
 #define ROOF_8 "mesh.theta1.elements=8;mesh.theta2.elements=8"
 #define COLUMN "tests/rigs/scenes/column.yaml"
+#define COLUMN_OUTPUTS                                                                             \
+    "outputs=[{name: back, x: middle, at: {theta1: 100, theta2: 0}}, {name: up, z: middle, at: "   \
+    "{theta1: 100, theta2: 0}}]"
 #define PULLED "tests/rigs/scenes/pulled-cylinder.yaml"
 
 #define OPEN_COLUMN "tests/rigs/scenes/open-column.yaml"
@@ -437,6 +440,80 @@ static void test_column_of_euler(void **state)
     scene_run_close(&run);
 }
 
+/* Euler's elastica of a cantilever of length 1 that ends there. */
+typedef struct elastica {
+    double load; /* force over Euler's critical force */
+    double back; /* displacement of the tip along the force */
+    double up;   /* displacement of the tip across the force */
+} elastica;
+
+/*
+ * Elastica of a cantilever whose tip turns by an angle, with the complete elliptic integrals K and
+ * E of the modulus p = sin(angle/2) by arithmetic-geometric means: the force is (2 K/pi)^2 times
+ * the critical one, the tip is at the height 2 p/K and at the length 2 E/K - 1.
+ */
+static elastica elastica_of(double angle)
+{
+    const double p = sin(angle / 2);
+    double a = 1, b = sqrt(1 - p * p), sum = p * p / 2, weight = 1;
+    for (int i = 0; i < 30; i++) {
+        const double c = (a - b) / 2, mean = (a + b) / 2;
+        b = sqrt(a * b);
+        a = mean;
+        sum += weight * c * c;
+        weight *= 2;
+    }
+    const double k = acos(-1.0) / (2 * a), ratio = 1 - sum; /* E/K */
+    return (elastica){4 * k * k / (acos(-1.0) * acos(-1.0)), 2 - 2 * ratio, 2 * p / k};
+}
+
+/* Elastica under a force, over the critical force, by bisection of the angle of the tip. */
+static elastica elastica_under(double load)
+{
+    double low = 0, high = 3;
+    for (int i = 0; i < 60; i++) {
+        const double middle = (low + high) / 2;
+        if (elastica_of(middle).load < load)
+            low = middle;
+        else
+            high = middle;
+    }
+    return elastica_of(low);
+}
+
+/*
+ * At Euler's force the load path of a column is left on request: each point of the branch is
+ * Euler's elastica within the error of 16 elements, to both sides, and stable, while the straight
+ * column is not.
+ */
+static void test_branch_of_column(void **state)
+{
+    (void)state;
+    for (int branch = -1; branch <= 1; branch += 2) {
+        scene_run run;
+        load_path path;
+        double up = 0;
+        open_run(&run, COLUMN, COLUMN_OUTPUTS);
+        if (load_path_follow_branch(&path, &run.analysis, branch, run.error) < 0)
+            fail_msg("%s", run.error);
+        assert_true(path.is_complete && path.branch_point > 0);
+        const double critical = path.event[0].load_factor;
+        for (int i = path.branch_point + 1; i < path.points; i++) {
+            const elastica known = elastica_under(path.point[i].load_factor / critical);
+            const double back = -value_at(&path, i, 0) / 100;
+            up = value_at(&path, i, 1) / 100;
+            assert_int_equal(path.point[i].negative_pivots, 0);
+            if (path.point[i].load_factor > 1.01 * critical) {
+                assert_true(fabs(back / known.back - 1) < 0.015);
+                assert_true(fabs(fabs(up) / known.up - 1) < 0.015);
+            }
+        }
+        assert_true(branch * up > 0);
+        load_path_free(&path);
+        scene_run_close(&run);
+    }
+}
+
 /* Scenes whose path has no critical point, so that one load step ends at its end. */
 static const struct {
     const char *scene, *changes;
@@ -762,6 +839,7 @@ int main(void)
         cmocka_unit_test(test_limit_is_located),
         cmocka_unit_test(test_snap_back),
         cmocka_unit_test(test_column_of_euler),
+        cmocka_unit_test(test_branch_of_column),
         cmocka_unit_test(test_answer_off_the_path),
         cmocka_unit_test(test_answer_on_the_path),
         cmocka_unit_test(test_pushed_column),
