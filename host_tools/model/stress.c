@@ -2,11 +2,12 @@
 /* Recovery of all stresses of a structure (stress.h). */
 #include "stress.h"
 #include "stress_equilibrium.h"
+#include "stress_warp.h"
 
 int stress_recover(stress_field *field, const stress_state *state)
 {
     if (stress_field_fill(field, state) < 0)
         return -1;
     stress_equilibrium(field);
-    return 0;
+    return stress_warp(field);
 }

@@ -464,6 +464,33 @@ static void shear_strains(const laminate_ply *ply, const double shear[2], const 
     strain[4] = (ply->c[3][3] * elastic[0] - ply->c[4][3] * elastic[1]) / size;
 }
 
+void stress_shear_strains(const stress_field *field, int element, int layer, int height,
+                          double strain[2])
+{
+    const stress_sample *sample =
+        field->sample + ((size_t)element * (size_t)field->layers + (size_t)layer) * STRESS_HEIGHTS;
+    double given[6], all[6];
+    prescribed_stress(field, element, layer, stress_height(field, layer, height), given);
+    shear_strains(&field->state.design->mesh.laminate.ply[layer], sample[height].shear, given, all);
+    strain[0] = all[4];
+    strain[1] = all[3];
+}
+
+/*
+ * Add the strain of bent cross-sections to the strain of a layer, with the thickness strain 33 that
+ * it causes without a normal stress 33; the stress in the plane is that of the sample.
+ */
+static void add_warp(const laminate_ply *ply, const stress_sample *sample, double strain[6],
+                     double stress[6])
+{
+    static const int plane[3] = {0, 1, 5};
+    for (int i = 0; i < 3; i++) {
+        strain[plane[i]] += sample->warp[i];
+        strain[2] -= ply->c[2][plane[i]] / ply->c[2][2] * sample->warp[i];
+        stress[plane[i]] = sample->plane[i];
+    }
+}
+
 void stress_layer_of(const stress_field *field, int element, int layer, stress_layer *result)
 {
     const mesh *mesh = &field->state.design->mesh;
@@ -482,6 +509,7 @@ void stress_layer_of(const stress_field *field, int element, int layer, stress_l
         shear_strains(ply, sample[height].shear, given, strain);
         if (height == 1)
             result->displacement = electric_displacement(field, element, layer, z, strain);
+        add_warp(ply, &sample[height], strain, stress);
         strain_turn_stress(stress, angle, result->at[height].stress);
         strain_turn(strain, angle, result->at[height].strain);
     }

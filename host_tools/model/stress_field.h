@@ -4,7 +4,7 @@
  * displacement on the host; at large rotations Green's strains and second Piola-Kirchhoff stresses,
  * in the directions of the undeformed shell.
  *   in-plane strains   linear through the thickness, with the exact lengths at each height of a
- *       curved shell
+ *       curved shell, and those of cross-sections that shear bends (stress_warp.h)
  *   thickness strain   linear, or with the element option lin33 that of each ply under one normal
  *       stress 33 of all plies
  *   shear and normal stresses 13, 23, 33   from equilibrium (stress_equilibrium.c)
@@ -78,6 +78,8 @@ typedef struct stress_layer {
  */
 typedef struct stress_sample {
     double plane[3], shear[2], normal;
+    double warp[3]; /* in-plane strains 11 22 12 (twice the tensor's) of bent cross-sections, which
+                       `plane` contains (stress_warp.h) */
 } stress_sample;
 
 /*
@@ -119,6 +121,13 @@ bool stress_is_present(const stress_field *field, int element, int layer);
  * at the centre of the element.
  */
 void stress_layer_of(const stress_field *field, int element, int layer, stress_layer *result);
+
+/*
+ * Compute the transverse shear strains 13 and 23 (twice the tensor's) of a layer that is present in
+ * an element at one of its heights, in the shell axes, from the shear stresses there.
+ */
+void stress_shear_strains(const stress_field *field, int element, int layer, int height,
+                          double strain[2]);
 
 /*
  * Return the height of a point of a layer above the reference surface (m); `height` is 0 at the

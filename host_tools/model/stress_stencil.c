@@ -3,6 +3,7 @@
 #include "stress_stencil.h"
 #include <math.h>
 #include <string.h>
+#include "../mesh/invert.h"
 #include "../mesh/laminate_shear.h"
 #include "../quads/vector.h"
 #include "strain.h"
@@ -85,7 +86,7 @@ static void find_directions(const stress_field *field, stencil *stencil)
  * neighbours lie on one line through the element, only the component of the gradient along this
  * line is not zero.
  */
-static void find_weights(const stress_field *field, stencil *stencil)
+static void linear_weights(const stress_field *field, stencil *stencil)
 {
     const double *own = field->element[stencil->element].place;
     double a[3] = {0, 0, 0};
@@ -112,18 +113,113 @@ static void find_weights(const stress_field *field, stencil *stencil)
     }
 }
 
+/*
+ * Compute the position of a neighbouring element from the centre of the element along both
+ * directions of principal curvature.
+ */
+static void offset_of(const stress_field *field, const stencil *stencil, int neighbour,
+                      double offset[2])
+{
+    const double *own = field->element[stencil->element].place;
+    const double *other = field->element[neighbour].place;
+    const double away[3] = {other[0] - own[0], other[1] - own[1], other[2] - own[2]};
+    offset[0] = vector_dot(away, stencil->axis[0]);
+    offset[1] = vector_dot(away, stencil->axis[1]);
+}
+
+/*
+ * Return whether the neighbours lie on one side of the element along a direction, as at an edge of
+ * the mesh, so that a linear fit would give the gradient between element and neighbours.
+ *   size out  mean distance of the neighbours (m)
+ */
+static bool is_one_sided(const stress_field *field, const stencil *stencil, double *size)
+{
+    double sum[2] = {0, 0}, absolute[2] = {0, 0};
+    *size = 0;
+    for (int i = 0; i < stencil->count; i++) {
+        double offset[2];
+        offset_of(field, stencil, stencil->neighbour[i], offset);
+        *size += hypot(offset[0], offset[1]) / stencil->count;
+        for (int a = 0; a < 2; a++) {
+            sum[a] += offset[a];
+            absolute[a] += fabs(offset[a]);
+        }
+    }
+    return fabs(sum[0]) > 0.5 * absolute[0] || fabs(sum[1]) > 0.5 * absolute[1];
+}
+
+/* Append the neighbours of the neighbours that have equal plies under equal voltages. */
+static void add_second_ring(const stress_field *field, stencil *stencil)
+{
+    const int first = stencil->count;
+    for (int i = 0; i < first; i++) {
+        int list[STRESS_NEIGHBOURS];
+        const int count = stress_neighbours(field, stencil->neighbour[i], list);
+        for (int k = 0; k < count && stencil->count < STRESS_NEIGHBOURS; k++) {
+            bool is_listed = list[k] == stencil->element;
+            for (int m = 0; m < stencil->count; m++)
+                is_listed |= stencil->neighbour[m] == list[k];
+            if (!is_listed && stress_are_neighbours(field, stencil->element, list[k]))
+                stencil->neighbour[stencil->count++] = list[k];
+        }
+    }
+}
+
+/*
+ * Compute the weights of the neighbouring elements in the least-squares fit of a quadratic
+ * polynomial through the value of the element, whose gradient is that at the element. Second
+ * derivatives that the neighbours do not determine are zero.
+ *   size in  length that makes the offsets dimensionless (m)
+ */
+static void quadratic_weights(const stress_field *field, stencil *stencil, double size)
+{
+    enum { TERMS = 5 };
+    const double least[TERMS] = {1e-12, 1e-12, 1e-8, 1e-8, 1e-8}; /* share of the largest entry that
+        is added to the diagonal, by which undetermined coefficients become zero */
+    double matrix[TERMS * TERMS] = {0}, term[STRESS_NEIGHBOURS][TERMS], largest = 0;
+    for (int i = 0; i < stencil->count; i++) {
+        double at[2];
+        offset_of(field, stencil, stencil->neighbour[i], at);
+        const double x = at[0] / size, y = at[1] / size;
+        const double polynomial[TERMS] = {x, y, x * x / 2, x * y, y * y / 2};
+        memcpy(term[i], polynomial, sizeof polynomial);
+        for (int k = 0; k < TERMS * TERMS; k++)
+            matrix[k] += polynomial[k / TERMS] * polynomial[k % TERMS] / (x * x + y * y);
+    }
+    for (int k = 0; k < TERMS; k++)
+        largest = fmax(largest, matrix[k * (TERMS + 1)]);
+    for (int k = 0; k < TERMS; k++)
+        matrix[k * (TERMS + 1)] += least[k] * largest;
+    if (invert(matrix, TERMS, TERMS) < 0)
+        return;
+    for (int i = 0; i < stencil->count; i++)
+        for (int a = 0; a < 2; a++) {
+            double sum = 0;
+            for (int k = 0; k < TERMS; k++)
+                sum += matrix[a * TERMS + k] * term[i][k];
+            const double square = term[i][0] * term[i][0] + term[i][1] * term[i][1];
+            stencil->weight[i][a] = sum / (square * size);
+        }
+}
+
 void stencil_find(const stress_field *field, int element, stencil *stencil)
 {
+    double size;
     memset(stencil, 0, sizeof *stencil);
     stencil->element = element;
     find_directions(field, stencil);
     stencil->count = stress_neighbours(field, element, stencil->neighbour);
+    const bool has_quadratic = is_one_sided(field, stencil, &size);
+    if (has_quadratic)
+        add_second_ring(field, stencil);
     for (int i = 0; i < stencil->count; i++) {
         const double *axis = field->element[stencil->neighbour[i]].axis[0];
         stencil->turn[i] =
             atan2(vector_dot(axis, stencil->axis[1]), vector_dot(axis, stencil->axis[0]));
     }
-    find_weights(field, stencil);
+    linear_weights(field, stencil);
+    if (has_quadratic)
+        quadratic_weights(field, stencil, size);
 }
 
 stress_sample *stencil_samples(const stress_field *field, int element)
