@@ -6,7 +6,8 @@
  *   d(c_1 c_2 s_33)/dz = -c_2 s_13,1 - c_1 s_23,2 + c_2 k_1 s_11 + c_1 k_2 s_22.
  *   s_ij  stresses at the height z above the reference surface
  *   c_a   1 + k_a z, with the principal curvature k_a
- *   ,a    derivative along direction a: least-squares fit to the element and its neighbours
+ *   ,a    derivative along direction a: least-squares fit to the element and its neighbours, at
+ *         edges that of a quadratic polynomial to a second ring of neighbours, too
  *
  * The gradients are corrected so that the shear stress vanishes at both faces and integrates to the
  * element's shear resultant; without neighbours, those of the two bending moments alone count
