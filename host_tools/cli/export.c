@@ -20,7 +20,8 @@ typedef struct arrays {
     named_array array[NAMED_ARRAY_MOST];
     double *owned[NAMED_ARRAY_MOST];
     size_t count, owners;
-    bool is_full; /* whether an allocation of memory has failed */
+    char *path_head; /* names of the columns of the load path; NULL: no load path */
+    bool is_full;    /* whether an allocation of memory has failed */
 } arrays;
 
 bool export_is_wanted(const options *options)
@@ -38,6 +39,7 @@ static void add_array(arrays *arrays, const char *name, const char *unit, size_t
         return;
     snprintf(array->name, sizeof array->name, "%s", name);
     array->unit = unit;
+    array->head = NULL;
     array->rows = rows;
     array->columns = columns;
     array->value = value;
@@ -58,6 +60,7 @@ static void release(arrays *arrays)
 {
     for (size_t k = 0; k < arrays->owners; k++)
         free(arrays->owned[k]);
+    free(arrays->path_head);
 }
 
 /* ---- files ------------------------------------------------------------ */
@@ -169,11 +172,34 @@ static void add_stress(arrays *arrays, const stress_field *field, char unit[WORD
 }
 
 /*
+ * Return the names of the columns of the load path: load factor, negative pivots, and the outputs
+ * with their units; NULL where memory runs out.
+ */
+static char *path_head(const analysis *analysis)
+{
+    enum { COLUMN = SCENE_LABEL + WORDS_UNIT + 8 };
+    const design *design = &analysis->design;
+    const size_t size = COLUMN * ((size_t)design->outputs + 2);
+    char *head = malloc(size), unit[WORDS_UNIT];
+    size_t used = 0;
+    if (head)
+        used = (size_t)snprintf(head, size, "load factor,negative pivots");
+    for (int k = 0; k < design->outputs && head; k++) {
+        words_unit(&design->units, words_of_output(&design->output[k]), unit);
+        used += (size_t)snprintf(head + used, size - used, ",%s", design->output[k].name);
+        if (*unit)
+            used += (size_t)snprintf(head + used, size - used, " (%s)", unit);
+    }
+    return head;
+}
+
+/*
  * Append the table of the load path to the arrays that are written to files: a row for each point,
  * with the load factor, the number of negative pivots, and the first value of each output.
  */
-static void add_path(arrays *arrays, const load_path *path)
+static void add_path(arrays *arrays, const analysis *analysis)
 {
+    const load_path *path = &analysis->load_path;
     const size_t columns = 2 + (size_t)path->outputs, points = (size_t)path->points;
     if (points == 0)
         return;
@@ -184,7 +210,11 @@ static void add_path(arrays *arrays, const load_path *path)
         memcpy(table + i * columns + 2, path->value + i * (size_t)path->outputs,
                (size_t)path->outputs * sizeof *table);
     }
+    const size_t index = arrays->count;
+    arrays->path_head = path_head(analysis);
     add_array(arrays, "path", "", points, columns, table);
+    if (arrays->count > index)
+        arrays->array[index].head = arrays->path_head;
 }
 
 /*
@@ -232,7 +262,7 @@ int export_solve(const options *options, const analysis *analysis, const double 
         add_outputs(&arrays, analysis, value, output_unit);
     add_array(&arrays, "reaction", "", (size_t)analysis->reactions.nodes, 6,
               analysis->reactions.nodes > 0 ? analysis->reactions.node[0] : NULL);
-    add_path(&arrays, &analysis->load_path);
+    add_path(&arrays, analysis);
     if (stress)
         add_stress(&arrays, stress, unit);
     const int status = write_arrays(options, &arrays);

@@ -53,8 +53,20 @@ static void print_cause(const analysis *analysis, const load_path *path)
     printf("  %s\n", cause);
 }
 
-/* List the critical points; of a bifurcation with the option that leaves the path there. */
-static void print_events(const load_path *path)
+/* Print the listed outputs at a critical point, a line for each. */
+static void print_values(const analysis *analysis, const double *value)
+{
+    const design *design = &analysis->design;
+    for (int k = 0; k < design->outputs; k++)
+        if (is_listed(analysis, k))
+            printf("    %-20s %15.7e\n", design->output[k].name, value[k]);
+}
+
+/*
+ * List the critical points with the values of the outputs there; of a bifurcation with the option
+ * that leaves the path there.
+ */
+static void print_events(const analysis *analysis, const load_path *path)
 {
     int bifurcation = 0;
     for (int i = 0; i < path->events; i++) {
@@ -64,6 +76,7 @@ static void print_events(const load_path *path)
         if (event->type == LOAD_PATH_BIFURCATION && path->branch_point == 0)
             printf("; --branch %d follows its branch", ++bifurcation);
         putchar('\n');
+        print_values(analysis, path->event_value + (size_t)i * (size_t)path->outputs);
     }
     if (path->branch_point > 0)
         printf("  branch of a bifurcation from point %d on\n", path->branch_point + 1);
@@ -75,7 +88,7 @@ void print_load_path(const analysis *analysis, const load_path *path)
     printf("  load path: %d points%s, %d linear solves%s\n", path->points,
            path->has_equal_steps ? " in equal load steps" : "", path->linear_solves,
            is_at_full_load ? "" : "; it does not reach the full load");
-    print_events(path);
+    print_events(analysis, path);
     if (path->events == 0)
         puts(path->has_equal_steps ? "  no change of stability"
                                    : "  no limit point and no bifurcation");
@@ -94,27 +107,35 @@ void print_load_path(const analysis *analysis, const load_path *path)
 
 /* ---- JSON ------------------------------------------------------------- */
 
-static void json_event(json *json, const load_path_event *event)
+/* Write the listed outputs at one point of a load path. */
+static void json_outputs(json *json, const analysis *analysis, const double *value)
 {
+    const design *design = &analysis->design;
+    json_open(json, "outputs", '{');
+    for (int k = 0; k < design->outputs; k++)
+        if (is_listed(analysis, k))
+            json_number(json, design->output[k].name, value[k]);
+    json_close(json, '}');
+}
+
+static void json_event(json *json, const analysis *analysis, const load_path *path, int i)
+{
+    const load_path_event *event = &path->event[i];
     json_open(json, NULL, '{');
     json_string(json, "type", event_name[event->type]);
     json_number(json, "load_factor", event->load_factor);
     json_number(json, "after_point", event->point + 1);
+    json_outputs(json, analysis, path->event_value + (size_t)i * (size_t)path->outputs);
     json_close(json, '}');
 }
 
 static void json_point(json *json, const analysis *analysis, const load_path *path, int i)
 {
-    const design *design = &analysis->design;
     json_open(json, NULL, '{');
     json_number(json, "load_factor", path->point[i].load_factor);
     json_number(json, "negative_pivots", path->point[i].negative_pivots);
     json_number(json, "lowest_face_strain", path->point[i].compression.strain);
-    json_open(json, "outputs", '{');
-    for (int k = 0; k < design->outputs; k++)
-        if (is_listed(analysis, k))
-            json_number(json, design->output[k].name, values_of(path, i)[k]);
-    json_close(json, '}');
+    json_outputs(json, analysis, values_of(path, i));
     json_close(json, '}');
 }
 
@@ -128,7 +149,7 @@ void print_load_path_json(json *json, const analysis *analysis, const load_path 
         json_number(json, "branch_from_point", path->branch_point + 1);
     json_open(json, "events", '[');
     for (int i = 0; i < path->events; i++)
-        json_event(json, &path->event[i]);
+        json_event(json, analysis, path, i);
     json_close(json, ']');
     json_open(json, "points", '[');
     for (int i = 0; i < path->points; i++)

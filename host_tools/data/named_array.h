@@ -15,6 +15,8 @@ enum { NAMED_ARRAY_NAME = 64, NAMED_ARRAY_MOST = 256 };
 typedef struct named_array {
     char name[NAMED_ARRAY_NAME]; /* name of the array: letters, digits and underscores */
     const char *unit;            /* unit of the numbers; an empty text for dimensionless numbers */
+    const char *head; /* names of the columns for a CSV file, separated by commas; NULL: those of
+                         named_array_csv */
     size_t rows, columns;
     const double *value; /* [rows][columns] numbers of a matrix, or [rows] numbers of a vector */
 } named_array;
@@ -28,8 +30,8 @@ int named_array_npz(FILE *file, const named_array *array, size_t count);
 
 /*
  * Write one array as CSV text with 17 significant digits. The first line holds the names of the
- * columns: name and unit of the array, and the number of the column, counted from 1, if there are
- * several. Returns 0, or -1 if writing fails.
+ * columns: `head`, otherwise name and unit of the array, and the number of the column, counted from
+ * 1, if there are several. Returns 0, or -1 if writing fails.
  */
 int named_array_csv(FILE *file, const named_array *array);
 

@@ -108,7 +108,9 @@ int named_array_npz(FILE *file, const named_array *array, size_t count)
 int named_array_csv(FILE *file, const named_array *array)
 {
     const size_t columns = array->columns > 0 ? array->columns : 1;
-    for (size_t k = 0; k < columns; k++) {
+    if (array->head)
+        fputs(array->head, file);
+    for (size_t k = 0; k < columns && !array->head; k++) {
         fprintf(file, "%s%s", k ? "," : "", array->name);
         if (columns > 1)
             fprintf(file, "_%lu", (unsigned long)k + 1);

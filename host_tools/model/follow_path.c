@@ -69,11 +69,11 @@ static double locate_critical_point(arc_search *arc_search, double *arc, signatu
 }
 
 /* Append the critical point of one type within a step of length `arc` to the path. */
-static void add_event(arc_search *arc_search, load_path *path, double arc, signature before,
-                      load_path_event_type type)
+static void add_event(arc_search *arc_search, analysis *analysis, load_path *path, double arc,
+                      signature before, load_path_event_type type)
 {
     const double load_factor = locate_critical_point(arc_search, &arc, before, type);
-    path_points_event(path, type, path->points - 1, load_factor);
+    path_points_event(path, analysis, type, path->points - 1, load_factor);
 }
 
 /*
@@ -81,7 +81,8 @@ static void add_event(arc_search *arc_search, load_path *path, double arc, signa
  * to the path: one pivot of the tangent stiffness changes its sign at a limit point, others at
  * bifurcations. Returns whether the solver could return to the end of the step.
  */
-static bool find_events(arc_search *arc_search, load_path *path, double arc, signature before)
+static bool find_events(arc_search *arc_search, analysis *analysis, load_path *path, double arc,
+                        signature before)
 {
     const signature after = signature_at(arc_search, arc_search->increment);
     const bool is_limit = before.course != after.course;
@@ -95,9 +96,9 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
     memcpy(kept, arc_search->increment, arc_search->entries * sizeof *kept);
     arc_contact_keep(&arc_search->contact);
     if (is_limit)
-        add_event(arc_search, path, arc, before, LOAD_PATH_LIMIT);
+        add_event(arc_search, analysis, path, arc, before, LOAD_PATH_LIMIT);
     if (changes > is_limit)
-        add_event(arc_search, path, arc, before, LOAD_PATH_BIFURCATION);
+        add_event(arc_search, analysis, path, arc, before, LOAD_PATH_BIFURCATION);
     memcpy(arc_search->increment, kept, arc_search->entries * sizeof *kept);
     free(kept);
     arc_contact_take_back(&arc_search->contact);
@@ -144,7 +145,8 @@ static void adapt_length(step_control *control, double arc, int iterations)
  *   iterations out     number of linear solves without those of the search for critical points
  * Returns false if the step fails.
  */
-static bool find_point(arc_search *arc_search, load_path *path, double *arc, int *iterations)
+static bool find_point(arc_search *arc_search, analysis *analysis, load_path *path, double *arc,
+                       int *iterations)
 {
     const signature before = signature_at(arc_search, arc_search->direction);
     double length = *arc;
@@ -154,7 +156,7 @@ static bool find_point(arc_search *arc_search, load_path *path, double *arc, int
         return false;
     *iterations = arc_search->iterations;
     *arc = length;
-    return find_events(arc_search, path, length, before);
+    return find_events(arc_search, analysis, path, length, before);
 }
 
 /* Return the number of bifurcations that have been found on a load path. */
@@ -223,7 +225,7 @@ static void take_steps(arc_search *arc_search, analysis *analysis, load_path *pa
         const int events = path->events;
         double arc = control.arc;
         arc_search->iterations = 0;
-        const bool is_found = find_point(arc_search, path, &arc, &iterations);
+        const bool is_found = find_point(arc_search, analysis, path, &arc, &iterations);
         path->linear_solves += arc_search->iterations;
         if (!is_found) {
             path->events = events;

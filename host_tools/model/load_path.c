@@ -7,6 +7,7 @@
 void load_path_free(load_path *path)
 {
     free(path->value);
+    free(path->event_value);
     free(path->row);
     memset(path, 0, sizeof *path);
 }

@@ -59,11 +59,12 @@ typedef struct load_path {
     load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
                                                 beyond the largest number that can be stored
                                                 (LOAD_PATH_EVENTS) are left out */
-    int branch_point;  /* index of the point at a bifurcation from which the path follows a branch;
-                          0: none */
-    int outputs;       /* number of outputs of the scene */
-    double *value;     /* [points][outputs] first value of each output of the scene at each point of
-                          the load path; not filled for outputs of strains and stresses */
+    int branch_point; /* index of the point at a bifurcation from which the path follows a branch;
+                         0: none */
+    int outputs;      /* number of outputs of the scene */
+    double *value;    /* [points][outputs] first value of each output of the scene at each point of
+                         the load path; not filled for outputs of strains and stresses */
+    double *event_value; /* [events][outputs] the same at each critical point */
     double *row;       /* work array for the values of all outputs at one point of the load path */
     pzs_status status; /* status of the last load step of a path in equal load steps */
     bool is_complete;  /* whether the load path has reached the full load */

@@ -11,8 +11,12 @@ int path_points_open(load_path *path, const analysis *analysis, char *error)
     memset(path, 0, sizeof *path);
     path->outputs = design->outputs;
     path->value = calloc(LOAD_PATH_POINTS * ((size_t)path->outputs + 1), sizeof *path->value);
+    path->event_value =
+        calloc(LOAD_PATH_EVENTS * ((size_t)path->outputs + 1), sizeof *path->event_value);
     path->row = calloc((size_t)design->structure.output.count + 1, sizeof *path->row);
-    return path->value && path->row ? 0 : scene_fault(design->at, error, "out of memory");
+    return path->value && path->event_value && path->row
+               ? 0
+               : scene_fault(design->at, error, "out of memory");
 }
 
 /* Return whether one of the scene's outputs is a reaction of supports. */
@@ -39,10 +43,13 @@ static void measure_shape(const mesh *mesh, const double *displacement, load_pat
     point->thickness_strain = face_strain_of_thickness(mesh, displacement, strains.lowest.element);
 }
 
-void path_points_add(load_path *path, analysis *analysis, double load_factor, int iterations)
+/*
+ * Compute the first value of each output of the scene at the present equilibrium of the solver
+ * (value [outputs] out).
+ */
+static void observe(load_path *path, analysis *analysis, double *value)
 {
     const pzs_solver *solver = &analysis->equilibrium.solver;
-    double *value = path->value + (size_t)path->points * (size_t)path->outputs;
     pzs_observe(&analysis->design.structure, solver->info.displacement, path->row);
     (void)analysis_electrodes(analysis, NULL);
     if (wants_reactions(&analysis->design)) {
@@ -51,6 +58,12 @@ void path_points_add(load_path *path, analysis *analysis, double load_factor, in
     }
     for (int k = 0; k < path->outputs; k++)
         value[k] = analysis_output(analysis, k, 0, path->row);
+}
+
+void path_points_add(load_path *path, analysis *analysis, double load_factor, int iterations)
+{
+    const pzs_solver *solver = &analysis->equilibrium.solver;
+    observe(path, analysis, path->value + (size_t)path->points * (size_t)path->outputs);
     load_path_point *point = &path->point[path->points++];
     point->load_factor = load_factor;
     point->negative_pivots = (int)solver->info.negative_pivots;
@@ -58,8 +71,11 @@ void path_points_add(load_path *path, analysis *analysis, double load_factor, in
     measure_shape(&analysis->design.mesh, solver->info.displacement, point);
 }
 
-void path_points_event(load_path *path, load_path_event_type type, int point, double load_factor)
+void path_points_event(load_path *path, analysis *analysis, load_path_event_type type, int point,
+                       double load_factor)
 {
-    if (path->events < LOAD_PATH_EVENTS)
-        path->event[path->events++] = (load_path_event){type, point, load_factor};
+    if (path->events == LOAD_PATH_EVENTS)
+        return;
+    observe(path, analysis, path->event_value + (size_t)path->events * (size_t)path->outputs);
+    path->event[path->events++] = (load_path_event){type, point, load_factor};
 }

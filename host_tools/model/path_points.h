@@ -21,9 +21,11 @@ void path_points_add(load_path *path, analysis *analysis, double load_factor, in
 
 /*
  * Append a critical point (limit point, bifurcation or change of stability) between the last two
- * points of a load path, or after the last one while the next is not appended yet.
+ * points of a load path, or after the last one while the next is not appended yet. The present
+ * equilibrium of the equilibrium solver is that of the critical point.
  *   point in  index of the last point before the critical point
  */
-void path_points_event(load_path *path, load_path_event_type type, int point, double load_factor);
+void path_points_event(load_path *path, analysis *analysis, load_path_event_type type, int point,
+                       double load_factor);
 
 #endif

@@ -66,8 +66,8 @@ static void find_change(const step_search *search, load_path *path, double low, 
         return;
     equilibrium_save(equilibrium, search->after);
     const double load_factor = locate_change(search, low, high, negative_pivots);
+    path_points_event(path, search->analysis, LOAD_PATH_STABILITY, path->points - 2, load_factor);
     equilibrium_restore(equilibrium, search->after);
-    path_points_event(path, LOAD_PATH_STABILITY, path->points - 2, load_factor);
 }
 
 /*

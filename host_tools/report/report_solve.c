@@ -260,6 +260,7 @@ static void write_page(const solve_page *solve)
     write_reactions(page);
     page_voltages(page, &applied, 1);
     fputs("</div>\n</div>\n", page->file);
+    page_path(page);
     for (int along = 0; along < 2 && !page->mesh->quads; along++)
         draw_lines(solve, along);
     if (solve->body.is_given)

@@ -410,8 +410,8 @@ static void test_npz(void **state)
 {
     (void)state;
     static const double matrix[6] = {1, 2, 3, 4, 5, -6e-300}, vector[2] = {7, 8};
-    static const named_array arrays[2] = {{"matrix", "um/V", 2, 3, matrix},
-                                          {"vector", "", 2, 0, vector}};
+    static const named_array arrays[2] = {{"matrix", "um/V", NULL, 2, 3, matrix},
+                                          {"vector", "", NULL, 2, 0, vector}};
     unsigned char bytes[4096];
     assert_true(~pzs_guard_crc(GUARD_CRC_START, "123456789", 9) == 0xCBF43926u);
     FILE *file = tmpfile();
@@ -444,7 +444,7 @@ static void test_csv(void **state)
 {
     (void)state;
     static const double matrix[6] = {0.1, 1 / 3.0, -DBL_MIN, DBL_MAX, 5e-324, 1e22};
-    static const named_array array = {"influence", "um/V", 2, 3, matrix};
+    static const named_array array = {"influence", "um/V", NULL, 2, 3, matrix};
     char bytes[1024];
     FILE *file = tmpfile();
     assert_non_null(file);

@@ -135,8 +135,11 @@ static void test_limit_is_located(void **state)
     for (int i = 0; i <= path.event[1].point; i++)
         highest = fmax(highest, path.point[i].load_factor);
     assert_true(highest <= limit * (1 + 1e-6) && highest > 0.99 * limit);
+    const double there = fabs(path.event_value[0]); /* of the centre, at the limit point */
+    assert_true(there > fabs(output_at(&path, path.event[0].point)) &&
+                there < fabs(output_at(&path, path.event[0].point + 1)));
     const double below = by_load_steps("hinged-roof", ROOF_8, limit * (1 - 1e-4));
-    assert_true(fabs(below) < fabs(output_at(&path, path.event[0].point + 1)));
+    assert_true(fabs(below) < there);
     const double above = by_load_steps("hinged-roof", ROOF_8, limit * (1 + 1e-4));
     assert_true(isnan(above) || fabs(above) > fabs(output_at(&path, path.event[1].point)));
     load_path_free(&path);
