@@ -330,7 +330,8 @@ static int check_branch(const load_path *path, const analysis *analysis, int bra
 int load_path_follow_branch(load_path *path, analysis *analysis, int branch, char *error)
 {
     const design *design = &analysis->design;
-    const bool is_stepped = design->mesh.prescribed_count > 0 || !arc_contact_fits(analysis);
+    const bool is_stepped = design->equilibrium.path_in_steps ||
+                            design->mesh.prescribed_count > 0 || !arc_contact_fits(analysis);
     double reached = 0;
     memset(path, 0, sizeof *path);
     if (!analysis->equilibrium.full_input)
@@ -338,7 +339,8 @@ int load_path_follow_branch(load_path *path, analysis *analysis, int branch, cha
     if (is_stepped && branch != 0)
         return refuse(analysis,
                       " with --branch needs the arc-length method, which takes no prescribed "
-                      "displacement, no moved body, no shell held by contact alone",
+                      "displacement, no moved body, no shell held by contact alone, and no "
+                      "equilibrium.path: load_steps",
                       error);
     if (path_points_open(path, analysis, error) < 0)
         return -1;

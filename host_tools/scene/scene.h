@@ -78,15 +78,17 @@ typedef struct scene_equilibrium {
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
     int extrapolated_iterations; /* number of iterations at the start of a load step whose tangent
-                                    stiffness uses predicted stress resultants: those of the present
-                                    displacement, extrapolated by the last increment. Later
-                                    iterations use the present ones. 0: Newton's method throughout
-                                  */
-    int ramp_solves;   /* number of linear solves at the start of a load step over which its loads
-                          rise in equal parts to their full size; 1: the first linear solve has the
-                          full loads; 0: the program chooses */
-    int linear_solves; /* largest number of systems of linear equations that are solved for one
-                          nonlinear equilibrium */
+                                    stiffness is computed with predicted stress resultants: those of
+                                    the present displacement, extrapolated by the last increment.
+                                    Later iterations use the resultants of the present displacement.
+                                    0: Newton's method throughout */
+    int ramp_solves;    /* number of linear solves at the start of a load step over which its loads
+                           rise in equal parts to their full size; 1: the first linear solve has the
+                           full loads; 0: the program chooses */
+    int linear_solves;  /* largest number of systems of linear equations that are solved for one
+                           nonlinear equilibrium */
+    bool path_in_steps; /* whether the load path consists of equal load steps, in place of steps of
+                           the arc-length method */
     scene_at at;
 } scene_equilibrium;
 

@@ -19,6 +19,8 @@ static const range ramp = {1, 20, 0, "must be from 1 to 20"};
 static const range solve_count = {1, 1000000, 0, "must be from 1 to 1000000"};
 static const range increment = {1e-12, 0.1, 0, "must lie between 1e-12 and 0.1"};
 
+static const choice path_methods[] = {{"load_steps", 1}, {"arc_length", 0}, {NULL, 0}};
+
 static const field equilibrium_fields[] = {
     {"load_steps", read_int, offsetof(scene_equilibrium, load_steps), &step_count, .of = OF_NUMBER,
      .help = "Number of load steps tried first; default 1."},
@@ -34,6 +36,10 @@ static const field equilibrium_fields[] = {
              "default: 1, and 8 where a load step would have to be shortened otherwise."},
     {"linear_solves", read_int, offsetof(scene_equilibrium, linear_solves), &solve_count,
      .of = OF_NUMBER, .help = "Largest number of linear solves; default 400."},
+    {"path", read_either, offsetof(scene_equilibrium, path_in_steps), path_methods,
+     .help = "How pzs solve --path follows the equilibria: arc_length (default, where it can), or "
+             "load_steps: in equal parts of the loads, of prescribed displacements where supports "
+             "have a value, 20 or load_steps where that is more."},
     {.key = NULL}};
 
 const form equilibrium_form = {.type = FORM_MAP, .fields = equilibrium_fields};

@@ -717,6 +717,48 @@ static const char moved_hinge[] =
            "theta2+, fix: [u1 mean, u2 mean]}, {edge: theta2+, fix: u3 mean, value: -0.01}]";
 
 /*
+ * Load control on request: the path of a roof below its limit load has equal load steps, whose
+ * points are those of the arc-length method at the same loads; --branch is refused beside it.
+ * Displacement control: the force on a pushed centre passes its maximum, which is that limit load.
+ */
+static void test_control_on_request(void **state)
+{
+    (void)state;
+    static const char *const pushed = ROOF_8
+        ";loads=[];supports=[{edge: theta1-, fix: symmetric}, {edge: theta2-, fix: symmetric}, "
+        "{edge: theta2+, fix: [u1 mean, u2 mean, u3 mean]}, {name: centre, at: {theta1: 0, "
+        "theta2: 0}, fix: u3 mean, value: -20}];outputs=[{name: f, reaction: z, support: "
+        "centre}];equilibrium={load_steps: 80}";
+    scene_run run;
+    load_path path;
+    double highest = 0;
+    follow(&run, &path, "hinged-roof", ROOF_8);
+    const double limit = path.event[0].load_factor * 750;
+    load_path_free(&path);
+    scene_run_close(&run);
+    follow(&run, &path, "hinged-roof",
+           ROOF_8 ";loads.0.u3=-500;equilibrium={path: load_steps, tolerance: 1e-8}");
+    assert_true(path.has_equal_steps && path.points == 21);
+    for (int i = 5; i < path.points; i += 5) {
+        const double load = path.point[i].load_factor * 500 / 750;
+        assert_true(fabs(output_at(&path, i) / by_load_steps("hinged-roof", ROOF_8, load) - 1) <
+                    1e-6);
+    }
+    load_path_free(&path);
+    assert_true(load_path_follow_branch(&path, &run.analysis, 1, run.error) < 0);
+    assert_non_null(strstr(run.error, "needs the arc-length method"));
+    scene_run_close(&run);
+    follow(&run, &path, "hinged-roof", pushed);
+    for (int i = 0; i < path.points; i++)
+        highest = fmax(highest, fabs(output_at(&path, i)));
+    print_message("largest force %.3f, limit load %.3f\n", highest, limit);
+    assert_true(highest <= limit * (1 + 1e-4) && highest > 0.998 * limit);
+    assert_true(fabs(output_at(&path, path.points - 1)) < 0.5 * limit);
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
+/*
  * A path of equal load steps ends at the limit load of the hinged roof, which it names with the
  * status of the solver and the cure.
  */
@@ -843,6 +885,7 @@ int main(void)
         cmocka_unit_test(test_snap_back),
         cmocka_unit_test(test_column_of_euler),
         cmocka_unit_test(test_branch_of_column),
+        cmocka_unit_test(test_control_on_request),
         cmocka_unit_test(test_answer_off_the_path),
         cmocka_unit_test(test_answer_on_the_path),
         cmocka_unit_test(test_pushed_column),
