@@ -242,7 +242,8 @@ const option_entry option_table[OPTIONS] = {
                       BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES),
                       "estimate the discretisation error: repeats the computation on meshes with a "
                       "half and, where possible, a quarter of the elements in each direction; for "
-                      "about a third more work"},
+                      "about a third more work; of shape that of the shape error and of the "
+                      "influence matrix"},
     [OPTION_STRESS] = {"--stress", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_SOLVE),
                        "stresses and strains of each layer: the largest ones with their places, "
                        "reserve factors against strength and depolarisation; with --vtu, --npz and "

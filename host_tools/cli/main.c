@@ -402,7 +402,12 @@ static int shape_error(shape_run *run, const options *options)
 {
     const common_limits own = {.source = LIMITS_SCENE};
     mesh_values values = {.count = 0};
+    char error[SCENE_ERROR];
+    if (!options->estimates_error)
+        return 0;
     mesh_values_add(&values, mesh_shape_name, run->results[1].error);
+    if (mesh_values_add_influence(&values, run->analysis, error) < 0)
+        return complain(error, 1);
     return estimate_error(options, run->analysis->design.scene, &values, mesh_measure_shape,
                           options->limits ? &options->limit[0] : &own, &run->analysis->mesh_error);
 }

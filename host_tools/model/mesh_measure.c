@@ -3,6 +3,7 @@
  * Computation of results whose discretisation error is estimated: outputs, shape errors, natural
  * frequencies (mesh_measure.h).
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "follow_path.h"
@@ -26,6 +27,35 @@ void mesh_values_add_outputs(mesh_values *values, const analysis *analysis, cons
     for (int k = 0; k < scene->outputs; k++)
         if (analysis_outputs(analysis, k) == 1)
             mesh_values_add(values, scene->output[k].name, analysis_output(analysis, k, 0, value));
+}
+
+int mesh_values_add_influence(mesh_values *values, const analysis *analysis, char *error)
+{
+    const design *design = &analysis->design;
+    const int amplifiers = design->amplifiers;
+    double *area = calloc((size_t)design->mesh.nodes, sizeof *area);
+    double *square = calloc((size_t)amplifiers + 1, sizeof *square), whole = 0, sum = 0;
+    if (!area || !square) {
+        free(area);
+        free(square);
+        return scene_fault(design->at, error, "out of memory");
+    }
+    mesh_node_areas(&design->mesh, area);
+    for (int i = 0; i < design->targets; i++) {
+        const double *row = analysis->influence + (size_t)i * design->structure.input.count;
+        const double part = area[design->target_node[i]];
+        whole += part;
+        for (int k = 0; k < amplifiers; k++)
+            square[k] += part * row[k] * row[k];
+    }
+    for (int k = 0; k < amplifiers; k++)
+        sum += square[k] / amplifiers;
+    mesh_values_add(values, "influence matrix", sqrt(sum / whole));
+    for (int k = 0; k < amplifiers && amplifiers <= MESH_COLUMNS; k++)
+        mesh_values_add(values, design->amplifier_name[k], sqrt(square[k] / whole));
+    free(area);
+    free(square);
+    return 0;
 }
 
 void mesh_mode_name(int mode, char name[SCENE_LABEL])
@@ -105,6 +135,8 @@ int mesh_measure_shape(const scene *scene, const void *context, mesh_values *val
         failed = voltages_optimum(&analysis, *limits, &result, error);
         if (!failed)
             mesh_values_add(values, mesh_shape_name, result.error);
+        if (!failed)
+            failed = mesh_values_add_influence(values, &analysis, error);
         voltages_free(&result);
     }
     analysis_free(&analysis);

@@ -23,8 +23,18 @@ mesh_measure mesh_measure_solve;
  */
 mesh_measure mesh_measure_path;
 /*
- * Compute, on one mesh, the relative shape error of the optimal voltages within limits. The
- * argument `context` points to the voltage limits, which are the same on all meshes.
+ * Append the influence matrix to the results whose discretisation error is estimated: the root mean
+ * square, over the area of the target nodes, of the whole matrix and, where there are at most
+ * MESH_COLUMNS amplifiers, of the column of each amplifier (displacement per volt). Returns 0, or
+ * -1 with error filled.
+ */
+enum { MESH_COLUMNS = MESH_VALUES - 2 };
+int mesh_values_add_influence(mesh_values *values, const analysis *analysis, char *error);
+
+/*
+ * Compute, on one mesh, the relative shape error of the optimal voltages within limits, and the
+ * influence matrix. The argument `context` points to the voltage limits, which are the same on all
+ * meshes.
  */
 mesh_measure mesh_measure_shape;
 /*

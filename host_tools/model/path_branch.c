@@ -49,16 +49,9 @@ static bool find_mode(arc_search *arc_search, double *mode)
 /* Length of the diagonal of the box around the nodes of a mesh (m). */
 static double mesh_size(const mesh *mesh)
 {
-    double squared = 0;
-    for (int a = 0; a < 3; a++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
-        for (int n = 0; n < mesh->nodes; n++) {
-            low = fmin(low, mesh->point[n].position[a]);
-            high = fmax(high, mesh->point[n].position[a]);
-        }
-        squared += (high - low) * (high - low);
-    }
-    return sqrt(squared);
+    double extent[3];
+    mesh_extent(mesh, extent);
+    return hypot(hypot(extent[0], extent[1]), extent[2]);
 }
 
 /*
