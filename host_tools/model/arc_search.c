@@ -113,8 +113,8 @@ static void full_force(arc_search *arc_search)
 }
 
 /*
- * Add to a change of the displacement what follows from the open electrodes, which keep their
- * charge: the changes of their voltages, and the displacement that these cause.
+ * Complete a change of the displacement where open electrodes keep their charge: compute the
+ * changes of their voltages, and add the displacement that these cause.
  *   input  in  cause of the change: index of an input of one unit; NEWTON: residual forces and
  *       charges; NO_INPUT: nodal forces without charges
  *   change [free dof, then open electrodes] in/out  changes of displacement and voltages
@@ -177,10 +177,10 @@ bool arc_solve(arc_search *arc_search, bool uses_true_resultants)
 /* ---- one step --------------------------------------------------------- */
 
 /*
- * Change c of the load factor with which the corrected increment of the displacement, increment +
- * by_residual + c by_load, has the length `arc`. The vectors by_residual and by_load are the
- * changes of displacement by the residual forces and per unit of the load factor. Of the two
- * solutions, the one that turns the increment less is returned; NAN where there is none.
+ * Return the change c of the load factor with which increment + by_residual + c by_load has the
+ * length `arc` (by_residual, by_load: changes of the displacement by the residual forces, and per
+ * unit of the load factor). Of two solutions it is the one that turns the increment less; NAN if
+ * there is none.
  */
 static double constrained_change(const arc_search *arc_search, double arc)
 {
@@ -195,18 +195,17 @@ static double constrained_change(const arc_search *arc_search, double arc)
     const double root = sqrt(half * half - load2 * rest);
     /*
      * The quadratic equation for the change of the load factor has two solutions. The sign of this
-     * scalar product, of the displacement increment and its change per unit of the load factor,
-     * selects the solution whose increment deviates less in direction from the present one.
+     * product of the increment and its change per unit of the load factor selects the one that
+     * turns the increment less.
      */
     const double along = arc_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;
 }
 
 /*
- * Complete one iteration of an arc-length step: change the load factor by `change`, and add two
- * parts to the increment of displacement and voltages: the part that the residual forces cause
- * (by_residual), and the part that the change of the load factor causes (change times by_load).
- * Returns the squared norm of what was added.
+ * Complete one iteration of an arc-length step: change the load factor by `change`, and add
+ * by_residual + change by_load (effects of the residual forces and of the load factor) to the
+ * increment of displacement and voltages. Returns the squared norm of what was added.
  */
 static double add_changes(arc_search *arc_search, double change)
 {

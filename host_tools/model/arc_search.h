@@ -62,7 +62,7 @@ void arc_set_point(arc_search *arc_search);
 /*
  * Factor the tangent stiffness matrix at the present point of an arc-length step, and solve for the
  * changes of displacement and voltages under the residual forces and per unit of the load factor.
- *   uses_true_resultants in  true: the geometric stiffness comes from the stress resultants of the
+ *   uses_true_resultants in  true: geometric stiffness from the stress resultants of the
  *       displacement; false: from resultants extrapolated from the previous iteration
  * Returns false if the tangent stiffness matrix is singular.
  */
@@ -90,8 +90,8 @@ bool arc_restore(arc_search *arc_search);
  *   scale     in  first increment over the predictor
  *   change    in  first change of the load factor
  *   arc       in  length of the step; 0: the load factor stays at its first change
- * Returns whether the step has converged without reversing the direction of the path. The tangent
- * stiffness then belongs to the new point; `start` is still the old one.
+ * Returns whether the step has converged without reversing the path. The tangent stiffness is then
+ * that of the new point; `start` is the old point.
  */
 bool arc_step(arc_search *arc_search, const double *predictor, double scale, double change,
               double arc);

@@ -103,9 +103,10 @@ static void linear_weights(const stress_field *field, stencil *stencil)
     }
     const double trace = a[0] + a[2], det = a[0] * a[2] - a[1] * a[1];
     const bool is_row = det < 1e-6 * trace * trace;
-    const double inverse[3] = {is_row ? a[0] / (trace * trace) : a[2] / det,
-                               is_row ? a[1] / (trace * trace) : -a[1] / det,
-                               is_row ? a[2] / (trace * trace) : a[0] / det};
+    const double of_row[3] = {a[0] / (trace * trace), a[1] / (trace * trace),
+                              a[2] / (trace * trace)};
+    const double of_matrix[3] = {a[2] / det, -a[1] / det, a[0] / det};
+    const double *inverse = is_row ? of_row : of_matrix;
     for (int i = 0; i < stencil->count; i++) {
         const double x = stencil->weight[i][0], y = stencil->weight[i][1];
         stencil->weight[i][0] = inverse[0] * x + inverse[1] * y;

@@ -45,9 +45,9 @@ stress_sample *stencil_samples(const stress_field *field, int element);
 void stencil_stretches(const stress_field *field, const stencil *stencil, int sample, double c[2]);
 
 /*
- * Integrate values at the sample heights over the thickness of the laminate, starting with 0 at its
- * inner face. The integral is exact where the values are quadratic within each layer. A layer that
- * is absent in the element adds nothing.
+ * Integrate values at the sample heights over the thickness of the laminate, from its inner face.
+ * The integral is exact where the values are quadratic within each layer. Absent layers add
+ * nothing.
  *   rate [samples] in   values to be integrated
  *   sum  [samples] out  integral from the inner face to each sample height
  */

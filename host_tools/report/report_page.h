@@ -69,11 +69,14 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
               const char *note);
 
 /*
- * Parts of report pages: the tables of layers and materials with the text of the scene file; the
- * section of the stresses, unless there are none (NULL); that of the load path, if one was
- * followed, with the load factor over each output of one value; the table of the voltages, with a
- * row for each amplifier and a column for each result; for a target that is a list of modes (named
- * target shapes), a section for each pair of limits with the error that each mode alone leaves.
+ * Parts of report pages:
+ *   page_structure  tables of layers and materials, with the text of the scene file
+ *   page_stress     section of the stresses; nothing where `field` is NULL
+ *   page_path       section of the load path, with the load factor over each output of one value;
+ *       nothing where no path was followed
+ *   page_voltages   table of the voltages: a row for each amplifier, a column for each result
+ *   page_modes      for a target that is a list of modes (named target shapes), a section for each
+ *       pair of limits, with the error that each mode alone leaves
  */
 void page_structure(const page *page);
 void page_stress(const page *page, const stress_field *field);

@@ -61,8 +61,10 @@ static void draw_events(const path_chart *chart, FILE *file)
             continue;
         draw_disc(file, "dot", at, 4);
         const bool is_right = at[0] > (LEFT + RIGHT) / 2;
-        draw_text(file, is_right ? "tag end" : "tag", at[0] + (is_right ? -7 : 7), at[1] - 5,
-                  "%s %n", name[event->type], event->load_factor);
+        const char *style = is_right ? "tag end" : "tag";
+        const double away = is_right ? -7 : 7;
+        draw_text(file, style, at[0] + away, at[1] - 5, "%s %n", name[event->type],
+                  event->load_factor);
     }
 }
 

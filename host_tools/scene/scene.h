@@ -78,10 +78,10 @@ typedef struct scene_equilibrium {
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
     int extrapolated_iterations; /* number of iterations at the start of a load step whose tangent
-                                    stiffness is computed with predicted stress resultants: those of
-                                    the present displacement, extrapolated by the last increment.
-                                    Later iterations use the resultants of the present displacement.
-                                    0: Newton's method throughout */
+                                    stiffness uses predicted stress resultants: those of the present
+                                    displacement, extrapolated by the last increment. Later
+                                    iterations use the present ones. 0: Newton's method throughout
+                                  */
     int ramp_solves;    /* number of linear solves at the start of a load step over which its loads
                            rise in equal parts to their full size; 1: the first linear solve has the
                            full loads; 0: the program chooses */
