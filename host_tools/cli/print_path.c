@@ -85,9 +85,9 @@ static void print_events(const analysis *analysis, const load_path *path)
 void print_load_path(const analysis *analysis, const load_path *path)
 {
     const bool is_at_full_load = path->point[path->points - 1].load_factor >= 1;
+    const char *reach = is_at_full_load ? "" : "; it does not reach the full load";
     printf("  load path: %d points%s, %d linear solves%s\n", path->points,
-           path->has_equal_steps ? " in equal load steps" : "", path->linear_solves,
-           is_at_full_load ? "" : "; it does not reach the full load");
+           path->has_equal_steps ? " in equal load steps" : "", path->linear_solves, reach);
     print_events(analysis, path);
     if (path->events == 0)
         puts(path->has_equal_steps ? "  no change of stability"
