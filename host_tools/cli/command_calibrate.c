@@ -10,6 +10,7 @@
 #include <string.h>
 #include "../data/number_table.h"
 #include "../model/calibrate_model.h"
+#include "../model/poke_drift.h"
 #include "../system/progress.h"
 #include "command_modes.h"
 #include "command_sweep.h"
@@ -28,11 +29,15 @@ typedef struct run {
                                 gives a measured matrix, or without a scene */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
+    int crosstalks;
+    crosstalk crosstalk[WIRING_FAULTS];
     double size; /* root mean square of the measured shapes relative to that of the shapes that the
                     scene's model predicts; 0 without a scene */
     double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
                        measured under known voltages), with the found wiring faults taken into
                        account (V) */
+    poke_drift drift;
+    double *shape; /* [pokes][outputs] measured shapes without the drift that was found */
     calibration result;
 } run;
 
@@ -78,8 +83,8 @@ static int read_pokes(run *run, const options *options)
                  (unsigned long)run->voltages.rows, (unsigned long)run->shapes.rows);
         return complain(text, "actuator and for each output");
     }
-    run->pokes = (pokes){run->voltages.rows, run->voltages.columns, run->shapes.columns,
-                         run->voltages.value, run->shapes.value};
+    run->pokes = (pokes){run->voltages.rows,  run->voltages.columns, run->shapes.columns,
+                         run->voltages.value, run->shapes.value,     0};
     return 0;
 }
 
@@ -176,16 +181,53 @@ static int fit_alone(run *run, char *error)
     return -1;
 }
 
+/*
+ * Find cross-talk in the computed matrix, of the amplifiers as they are wired, by the matrix of the
+ * model. Returns 0, or -1 with error filled.
+ */
+static int find_crosstalk(run *run, char *error)
+{
+    const size_t actuators = run->pokes.actuators, entries = run->pokes.outputs * actuators;
+    const double *model =
+        run->scene->influence.given ? run->scene->influence.matrix : run->model.influence;
+    double *wired = calloc(entries + actuators + 1, sizeof *wired);
+    if (!wired) {
+        snprintf(error, SCENE_ERROR, "out of memory");
+        return -1;
+    }
+    memcpy(wired, model, entries * sizeof *wired);
+    wiring_matrix(run->fault, run->faults, &run->pokes, wired, wired + entries);
+    run->crosstalks = crosstalk_find(run->crosstalk, &run->result, &run->pokes, wired);
+    free(wired);
+    return 0;
+}
+
 static int fit(run *run, char *error)
 {
     if (!run->scene)
         return fit_alone(run, error);
     const int failed =
         run->scene->influence.given ? fit_to_matrix(run, error) : fit_to_structure(run, error);
-    if (!failed)
-        wiring_matrix(run->fault, run->faults, &run->pokes, run->result.influence,
-                      run->result.error);
-    return failed;
+    if (failed)
+        return failed;
+    wiring_matrix(run->fault, run->faults, &run->pokes, run->result.influence, run->result.error);
+    return find_crosstalk(run, error);
+}
+
+/*
+ * Estimate the drift of the measured shapes and take it out of them. Returns 0, or -1 with error
+ * filled.
+ */
+static int remove_drift(run *run, char *error)
+{
+    run->shape = calloc(run->pokes.count * run->pokes.outputs + 1, sizeof *run->shape);
+    if (!run->shape || poke_drift_remove(&run->drift, &run->pokes, run->shape) < 0) {
+        snprintf(error, SCENE_ERROR, "out of memory");
+        return -1;
+    }
+    run->pokes.shape = run->shape;
+    run->pokes.trends = run->drift.drifts ? run->drift.trends : 0;
+    return 0;
 }
 
 /* ---- output ----------------------------------------------------------- */
@@ -217,6 +259,15 @@ static void fault_text(const run *run, const wiring_fault *fault, char *text, si
         snprintf(text, room, "%s is %s", name, fault->type == WIRING_DEAD ? "dead" : "reversed");
 }
 
+static void crosstalk_text(const run *run, const crosstalk *crosstalk, char *text, size_t room)
+{
+    char name[SCENE_LABEL], other[SCENE_LABEL];
+    actuator_name(run, crosstalk->actuator, name);
+    actuator_name(run, crosstalk->other, other);
+    snprintf(text, room, "cross-talk, %.3g of the voltage of %s acts on %s", crosstalk->part, name,
+             other);
+}
+
 static void print_model(const run *run)
 {
     for (int k = 0; k < run->model.factors; k++)
@@ -231,7 +282,7 @@ static void print_model(const run *run)
 
 static void print_faults(const run *run)
 {
-    char text[2 * SCENE_LABEL + 40], idle[IDLE_TEXT];
+    char text[2 * SCENE_LABEL + 60], idle[IDLE_TEXT];
     const size_t idles = idle_names(run, idle);
     if (idles > 0)
         printf("  not poked: %s; all voltages are 0, and %s the model's\n", idle,
@@ -239,6 +290,10 @@ static void print_faults(const run *run)
     for (int fault = 0; fault < run->faults; fault++) {
         fault_text(run, &run->fault[fault], text, sizeof text);
         printf("  fault: %s\n", text);
+    }
+    for (int k = 0; k < run->crosstalks; k++) {
+        crosstalk_text(run, &run->crosstalk[k], text, sizeof text);
+        printf("  fault: %s (standard error %.2g)\n", text, run->crosstalk[k].error);
     }
     for (size_t k = 0; k < run->pokes.actuators && !run->scene; k++)
         if (calibration_is_dead(&run->result, &run->pokes, k)) {
@@ -289,6 +344,23 @@ static void print_use(const run *run, const char *path)
                path, path);
 }
 
+/* Print drift and memory of the measured shapes, where the pokes determine them. */
+static void print_drift(const run *run)
+{
+    const poke_drift *drift = &run->drift;
+    if (isfinite(drift->drift) && drift->drifts)
+        printf("  drift of the shapes: %.3g%s a poke (root mean square; standard error %.2g); it "
+               "and a constant offset were taken out\n",
+               drift->drift, length_unit(run), drift->drift_error);
+    else if (drift->drifts)
+        puts("  the shapes have a constant offset, which was taken out");
+    if (isfinite(drift->memory))
+        printf("  hysteresis: %.3g%% of the voltages before a poke act on its shape (standard "
+               "error %.2g%%)%s\n",
+               100 * drift->memory, 100 * drift->memory_error,
+               drift->has_memory ? "; return to 0 V between pokes, or see --hysteresis" : "");
+}
+
 static void print_result(const run *run, const char *path)
 {
     printf("%lu pokes of %lu actuators, %lu outputs: they tell %d actuators apart\n",
@@ -301,6 +373,7 @@ static void print_result(const run *run, const char *path)
                length_unit(run));
     else
         puts("  noise of the shapes: not known; measure more pokes than actuators");
+    print_drift(run);
     printf("  largest entry %.4g%s per volt", largest_entry(run), length_unit(run));
     if (isfinite(largest_error(run)))
         printf(", largest standard error %.3g (%.3g%% of it)", largest_error(run),
@@ -313,7 +386,7 @@ static void print_result(const run *run, const char *path)
 
 static void print_json(const run *run)
 {
-    char text[2 * SCENE_LABEL + 40];
+    char text[2 * SCENE_LABEL + 60];
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_number(&json, "pokes", (double)run->pokes.count);
@@ -322,6 +395,10 @@ static void print_json(const run *run)
     json_number(&json, "rank", run->result.rank);
     json_number(&json, "noise", run->result.noise);
     json_number(&json, "residual", run->result.residual);
+    json_number(&json, "drift", run->drift.drift);
+    json_number(&json, "drift_error", run->drift.drift_error);
+    json_number(&json, "memory", run->drift.memory);
+    json_number(&json, "memory_error", run->drift.memory_error);
     if (run->scene)
         json_number(&json, "shapes_over_scene", run->size);
     if (run->model.factors > 0) {
@@ -344,6 +421,10 @@ static void print_json(const run *run)
     json_open(&json, "faults", '[');
     for (int fault = 0; fault < run->faults; fault++) {
         fault_text(run, &run->fault[fault], text, sizeof text);
+        json_string(&json, NULL, text);
+    }
+    for (int k = 0; k < run->crosstalks; k++) {
+        crosstalk_text(run, &run->crosstalk[k], text, sizeof text);
         json_string(&json, NULL, text);
     }
     json_close(&json, ']');
@@ -398,7 +479,7 @@ static int calibrate_matrix(run *run, const options *options)
     int status = 0;
     progress_start();
     progress_stage("fitting the matrix");
-    if (fit(run, error) < 0)
+    if (remove_drift(run, error) < 0 || fit(run, error) < 0)
         status = complain(error, "");
     progress_stop();
     if (status == 0 && options->output)
@@ -426,6 +507,8 @@ int command_calibrate(const options *options, const scene *scene)
     calibration_model_free(&run.model);
     number_table_free(&run.voltages);
     number_table_free(&run.shapes);
+    poke_drift_free(&run.drift);
+    free(run.shape);
     free(run.acting);
     return status;
 }

@@ -191,9 +191,11 @@ const command_entry command_table[COMMANDS] = {
          "independent pokes as actuators. With a scene as the model, fewer suffice: of a "
          "structure, whose target nodes are the outputs, factors of stiffness and piezoelectric "
          "constants are "
-         "fitted first; a measured matrix is taken as it is. Dead electrodes are named, and with a "
-         "model reversed wires and swapped cables. The matrix is that of the amplifiers as they "
-         "are wired.",
+         "fitted first; a measured matrix is taken as it is. Dead electrodes are named, and "
+         "with a model reversed wires, swapped cables and cross-talk. With three pokes more "
+         "than actuators or more, drift and a constant offset of the shapes are taken out, in "
+         "the order of the lines, and what earlier voltages leave (hysteresis) is stated. The "
+         "matrix is that of the amplifiers as they are wired.",
          {"pzs new poke-voltages > voltages.csv; pzs new poke-shapes > shapes.csv",
           "pzs calibrate --voltages voltages.csv --shapes shapes.csv -o matrix.csv", NULL}},
     [COMMAND_COMPLETION] =

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Computation of an influence matrix from shapes measured under known voltages (calibrate.h). */
 #include "calibrate.h"
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "eigen.h"
+#include "poke_reduction.h"
 
 /*
  * Eigenvalues of V V' below this fraction of the largest one count as 0, where V
@@ -19,7 +21,10 @@ static const double negligible = 1e-12;
  * over the eigenvalues.
  */
 typedef struct spectrum {
-    size_t pokes, actuators, outputs;
+    size_t pokes, actuators, outputs; /* measurements after their reduction (poke_reduction.h), at
+                                         most as many as actuators */
+    size_t measured;                  /* measurements before their reduction */
+    double rest;      /* sum of the squares of the shapes that no influence matrix explains */
     double *vector;   /* [measurements][measurements] eigenvectors of V V' as columns, where V
                          [measurements][actuators] holds the voltages of all measured shapes */
     double *value;    /* [measurements] eigenvalues of V V', where V [measurements][actuators] holds
@@ -79,18 +84,33 @@ static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
                 sum += pokes->voltage[poke * actuators + k] * pokes->voltage[other * actuators + k];
             gram[poke * count + other] = sum;
         }
-    eigen_symmetric(gram, spectrum->vector, count, 40, 0);
+    double largest = 0;
+    for (size_t poke = 0; poke < count; poke++)
+        largest = fmax(largest, gram[poke * count + poke]);
+    eigen_symmetric(gram, spectrum->vector, count, 40, DBL_EPSILON * DBL_EPSILON * largest);
     for (size_t poke = 0; poke < count; poke++)
         spectrum->value[poke] = fmax(gram[poke * count + poke], 0);
 }
 
-static int spectrum_open(spectrum *spectrum, const pokes *pokes, const double *model)
+/* Sum of the squares of the measured shapes that no influence matrix explains. */
+static double rest_of(const poke_reduction *reduction)
 {
+    double sum = 0;
+    for (size_t i = 0; i < reduction->left * reduction->pokes.outputs; i++)
+        sum += reduction->rest[i] * reduction->rest[i];
+    return sum;
+}
+
+static int spectrum_open(spectrum *spectrum, const poke_reduction *reduction, const double *model)
+{
+    const pokes *pokes = &reduction->pokes;
     const size_t count = pokes->count, outputs = pokes->outputs;
     memset(spectrum, 0, sizeof *spectrum);
     spectrum->pokes = count;
     spectrum->actuators = pokes->actuators;
     spectrum->outputs = outputs;
+    spectrum->measured = count + reduction->left;
+    spectrum->rest = rest_of(reduction);
     spectrum->vector = calloc(count * count + 1, sizeof *spectrum->vector);
     spectrum->value = calloc(count + 1, sizeof *spectrum->value);
     spectrum->residual = calloc(count * outputs + 1, sizeof *spectrum->residual);
@@ -152,12 +172,12 @@ static void invert(spectrum *spectrum, double ratio)
  */
 static double likely_variance(const spectrum *spectrum, double ratio)
 {
-    double sum = 0;
+    double sum = spectrum->rest;
     for (size_t index = 0; index < spectrum->pokes; index++)
         for (size_t i = 0; i < spectrum->outputs; i++)
             sum += ratio / (spectrum->value[index] + ratio) *
                    pow(spectrum->rotated[index * spectrum->outputs + i], 2);
-    return sum / (double)(spectrum->pokes * spectrum->outputs);
+    return sum / (double)(spectrum->measured * spectrum->outputs);
 }
 
 /*
@@ -168,7 +188,7 @@ static double likely_variance(const spectrum *spectrum, double ratio)
 static double unlikelihood(const spectrum *spectrum, double ratio)
 {
     const double least = 1e-300;
-    double sum = (double)spectrum->pokes * log(fmax(likely_variance(spectrum, ratio), least));
+    double sum = (double)spectrum->measured * log(fmax(likely_variance(spectrum, ratio), least));
     for (size_t index = 0; index < spectrum->pokes; index++)
         sum += log1p(spectrum->value[index] / ratio);
     return sum * (double)spectrum->outputs / 2;
@@ -188,7 +208,7 @@ static double choose_ratio(const spectrum *spectrum, bool *is_separable)
                                             counts as significantly less likely than another */
     double mean = 0, least = HUGE_VAL, smallest = 0, chosen = 0;
     for (size_t index = 0; index < spectrum->pokes; index++)
-        mean += spectrum->value[index] / (double)spectrum->pokes;
+        mean += spectrum->value[index] / (double)spectrum->measured;
     for (int k = 0; k <= STEPS; k++) {
         const double ratio = mean * pow(10, -10 + 16.0 * k / STEPS),
                      value = unlikelihood(spectrum, ratio);
@@ -228,10 +248,10 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
                     along * spectrum->inverse[index] * spectrum->rotated[index * outputs + i];
         }
     subtract_model(pokes, result->influence, spectrum->residual);
-    double sum = 0;
+    double sum = spectrum->rest;
     for (size_t i = 0; i < count * outputs; i++)
         sum += spectrum->residual[i] * spectrum->residual[i];
-    result->residual = sqrt(sum / (double)(count * outputs));
+    result->residual = sqrt(sum / (double)(spectrum->measured * outputs));
 }
 
 /*
@@ -270,14 +290,15 @@ static int fit_alone(calibration *result, spectrum *spectrum, const pokes *pokes
         snprintf(error, SCENE_ERROR,
                  "%lu pokes tell %d of %lu actuators apart; measure more pokes, or give a scene "
                  "with a model of the structure",
-                 (unsigned long)pokes->count, result->rank, (unsigned long)pokes->actuators);
+                 (unsigned long)spectrum->measured, result->rank, (unsigned long)pokes->actuators);
         return -1;
     }
     invert(spectrum, 0);
     fill_influence(result, spectrum, pokes, NULL);
-    const size_t left = pokes->count - pokes->actuators;
+    const size_t lost = pokes->actuators + pokes->trends,
+                 left = spectrum->measured > lost ? spectrum->measured - lost : 0;
     result->noise =
-        left > 0 ? result->residual * sqrt((double)pokes->count / (double)left) : (double)NAN;
+        left > 0 ? result->residual * sqrt((double)spectrum->measured / (double)left) : (double)NAN;
     fill_errors(result, spectrum, pokes);
     return 0;
 }
@@ -295,23 +316,37 @@ static void fit_with_model(calibration *result, spectrum *spectrum, const pokes 
     fill_errors(result, spectrum, pokes);
 }
 
-int calibrate(calibration *result, const pokes *pokes, const double *model, char *error)
+/* Compute the influence matrix from reduced pokes. Returns 0, or -1 with error filled. */
+static int fit_reduced(calibration *result, const poke_reduction *reduction, const double *model,
+                       char *error)
 {
     spectrum spectrum;
-    memset(result, 0, sizeof *result);
-    result->influence = calloc(pokes->outputs * pokes->actuators + 1, sizeof *result->influence);
-    result->error = calloc(pokes->actuators + 1, sizeof *result->error);
-    int failed = spectrum_open(&spectrum, pokes, model);
-    if (failed || !result->influence || !result->error) {
+    int failed = 0;
+    if (spectrum_open(&spectrum, reduction, model) < 0) {
         failed = out_of_memory(error);
     } else {
         result->rank = rank_of(&spectrum);
         if (model)
-            fit_with_model(result, &spectrum, pokes, model);
+            fit_with_model(result, &spectrum, &reduction->pokes, model);
         else
-            failed = fit_alone(result, &spectrum, pokes, error);
+            failed = fit_alone(result, &spectrum, &reduction->pokes, error);
     }
     spectrum_close(&spectrum);
+    return failed;
+}
+
+int calibrate(calibration *result, const pokes *pokes, const double *model, char *error)
+{
+    poke_reduction reduction;
+    memset(result, 0, sizeof *result);
+    result->influence = calloc(pokes->outputs * pokes->actuators + 1, sizeof *result->influence);
+    result->error = calloc(pokes->actuators + 1, sizeof *result->error);
+    int failed = poke_reduce(&reduction, pokes, NULL, 0);
+    if (failed || !result->influence || !result->error)
+        failed = out_of_memory(error);
+    else
+        failed = fit_reduced(result, &reduction, model, error);
+    poke_reduction_free(&reduction);
     return failed;
 }
 

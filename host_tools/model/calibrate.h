@@ -15,15 +15,7 @@
 
 #include <stdbool.h>
 #include "../scene/scene.h"
-
-/* Measured pokes: known voltages, and the shapes measured under them. */
-typedef struct pokes {
-    size_t count, actuators, outputs;
-    const double *voltage; /* [count][actuators] voltages of each poke, a measurement of the shape
-                              under known voltages (V) */
-    const double *shape; /* [count][outputs] measured shape of each poke (a measurement of the shape
-                            under known voltages), in the unit of the outputs */
-} pokes;
+#include "pokes.h"
 
 typedef struct calibration {
     double *influence; /* [outputs][actuators] computed influence matrix (unit of the outputs per
@@ -106,6 +98,28 @@ void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, dou
  */
 void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, double *influence,
                    double *error);
+
+/* Cross-talk: the voltage of one amplifier also acts on the electrode of another one. */
+typedef struct crosstalk {
+    size_t actuator, other; /* amplifier, and the amplifier on whose electrode it also acts */
+    double part, error; /* part of the voltage that acts on that electrode, and its standard error
+                         */
+} crosstalk;
+
+/*
+ * Find cross-talk by fitting each column of the computed influence matrix by its own column of the
+ * model and the one other column that fits best.
+ *   found        out  cross-talk found, at most one for each amplifier
+ *   size         in   numbers of actuators and outputs
+ *   model [outputs][actuators] in  influence matrix of the model, of the amplifiers as wired
+ * An other column counts if it explains CROSSTALK_SHARE of the squares that the own column leaves,
+ * with a part of at least CROSSTALK_PART, which is five times its standard error or more. Returns
+ * the number found; 0 where the noise or some actuator is not determined by the pokes.
+ */
+#define CROSSTALK_PART 0.03
+#define CROSSTALK_SHARE 0.8
+int crosstalk_find(crosstalk found[WIRING_FAULTS], const calibration *result, const pokes *size,
+                   const double *model);
 
 /*
  * Whether the voltage of an actuator is 0 in all measurements (pokes), which then contain no

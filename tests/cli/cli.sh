@@ -189,6 +189,24 @@ for line in open(sys.argv[1]): print(','.join('%.9g' % (1000 * float(x)) for x i
     run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$dir/micrometres.csv" &&
     grep -qF 'times those of the scene; write shapes in its unit of length, mm' "$dir/out"
 check 'calibrate notices shapes in another unit than the scene' $?
+# 400 pokes of the matrix of measured.yaml with a drift, and 0.2 of the voltage of e1 on e4
+/usr/bin/python3 - "$dir" <<'POKES'
+import csv, random, sys
+random.seed(2)
+matrix = [[1e-3 * float(x) for x in row[2:]] for row in list(csv.reader(open(sys.argv[1] + '/measured-matrix.csv')))[1:]]
+for row in matrix:
+    row[1] += 0.2 * row[4]
+voltages = [[random.uniform(-50, 50) for _ in matrix[0]] for _ in range(400)]
+open(sys.argv[1] + '/many-v.csv', 'w').write(''.join(','.join('%.9g' % v for v in line) + '\n' for line in voltages))
+open(sys.argv[1] + '/many-x.csv', 'w').write(''.join(','.join('%.9g' % (
+    sum(b * v for b, v in zip(row, line)) + 3e-6 * k + random.gauss(0, 1e-6)) for row in matrix) + '\n'
+    for k, line in enumerate(voltages)))
+POKES
+run 0 calibrate "$dir/measured.yaml" --voltages "$dir/many-v.csv" --shapes "$dir/many-x.csv" &&
+    grep -qF 'drift of the shapes: 3e-06 mm a poke' "$dir/out" && grep -qF 'cross-talk, 0.2 of the voltage of e1 acts on e4' "$dir/out" &&
+    run 0 calibrate "$dir/measured.yaml" --voltages "$dir/many-v.csv" --shapes "$dir/many-x.csv" --json &&
+    json "abs(j['drift'] - 3e-6) < 5 * j['drift_error'] and abs(j['memory']) < 5 * j['memory_error'] and abs(j['noise'] - 1e-6) < 5e-8 and len(j['faults']) == 1"
+check 'calibrate: 400 pokes, drift and cross-talk' $?
 run 2 calibrate --voltages "$dir/voltages.csv" && says '--shapes FILE'; check 'calibrate without shapes says what is missing' $?
 head -c 100000000 /dev/zero >"$dir/huge.csv"
 run 2 check "$dir/measured.yaml" --set influence.file=huge.csv && says 'huge.csv: it has 95.4 MB'; check '100 MB are refused by their size' $?

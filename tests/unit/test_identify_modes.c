@@ -79,7 +79,7 @@ static void fill_late_record(record *r, const plate_mode *mode, int modes, size_
     r->voltage = calloc(count * ACTUATORS, sizeof *r->voltage);
     r->reading = calloc(count * OUTPUTS, sizeof *r->reading);
     assert_true(r->voltage && r->reading);
-    r->samples = (pokes){count, ACTUATORS, OUTPUTS, r->voltage, r->reading};
+    r->samples = (pokes){count, ACTUATORS, OUTPUTS, r->voltage, r->reading, 0};
     fill_shapes(r, mode, modes);
     for (size_t t = 0; t < count; t++) {
         double voltage[ACTUATORS];

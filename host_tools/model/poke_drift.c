@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Estimates of drift and memory from pokes (poke_drift.h). */
+#include "poke_drift.h"
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "poke_reduction.h"
+
+/* The first two regressors: constant, and number of the poke. The voltages before follow. */
+enum { TRENDS = 2 };
+
+/*
+ * Rounds of the estimate: the second one has an influence matrix of shapes without offset and
+ * drift, which the first one found.
+ */
+enum { ROUNDS = 2 };
+
+/*
+ * Arrays of one estimate, in one allocation that begins at `trend`. Rows are those of the reduced
+ * pokes that no influence matrix explains.
+ */
+typedef struct estimate {
+    size_t rows, outputs;
+    double *trend; /* [TRENDS][rows] orthonormal vectors of constant and drift; zeros where the
+                      voltages explain them */
+    double scale[TRENDS]; /* part of each regressor along its own vector; 0: not determined */
+    double mixed;         /* part of the number of the poke along the vector of the constant */
+    double *before;       /* [rows][outputs] shapes of the voltages before, without trends */
+    double *rest;         /* [rows][outputs] shapes that are left, without trends */
+    double *part[TRENDS]; /* [outputs] parts of the shapes along the trends */
+    double *part_before[TRENDS]; /* [outputs] parts of the shapes of the voltages before */
+} estimate;
+
+/* Fill the regressors [pokes][TRENDS + actuators]: 1, the number k of the poke, and v_(k-1). */
+static void fill_regressors(const pokes *pokes, double *regressor)
+{
+    const size_t actuators = pokes->actuators;
+    for (size_t poke = 0; poke < pokes->count; poke++) {
+        double *row = regressor + poke * (TRENDS + actuators);
+        row[0] = 1;
+        row[1] = (double)poke;
+        if (poke > 0)
+            memcpy(row + TRENDS, pokes->voltage + (poke - 1) * actuators, actuators * sizeof *row);
+    }
+}
+
+static double product(const double *x, const double *y, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+
+/*
+ * Make the vectors of the trends orthonormal. What rounding leaves of a regressor that the voltages
+ * or the constant explain counts as zero.
+ */
+static void fill_trends(estimate *e, const poke_reduction *reduction, size_t pokes, size_t extras)
+{
+    const double size[TRENDS] = {sqrt((double)pokes), (double)pokes * sqrt((double)pokes / 3)};
+    for (size_t k = 0; k < TRENDS; k++) {
+        double *trend = e->trend + k * e->rows;
+        for (size_t row = 0; row < e->rows; row++)
+            trend[row] = reduction->extra[row * extras + k];
+        const double mixed = k == 1 ? product(e->trend, trend, e->rows) : 0;
+        for (size_t row = 0; row < e->rows && k == 1; row++)
+            trend[row] -= mixed * e->trend[row];
+        const double norm = sqrt(product(trend, trend, e->rows));
+        const bool counts = norm > sqrt(DBL_EPSILON) * size[k];
+        for (size_t row = 0; row < e->rows; row++)
+            trend[row] = counts ? trend[row] / norm : 0;
+        e->scale[k] = counts ? norm : 0;
+        e->mixed = mixed;
+    }
+}
+
+/*
+ * Split a matrix [rows][outputs] into its parts along the trends and the rest, which replaces it.
+ */
+static void split(const estimate *e, double *value, double *const part[TRENDS])
+{
+    for (size_t k = 0; k < TRENDS; k++) {
+        const double *trend = e->trend + k * e->rows;
+        for (size_t row = 0; row < e->rows; row++)
+            for (size_t i = 0; i < e->outputs; i++)
+                part[k][i] += trend[row] * value[row * e->outputs + i];
+        for (size_t row = 0; row < e->rows; row++)
+            for (size_t i = 0; i < e->outputs; i++)
+                value[row * e->outputs + i] -= trend[row] * part[k][i];
+    }
+}
+
+static int estimate_open(estimate *e, size_t rows, size_t outputs)
+{
+    memset(e, 0, sizeof *e);
+    e->rows = rows;
+    e->outputs = outputs;
+    e->trend =
+        calloc(TRENDS * rows + 2 * rows * outputs + 2 * TRENDS * outputs + 1, sizeof *e->trend);
+    e->before = e->trend + TRENDS * rows;
+    e->rest = e->before + rows * outputs;
+    for (size_t k = 0; k < TRENDS; k++) {
+        e->part[k] = e->rest + rows * outputs + k * outputs;
+        e->part_before[k] = e->part[k] + TRENDS * outputs;
+    }
+    return e->trend ? 0 : -1;
+}
+
+/* Compute the shapes that the voltages before cause, by the reduced regressors. */
+static void fill_before(estimate *e, const poke_reduction *reduction, const double *influence)
+{
+    const size_t actuators = reduction->pokes.actuators, extras = TRENDS + actuators;
+    for (size_t row = 0; row < e->rows; row++)
+        for (size_t i = 0; i < e->outputs; i++)
+            e->before[row * e->outputs + i] = product(reduction->extra + row * extras + TRENDS,
+                                                      influence + i * actuators, actuators);
+}
+
+/*
+ * Compute memory, noise, and with them offset and drift.
+ *   size in  sum of the squares of the shapes that the voltages before cause in all pokes
+ */
+static void solve(poke_drift *drift, const estimate *e, double size)
+{
+    const size_t entries = e->rows * e->outputs;
+    const double square = product(e->before, e->before, entries);
+    const bool is_known = square > DBL_EPSILON * size;
+    const double memory = is_known ? product(e->before, e->rest, entries) / square : 0;
+    double noise = 0, along = 0;
+    for (size_t i = 0; i < entries; i++)
+        noise += pow(e->rest[i] - memory * e->before[i], 2);
+    noise /= (double)((e->rows - TRENDS) * e->outputs);
+    for (size_t i = 0; i < e->outputs; i++) {
+        double part[TRENDS];
+        for (size_t k = 0; k < TRENDS; k++) {
+            part[k] = e->part[k][i] - memory * e->part_before[k][i];
+            along += part[k] * part[k];
+        }
+        drift->slope[i] = e->scale[1] > 0 ? part[1] / e->scale[1] : 0;
+        drift->offset[i] =
+            e->scale[0] > 0 ? (part[0] - e->mixed * drift->slope[i]) / e->scale[0] : 0;
+    }
+    drift->trends = (size_t)(e->scale[0] > 0) + (size_t)(e->scale[1] > 0);
+    const double expected = (double)(drift->trends * e->outputs);
+    drift->drifts = along > noise * (expected + POKE_DRIFT_SIGMAS * sqrt(2 * expected));
+    if (e->scale[1] > 0) {
+        drift->drift = sqrt(product(drift->slope, drift->slope, e->outputs) / (double)e->outputs);
+        drift->drift_error = sqrt(noise) / e->scale[1];
+    }
+    if (is_known) {
+        drift->memory = memory;
+        drift->memory_error = sqrt(noise / square);
+        drift->has_memory = fabs(memory) > POKE_DRIFT_SIGMAS * drift->memory_error;
+    }
+}
+
+/* Sum of the squares of the shapes that an influence matrix predicts for all pokes. */
+static double size_of(const pokes *pokes, const double *influence)
+{
+    double sum = 0;
+    for (size_t poke = 0; poke < pokes->count; poke++)
+        for (size_t i = 0; i < pokes->outputs; i++)
+            sum += pow(calibration_predict(pokes, influence, poke, i), 2);
+    return sum;
+}
+
+/* Fill the estimate from reduced pokes and solve it. Returns 0, or -1 where memory runs out. */
+static int find(poke_drift *drift, const poke_reduction *reduction, const pokes *pokes,
+                const double *influence)
+{
+    estimate e;
+    if (estimate_open(&e, reduction->left, pokes->outputs) < 0)
+        return -1;
+    memcpy(e.rest, reduction->rest, e.rows * e.outputs * sizeof *e.rest);
+    fill_trends(&e, reduction, pokes->count, TRENDS + pokes->actuators);
+    fill_before(&e, reduction, influence);
+    split(&e, e.rest, e.part);
+    split(&e, e.before, e.part_before);
+    solve(drift, &e, size_of(pokes, influence));
+    free(e.trend);
+    return 0;
+}
+
+/*
+ * Estimate drift and memory from pokes, with a least-squares influence matrix [outputs][actuators]
+ * of them. Returns 0, or -1 where memory runs out.
+ */
+static int find_reduced(poke_drift *drift, const pokes *pokes, const double *influence)
+{
+    const size_t extras = TRENDS + pokes->actuators;
+    double *regressor = calloc(pokes->count * extras + 1, sizeof *regressor);
+    poke_reduction reduction = {.memory = NULL};
+    int failed = regressor ? 0 : -1;
+    if (!failed) {
+        fill_regressors(pokes, regressor);
+        failed = poke_reduce(&reduction, pokes, regressor, extras);
+    }
+    if (!failed && reduction.left > TRENDS + 1)
+        failed = find(drift, &reduction, pokes, influence);
+    poke_reduction_free(&reduction);
+    free(regressor);
+    return failed;
+}
+
+/* Subtract offset and drift, if they count, from the measured shapes. */
+static void subtract(const poke_drift *drift, const pokes *pokes, double *shape)
+{
+    memcpy(shape, pokes->shape, pokes->count * pokes->outputs * sizeof *shape);
+    for (size_t poke = 0; drift->drifts && poke < pokes->count; poke++)
+        for (size_t i = 0; i < pokes->outputs; i++)
+            shape[poke * pokes->outputs + i] -= drift->offset[i] + drift->slope[i] * (double)poke;
+}
+
+int poke_drift_remove(poke_drift *drift, const pokes *pokes, double *shape)
+{
+    char error[SCENE_ERROR];
+    struct pokes steady = *pokes;
+    *drift = (poke_drift){.drift = NAN, .drift_error = NAN, .memory = NAN, .memory_error = NAN};
+    drift->offset = calloc(2 * pokes->outputs + 1, sizeof *drift->offset);
+    drift->slope = drift->offset + pokes->outputs;
+    if (!drift->offset)
+        return -1;
+    steady.shape = shape;
+    subtract(drift, pokes, shape);
+    for (int round = 0; round < ROUNDS && pokes->count > pokes->actuators; round++) {
+        calibration alone;
+        const bool is_determined = calibrate(&alone, &steady, NULL, error) == 0;
+        const int failed = is_determined ? find_reduced(drift, pokes, alone.influence) : 0;
+        calibration_free(&alone);
+        if (failed || !is_determined)
+            return failed;
+        subtract(drift, pokes, shape);
+    }
+    return 0;
+}
+
+void poke_drift_free(poke_drift *drift)
+{
+    free(drift->offset);
+    drift->offset = NULL;
+}
