@@ -208,13 +208,12 @@ static int write_solve(const report_job *job, const void *result)
                         solution->stress);
 }
 
-static int write_vtu(const solution *solution, const char *path)
+static int write_vtu(const vtk_solution *solution, const char *path)
 {
     outfile output;
     if (outfile_begin(&output, path))
         return 1;
-    return outfile_end(&output, vtk_write_solution(output.file, solution->analysis,
-                                                   solution->displacement, solution->stress));
+    return outfile_end(&output, vtk_write_solution(output.file, solution));
 }
 
 /* Estimate the discretisation error of the outputs. Returns an exit code. */
@@ -252,7 +251,11 @@ static int write_solution(const options *options, analysis *analysis, solution *
     (options->as_json ? print_solve_json : print_solve)(analysis, result->displacement,
                                                         result->value, result->stress);
     if (options->vtu)
-        status = write_vtu(result, options->vtu);
+        status = write_vtu(&(vtk_solution){.analysis = result->analysis,
+                                           .displacement = result->displacement,
+                                           .voltage = result->analysis->input_value,
+                                           .stress = result->stress},
+                           options->vtu);
     if (status == 0)
         status = write_reports(options, write_solve, result);
     return status == 0 ? export_solve(options, analysis, result->displacement, result->value,
@@ -460,7 +463,12 @@ static int command_shape(const options *options, analysis *analysis)
         if (status == 0)
             (options->as_json ? print_shape_json : print_shape)(&run);
         if (status == 0 && options->vtu)
-            status = write_vtu(&(solution){analysis, best->displacement, NULL, NULL}, options->vtu);
+            status = write_vtu(&(vtk_solution){.analysis = analysis,
+                                               .displacement = best->displacement,
+                                               .voltage = best->voltage,
+                                               .shape = best->shape,
+                                               .target = best->aligned_target},
+                               options->vtu);
         if (status == 0)
             status = write_reports(options, write_shape, &run);
         if (status == 0)

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include "../model/stress_points.h"
+#include "../text/words.h"
 
 /* An array of values at the points or in the cells of a VTK file for ParaView. */
 typedef struct vtk_array {
@@ -17,7 +18,8 @@ typedef struct vtk_array {
     double *value;  /* [points or cells][components] values of the array of a VTK file */
 } vtk_array;
 
-/* Contents of a VTK file that is being made. The cells of the file are the elements of a mesh. */
+/* Contents of a VTK file that is being made. The cells of the file are the elements of a mesh,
+   or its points where the mesh has no elements. */
 typedef struct vtk_file {
     const mesh *mesh;
     const stress_points *points; /* points of the VTK file and the corners of its cells; NULL: the
@@ -32,6 +34,18 @@ typedef struct vtk_file {
  * array, or NULL if memory runs out.
  */
 double *vtk_add(vtk_file *vtk, bool of_cells, int components, const char *format, ...);
+
+/* Size of the text of a unit in parentheses, including its NUL (characters). */
+enum { VTK_UNIT = 2 * WORDS_UNIT };
+
+/*
+ * Write the unit of a quantity in parentheses, with a blank before it; an empty text if the scene
+ * file names none.
+ */
+const char *vtk_unit(const scene_unit_names *units, words_quantity quantity, char text[VTK_UNIT]);
+
+/* Name of a layer of the scene, or "layer" and its number from 1. */
+const char *vtk_layer_name(const design *design, int layer, char name[SCENE_NAME]);
 
 /* Return the number of points of a VTK file, and the mesh node at which a point lies. */
 int vtk_points(const vtk_file *vtk);

@@ -7,16 +7,14 @@
 #include "../text/words.h"
 #include "vtk.h"
 #include "vtk_file.h"
+#include "vtk_structure.h"
 
 /*
  * Indices of the arrays that hold the values of one layer in each cell of a VTK file: stress (from
- * 0) and strain at each height of the layer, presence of the layer, electric field and electric
- * displacement. The last one, the reserve factor, exists only if the scene states strengths.
+ * 0) and strain at each height of the layer, electric field and electric displacement. The last
+ * one, the reserve factor, exists only if the scene states strengths.
  */
-enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESERVE, LAYER_ARRAYS };
-
-/* Size of the text of a unit in parentheses, including its NUL (characters). */
-enum { UNIT_TEXT = 2 * WORDS_UNIT };
+enum { STRAIN = STRESS_HEIGHTS, FIELD = 2 * STRESS_HEIGHTS, FLUX, RESERVE, LAYER_ARRAYS };
 
 /*
  * Store the stresses, strains and electric field that one layer has in one element in the arrays of
@@ -34,47 +32,29 @@ static void fill_element(const vtk_array *array, const scene_strength *strength,
         memcpy(array[STRAIN + height].value + first, at->strain, sizeof at->strain);
         reserve = fmin(reserve, stress_reserve(strength, at->stress));
     }
-    array[PRESENT].value[element] = 1;
     array[FIELD].value[element] = result->field;
     array[FLUX].value[element] = result->displacement;
     if (strength->given)
         array[RESERVE].value[element] = reserve;
 }
 
-/* Write the unit of a quantity in parentheses; an empty text if the scene file names none. */
-static const char *unit_text(const scene_unit_names *units, words_quantity quantity,
-                             char text[UNIT_TEXT])
-{
-    char unit[WORDS_UNIT];
-    text[0] = '\0';
-    if (*words_unit(units, quantity, unit) && quantity == QUANTITY_CHARGE)
-        snprintf(text, UNIT_TEXT, " (%s/%.60s2)", unit, units->length);
-    else if (*unit)
-        snprintf(text, UNIT_TEXT, " (%s)", unit);
-    return text;
-}
-
 /* Begin the arrays of a VTK file for the stresses and strains of a layer in the cells. */
 static void name_arrays(vtk_file *vtk, const design *design, int layer, bool has_strength)
 {
     const scene_unit_names *units = &design->units;
-    const char *given = design->layer[layer].name;
-    char name[SCENE_NAME], unit[UNIT_TEXT];
-    snprintf(name, sizeof name, " %.60s", given);
-    if (!*given)
-        snprintf(name, sizeof name, " layer %d", layer + 1);
-    unit_text(units, QUANTITY_PRESSURE, unit);
+    char name[SCENE_NAME], unit[VTK_UNIT];
+    vtk_layer_name(design, layer, name);
+    vtk_unit(units, QUANTITY_PRESSURE, unit);
     for (int height = 0; height < STRESS_HEIGHTS; height++)
-        vtk_add(vtk, true, STRESS_COMPONENTS, "stress%s %s%s", name, stress_height_name[height],
+        vtk_add(vtk, true, STRESS_COMPONENTS, "stress %s %s%s", name, stress_height_name[height],
                 unit);
     for (int height = 0; height < STRESS_HEIGHTS; height++)
-        vtk_add(vtk, true, STRESS_COMPONENTS, "strain%s %s", name, stress_height_name[height]);
-    vtk_add(vtk, true, 1, "present%s", name);
-    vtk_add(vtk, true, 1, "electric field%s%s", name, unit_text(units, QUANTITY_FIELD, unit));
-    vtk_add(vtk, true, 1, "electric displacement%s%s", name,
-            unit_text(units, QUANTITY_CHARGE, unit));
+        vtk_add(vtk, true, STRESS_COMPONENTS, "strain %s %s", name, stress_height_name[height]);
+    vtk_add(vtk, true, 1, "electric field %s%s", name, vtk_unit(units, QUANTITY_FIELD, unit));
+    vtk_add(vtk, true, 1, "electric displacement %s%s", name,
+            vtk_unit(units, QUANTITY_CHARGE, unit));
     if (has_strength)
-        vtk_add(vtk, true, 1, "reserve factor%s", name);
+        vtk_add(vtk, true, 1, "reserve factor %s", name);
 }
 
 /* Add stresses and strains of a layer to a VTK file: in its cells, and averaged at its points. */
@@ -91,7 +71,7 @@ static void add_layer(vtk_file *vtk, const stress_field *field, int layer)
         stress_layer_of(field, element, layer, &result);
         fill_element(vtk->array + first, strength, element, &result);
     }
-    for (int k = first; !vtk->is_full && k < first + PRESENT; k++) {
+    for (int k = first; !vtk->is_full && k < first + FIELD; k++) {
         double *mean = vtk_add(vtk, false, STRESS_COMPONENTS, "%s", vtk->array[k].name);
         if (mean)
             stress_points_average(vtk->points, field, vtk->array[k].value, STRESS_COMPONENTS, mean);
@@ -126,8 +106,8 @@ static void add_resultants(vtk_file *vtk, const stress_field *field)
 
 static void add_potentials(vtk_file *vtk, const design *design, const double *input_value)
 {
-    char name[WORDS_FACE], unit[UNIT_TEXT];
-    unit_text(&design->units, QUANTITY_VOLTAGE, unit);
+    char name[WORDS_FACE], unit[VTK_UNIT];
+    vtk_unit(&design->units, QUANTITY_VOLTAGE, unit);
     for (int k = 0; design->bare.count > 0 && k < 2 * design->layers; k++) {
         if (!words_bare_face(design->layer, k, name))
             continue;
@@ -159,33 +139,39 @@ static void add_reactions(vtk_file *vtk, const analysis *analysis)
 {
     const scene_unit_names *units = &analysis->design.units;
     const double(*value)[6] = (const double(*)[6])analysis->reactions.node;
-    char unit[UNIT_TEXT];
+    char unit[VTK_UNIT];
     if (analysis->reactions.nodes == 0)
         return;
-    add_node_vectors(vtk, value, 0, "reaction", unit_text(units, QUANTITY_FORCE, unit));
-    add_node_vectors(vtk, value, 3, "reaction moment", unit_text(units, QUANTITY_MOMENT, unit));
+    add_node_vectors(vtk, value, 0, "reaction", vtk_unit(units, QUANTITY_FORCE, unit));
+    add_node_vectors(vtk, value, 3, "reaction moment", vtk_unit(units, QUANTITY_MOMENT, unit));
 }
 
 /* Add the force of the contact body at each node to a VTK file. */
 static void add_contact_forces(vtk_file *vtk, const analysis *analysis)
 {
-    char unit[UNIT_TEXT];
+    char unit[VTK_UNIT];
     if (!analysis->is_nonlinear || !analysis->design.contact.given)
         return;
     double *vector = vtk_add(vtk, false, 3, "contact force%s",
-                             unit_text(&analysis->design.units, QUANTITY_FORCE, unit));
+                             vtk_unit(&analysis->design.units, QUANTITY_FORCE, unit));
     for (int k = 0; vector && k < vtk_points(vtk); k++)
         equilibrium_contact_force(&analysis->equilibrium, vtk_node(vtk, k), vector + 3 * k);
 }
 
-int vtk_write_solution(FILE *file, const analysis *analysis, const double *u,
-                       const stress_field *stress)
+int vtk_write_solution(FILE *file, const vtk_solution *solution)
 {
+    const analysis *analysis = solution->analysis;
+    const stress_field *stress = solution->stress;
     const design *design = &analysis->design;
+    char name[VTK_UNIT + 16], unit[VTK_UNIT];
     stress_points points = {.count = 0};
     vtk_file vtk = {.mesh = &design->mesh, .points = stress ? &points : NULL};
     vtk.is_full = stress && stress_points_make(&points, stress) < 0;
-    add_displacement(&vtk, u, "displacement");
+    snprintf(name, sizeof name, "displacement%s", vtk_unit(&design->units, QUANTITY_LENGTH, unit));
+    add_displacement(&vtk, solution->displacement, name);
+    if (solution->shape)
+        vtk_add_target(&vtk, design, solution->shape, solution->target);
+    vtk_add_cells(&vtk, design, solution->voltage);
     add_potentials(&vtk, design, analysis->input_value);
     add_reactions(&vtk, analysis);
     add_contact_forces(&vtk, analysis);

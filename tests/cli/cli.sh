@@ -710,6 +710,30 @@ def summed(name):
     return [sum(value[i::3]) for i in range(3)]
 for name, key in (('reaction', 'held'), ('contact_force', 'contact')):
     assert max(abs(a - b) for a, b in zip(summed(name), total[key]['force'])) < 1e-5 * abs(total['contact']['force'][0])" "$dir/f.vtu" "$dir/out"; check 'VTU file: the forces of supports and contact at the nodes sum to the totals' $?
+# a VTU file of shape: displacements and target with units, what lies in each cell; a measured matrix has points as cells
+run 0 shape plate-50-patches --limit 200 --vtu "$dir/p.vtu" --npz "$dir/p.npz" && run 0 shape "$dir/measured.yaml" --vtu "$dir/m.vtu" --npz "$dir/m.npz" && /usr/bin/python3 -c "
+import sys, xml.etree.ElementTree as tree, numpy
+def read(name):
+    piece = tree.parse(name).find('.//Piece')
+    size = dict(Points=int(piece.get('NumberOfPoints')), PointData=int(piece.get('NumberOfPoints')), CellData=int(piece.get('NumberOfCells')))
+    values = {a.get('Name'): numpy.array(a.text.split(), float) for part in piece for a in part}
+    for part in piece:
+        for a in part:
+            assert part.tag not in size or len(values[a.get('Name')]) == size[part.tag] * int(a.get('NumberOfComponents'))
+    return size, values
+size, plate = read(sys.argv[1]); z = numpy.load(sys.argv[2])
+assert {'element_type', 'present_lower', 'patch_up', 'voltage_low_(V)', 'displacement_(m)'} <= set(plate)
+for e in range(100):
+    volt = z['voltage'][1][int(plate['patch_up'][e]) - 1]
+    assert abs(plate['voltage_up_(V)'][e] - volt) < 1e-6 and abs(plate['voltage_low_(V)'][e] + volt) < 1e-6
+assert sorted(set(plate['patch_up'])) == list(range(1, 26)) and (plate['present_lower'] == 1).all()
+assert abs(plate['misfit_(m)'] - plate['shape_(m)'] + plate['target_(m)']).max() < 1e-10
+assert abs(numpy.sort(plate['shape_(m)']) - numpy.sort(z['shape'][1])).max() < 1e-10
+size, mirror = read(sys.argv[3]); z = numpy.load(sys.argv[4])
+assert size['CellData'] == 19 and (mirror['types'] == 1).all() and (mirror['offsets'] == range(1, 20)).all()
+assert (mirror['connectivity'] == range(19)).all() and abs(mirror['shape_(mm)'] - z['shape'][1]).max() < 1e-9
+assert abs(mirror['displacement_(mm)'][2::3] - z['shape'][1]).max() < 1e-9" "$dir/p.vtu" "$dir/p.npz" "$dir/m.vtu" "$dir/m.npz"
+check 'VTU file of shape: target, patches and voltages, points of a measured matrix' $?
 # stresses: the pressure on the outer face is the stress 33 there; the report, VTU and arrays have the layers of the plate
 run 0 solve tests/rigs/scenes/sine-strip.yaml --stress --json && json "(lambda s: abs(s['largest_stress']['33']['value']-1)<.01 and s['largest_stress']['33']['face']=='outer' and (s['largest_stress']['11']['layer'],s['largest_stress']['11']['face']) in (('upper','outer'),('lower','inner')) and len(s['layers'])==2 and abs(abs(s['largest_stress']['11']['value'])/61.00-1)<.002)(j['stress'])"; check 'solve --stress --json: extremes and places' $?
 run 0 solve plate-50-patches --stress --set actuators.0.applied=100 --set 'materials.G1195.strength={tension: 40 MPa}' --vtu "$dir/s.vtu" --npz "$dir/s.npz" --report "$dir/s.html" && grep -q 'reserve, Tsai-Hill' "$dir/out" && grep -q 'Use of the strength' "$dir/s.html" && law s.html xml &&
