@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char npy_magic[] = "\x93NUMPY", fits_magic[] = "SIMPLE  =";
+static const char npy_magic[] = "\x93NUMPY", fits_magic[] = "SIMPLE  =", gzip_magic[] = "\x1f\x8b";
 
 /* Write an error message that begins with the name of the file of a table. Returns -1. */
 static int fault(const char *path, const char *message, char *error)
@@ -80,6 +80,12 @@ static int read_format(number_table *table, const char *path, const char *bytes,
         return table_npy_read(table, bytes, count, message);
     if (count >= sizeof fits_magic - 1 && memcmp(bytes, fits_magic, sizeof fits_magic - 1) == 0)
         return table_fits_read(table, path, message);
+    if (count >= sizeof gzip_magic - 1 && memcmp(bytes, gzip_magic, sizeof gzip_magic - 1) == 0) {
+        if (strstr(path, ".fit"))
+            return table_fits_read(table, path, message);
+        snprintf(message, NUMBER_ERROR, "the file is packed by gzip; unpack it with gunzip");
+        return -1;
+    }
     if (count >= 3 && bytes[0] == 'P' && (bytes[1] == '2' || bytes[1] == '5') &&
         strchr(" \t\r\n#", bytes[2]))
         return table_pgm_read(table, bytes, count, message);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Reading of NumPy arrays (number_table.h): versions 1, 2 and 3 of the .npy format, real numbers of
- * 1 to 8 bytes in both byte orders, C and Fortran order, one or two dimensions. An array of one
- * dimension becomes one column.
+ * 1 to 8 bytes in both byte orders, C and Fortran order, one to three dimensions. An array of one
+ * dimension becomes one column. One of three becomes a table with a row for each first index, in
+ * which the last index runs fastest, as a cube of influence functions with one plane for each
+ * actuator.
  */
 #include <stdbool.h>
 #include <stdio.h>
@@ -18,9 +20,9 @@ typedef struct npy_header {
     bool is_big_endian; /* whether the most significant byte of a number comes first */
     bool is_fortran;    /* whether the first index of the array runs fastest in the file (Fortran
                            order) */
-    int dimensions; /* number of dimensions in the file, 1 or 2; the member `shape` has two entries
-                       in any case */
-    size_t shape[2];
+    int dimensions;     /* number of dimensions in the file, 1 to 3; the member `shape` has three
+                           entries in any case, 1 where the file has no such dimension */
+    size_t shape[3];
 } npy_header;
 
 static int fault(char *error, const char *message)
@@ -75,7 +77,7 @@ static int read_type(npy_header *header, const char *text, char *error)
  */
 static int read_shape(npy_header *header, const char *text, char *error)
 {
-    header->shape[0] = header->shape[1] = 1;
+    header->shape[0] = header->shape[1] = header->shape[2] = 1;
     if (!text || *text != '(')
         return fault(error, "its header names no shape; save the array again");
     for (text++; *text && *text != ')';) {
@@ -83,8 +85,8 @@ static int read_shape(npy_header *header, const char *text, char *error)
         const unsigned long long length = strtoull(text, &end, 10);
         if (end == text || *text == '-')
             return fault(error, "the shape in its header is not a list of numbers; save it again");
-        if (header->dimensions == 2)
-            return fault(error, "it has more than two dimensions; save it with reshape(outputs, "
+        if (header->dimensions == 3)
+            return fault(error, "it has more than three dimensions; save it with reshape(outputs, "
                                 "actuators)");
         if (length == 0 || length > NUMBER_VALUES)
             return fault(error, "the shape in its header is empty or above 8 million numbers; "
@@ -105,7 +107,7 @@ static int read_header(npy_header *header, const char *text, char *error)
         return -1;
     if (!order || (strncmp(order, "True", 4) != 0 && strncmp(order, "False", 5) != 0))
         return fault(error, "its header has no fortran_order; save the array again");
-    header->is_fortran = *order == 'T' && header->dimensions == 2;
+    header->is_fortran = *order == 'T' && header->dimensions > 1;
     return 0;
 }
 
@@ -146,8 +148,10 @@ static double number_of(const unsigned char *bytes, const npy_header *header)
 static int read_numbers(number_table *table, const npy_header *header, const char *bytes,
                         size_t count, char *error)
 {
-    const size_t rows = header->shape[0], columns = header->shape[1];
-    if (rows > NUMBER_VALUES / columns || rows * columns * header->size != count) {
+    const size_t rows = header->shape[0], last = header->shape[2];
+    const bool is_large = header->shape[1] > NUMBER_VALUES / last;
+    const size_t columns = is_large ? NUMBER_VALUES : header->shape[1] * last;
+    if (is_large || rows > NUMBER_VALUES / columns || rows * columns * header->size != count) {
         snprintf(error, NUMBER_ERROR,
                  "its header says %lu x %lu numbers of %lu bytes, but %lu bytes follow; the file "
                  "is cut or its header is wrong, save it again",
@@ -162,7 +166,8 @@ static int read_numbers(number_table *table, const npy_header *header, const cha
     table->columns = columns;
     for (size_t i = 0; i < rows; i++)
         for (size_t k = 0; k < columns; k++) {
-            const size_t index = header->is_fortran ? k * rows + i : i * columns + k;
+            const size_t turned = k % last * header->shape[1] + k / last;
+            const size_t index = header->is_fortran ? turned * rows + i : i * columns + k;
             table->value[i * columns + k] =
                 number_of((const unsigned char *)bytes + index * header->size, header);
         }

@@ -264,6 +264,20 @@ static int copy_columns(reader *reader, const function_text *text, const number_
     return 0;
 }
 
+/*
+ * Make one column of an image or array: its numbers row by row. An image is a table without names
+ * that comes from a binary file and has more columns than a list of points.
+ */
+static void take_image(const function_text *text, number_table *table)
+{
+    enum { POINT_COLUMNS = 4 }; /* three coordinates and a value */
+    if (table->line || table->column_name || text->value || text->columns ||
+        table->columns <= POINT_COLUMNS)
+        return;
+    table->rows *= table->columns;
+    table->columns = 1;
+}
+
 static int make_function(reader *reader, int node, function_text *text, const number_table *table,
                          expr **function)
 {
@@ -293,7 +307,8 @@ static int make_function(reader *reader, int node, function_text *text, const nu
 #define FILE_ROW                                                                                   \
     {                                                                                              \
         "file", read_scalar_node, offsetof(function_text, file), NULL, 1, OF_NOTHING, &label_form, \
-            "File of the numbers, beside the scene file."                                          \
+            "File of the numbers, beside the scene file; of an image (FITS, .npy) its pixels row " \
+            "by row."                                                                              \
     }
 #define COLUMN_ROWS                                                                                \
     {"column",                                                                                     \
@@ -336,6 +351,7 @@ static int read_function_file(reader *reader, int node, expr **function)
     if (read_map(reader, node, function_fields, &text) != 0 ||
         scene_table_read(reader, text.file, &table) != 0)
         return -1;
+    take_image(&text, &table);
     const int failed = make_function(reader, node, &text, &table, function);
     number_table_free(&table);
     return failed;
@@ -425,6 +441,7 @@ int scene_numbers_read(reader *reader, int node, scene_numbers *numbers)
         if (read_map(reader, node, list_fields, &text) != 0 ||
             scene_table_read(reader, text.file, &table) != 0)
             return -1;
+        take_image(&text, &table);
         failed = copy_list(reader, node, &text, &table, numbers);
         number_table_free(&table);
     } else {

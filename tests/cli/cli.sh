@@ -710,6 +710,42 @@ def summed(name):
     return [sum(value[i::3]) for i in range(3)]
 for name, key in (('reaction', 'held'), ('contact_force', 'contact')):
     assert max(abs(a - b) for a, b in zip(summed(name), total[key]['force'])) < 1e-5 * abs(total['contact']['force'][0])" "$dir/f.vtu" "$dir/out"; check 'VTU file: the forces of supports and contact at the nodes sum to the totals' $?
+# images: a cube of influence functions, a mask and a target as .npy and, where FITS is read, packed FITS
+/usr/bin/python3 - "$dir" <<'IMAGES'
+import gzip, sys, numpy
+folder = sys.argv[1]
+x, y = numpy.meshgrid(numpy.linspace(-1, 1, 7), numpy.linspace(-1, 1, 7))
+mask = x**2 + y**2 <= 1.01
+cube = numpy.array([numpy.exp(-((x - a)**2 + (y - b)**2) / 0.3) for a in (-0.6, 0, 0.6) for b in (-0.6, 0, 0.6)])
+target = 10 * (x**2 - y**2)
+cube[:, ~mask] = numpy.nan
+numpy.save(folder + '/cube.npy', cube)
+numpy.save(folder + '/mask.npy', mask)
+numpy.save(folder + '/image.npy', target)
+numpy.savetxt(folder + '/flat.csv', cube[:, mask].T, delimiter=',')
+numpy.savetxt(folder + '/flat-target.csv', target[mask])
+cards = ['SIMPLE  =                    T', 'BITPIX  =                  -64', 'NAXIS   =                    3'] + \
+    ['NAXIS%d  = %20d' % (k + 1, n) for k, n in enumerate(cube.shape[::-1])] + ['END']
+data = cube.astype('>f8').tobytes()
+text = ''.join(card.ljust(80) for card in cards)
+with gzip.open(folder + '/cube.fits.gz', 'wb') as file:
+    file.write(text.ljust(-len(text) // 2880 * -2880).encode() + data + bytes(-len(data) % 2880))
+for name, influence, wanted in (('flat', '{file: flat.csv}', 'flat-target.csv'),
+                                ('cube', '{file: cube.npy, rows: actuators, mask: {file: mask.npy}}', 'image.npy'),
+                                ('fits', '{file: cube.fits.gz, rows: actuators, mask: {file: mask.npy}}', 'image.npy')):
+    open(folder + '/image-%s.yaml' % name, 'w').write(
+        'name: image\nunits: {length: um, force: N, voltage: V, temperature: K}\ninfluence: %s\n'
+        'limits: {voltage: [-5, 5]}\ntarget: {value: {file: %s}}\n' % (influence, wanted))
+IMAGES
+run 0 shape "$dir/image-flat.yaml" --json && cp "$dir/out" "$dir/flat.json" && run 0 shape "$dir/image-cube.yaml" --json &&
+    json "j['results'][1]['voltages']==json.load(open('$dir/flat.json'))['results'][1]['voltages']"
+check 'a cube of influence functions, a mask and a target as images are those of lists' $?
+if ldd "$PZS" | grep -q cfitsio; then
+    run 0 shape "$dir/image-fits.yaml" --json && json "j['results'][1]['voltages']==json.load(open('$dir/flat.json'))['results'][1]['voltages']"
+    check 'a FITS cube packed by gzip' $?
+else
+    skip 'a FITS cube packed by gzip' cfitsio
+fi
 # a VTU file of shape: displacements and target with units, what lies in each cell; a measured matrix has points as cells
 run 0 shape plate-50-patches --limit 200 --vtu "$dir/p.vtu" --npz "$dir/p.npz" && run 0 shape "$dir/measured.yaml" --vtu "$dir/m.vtu" --npz "$dir/m.npz" && /usr/bin/python3 -c "
 import sys, xml.etree.ElementTree as tree, numpy

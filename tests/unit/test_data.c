@@ -286,6 +286,47 @@ static void test_npy_integers(void **state)
     number_table_free(&table);
 }
 
+/*
+ * Law: an array of three dimensions is a table with a row for each first index, in which the last
+ * index runs fastest, in both orders of the file.
+ */
+static void test_npy_cube(void **state)
+{
+    (void)state;
+    enum { PLANES = 2, LINES = 3, PIXELS = 2, NUMBERS = PLANES * LINES * PIXELS };
+    for (int is_fortran = 0; is_fortran < 2; is_fortran++) {
+        double value[NUMBERS];
+        unsigned char bytes[512];
+        number_table table;
+        char error[NUMBER_ERROR] = "";
+        for (int i = 0; i < PLANES; i++)
+            for (int j = 0; j < LINES; j++)
+                for (int k = 0; k < PIXELS; k++)
+                    value[is_fortran ? i + PLANES * (j + LINES * k)
+                                     : (i * LINES + j) * PIXELS + k] = 100 * i + 10 * j + k;
+        const size_t count = npy(bytes, 1,
+                                 is_fortran ? HEADER("<f8", "True", "(2, 3, 2)")
+                                            : HEADER("<f8", "False", "(2, 3, 2)"),
+                                 value, sizeof value);
+        assert_int_equal(read_bytes(&table, bytes, count, error), 0);
+        assert_true(table.rows == PLANES && table.columns == LINES * PIXELS);
+        for (int i = 0; i < NUMBERS; i++)
+            assert_true(table.value[i] == 100 * (i / 6) + 10 * (i % 6 / 2) + i % 2);
+        number_table_free(&table);
+    }
+}
+
+/* Law: a file packed by gzip is refused with the cure, unless its name is that of a FITS file. */
+static void test_packed(void **state)
+{
+    (void)state;
+    static const unsigned char bytes[] = {0x1f, 0x8b, 8, 0, 0, 0, 0, 0};
+    char error[NUMBER_ERROR] = "";
+    number_table table;
+    assert_int_equal(read_bytes(&table, bytes, sizeof bytes, error), -1);
+    assert_non_null(strstr(error, "packed by gzip; unpack it"));
+}
+
 /* Law: a .npy file whose header lies is refused with what it says and what follows. */
 static void test_npy_faults(void **state)
 {
@@ -302,7 +343,8 @@ static void test_npy_faults(void **state)
         {1, HEADER("<f8", "False", "(8000000, 8000000)"), "but 48 bytes follow"},
         {1, HEADER("<f8", "False", "(-2, 3)"), "not a list of numbers"},
         {1, HEADER("<f8", "False", "(0, 3)"), "empty or above"},
-        {1, HEADER("<f8", "False", "(1, 2, 3)"), "more than two dimensions"},
+        {1, HEADER("<f8", "False", "(1, 1, 2, 3)"), "more than three dimensions"},
+        {1, HEADER("<f8", "False", "(2, 8000000, 8000000)"), "but 48 bytes follow"},
         {1, HEADER("<c16", "False", "(2, 3)"),
          "type '<c16'; save the array as float64, with astype(float)"},
         {1, HEADER("<f2", "False", "(2, 3)"), "astype(float)"},
@@ -622,7 +664,8 @@ int main(void)
         cmocka_unit_test(test_text_faults),  cmocka_unit_test(test_text_garbage),
         cmocka_unit_test(test_huge),         cmocka_unit_test(test_folder),
         cmocka_unit_test(test_npy_types),    cmocka_unit_test(test_npy_integers),
-        cmocka_unit_test(test_npy_faults),   cmocka_unit_test(test_npy_garbage),
+        cmocka_unit_test(test_npy_faults),   cmocka_unit_test(test_npy_cube),
+        cmocka_unit_test(test_packed),       cmocka_unit_test(test_npy_garbage),
         cmocka_unit_test(test_npz),          cmocka_unit_test(test_pgm),
         cmocka_unit_test(test_csv),          cmocka_unit_test(test_scatter_linear),
         cmocka_unit_test(test_scatter_line), cmocka_unit_test(test_scatter_order),
