@@ -243,6 +243,9 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
  *     epsilon |W B|^2 |v|^2  (machine epsilon, output weights W, influence matrix B, voltages v).
  *   - The work is at most PZS_STEP_WORK; the next call continues where this limit stops the
  *     optimiser.
+ *   - The voltages are returned before the tableau (pivoted Hessian) of the optimiser is updated:
+ *     the next call does this first, with at most PZS_PENDING * PZS_PRODUCT_WORK multiply-adds that
+ *     the work of this call contains already. pzs_tick leaves nothing to the next call.
  */
 pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 

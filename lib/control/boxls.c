@@ -212,6 +212,7 @@ static size_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
 
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
 {
+    tableau_apply_collected(optimiser);
     multiply_symmetric(optimiser, optimiser->direction, optimiser->tableau,
                        optimiser->next_voltage);
     if (optimiser_is_dual(optimiser) && optimiser->active_count > 0)
@@ -692,7 +693,8 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 /*
  * Iterate, after a bound has blocked the full step along the search direction, until no voltage
  * violates the optimality (KKT) conditions: descent iterations until no bound blocks the free
- * voltages, then releases of active inputs (whose voltages were kept).
+ * voltages, then releases of active inputs (whose voltages were kept). Pivot exchanges may stay
+ * collected: only the next product with the tableau (pivoted Hessian) needs them.
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -710,7 +712,6 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
             break;
         release_input(optimiser, k);
     }
-    pzs_tableau_apply(optimiser);
 }
 
 /* ---- whole step as one iteration ------------------------------------- */

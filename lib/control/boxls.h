@@ -45,8 +45,8 @@ void pzs_boxls_gradient(pzs_optimiser *optimiser);
 void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 
 /*
- * Compute the search direction from gradient and tableau (pivoted Hessian), and the voltages after
- * a full step along it.
+ * Compute the search direction from gradient and tableau (pivoted Hessian), to which the collected
+ * pivot exchanges are applied before, and the voltages after a full step along it.
  *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
  * Returns how many inputs prevent the full step: free ones that would exceed a bound, and active
  * ones that would violate the conditions.

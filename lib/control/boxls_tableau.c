@@ -44,6 +44,8 @@ void pzs_tableau_read_pivots(pzs_optimiser *optimiser)
     const pzs_real *entry = optimiser->tableau;
     pzs_real *pivot = optimiser->pivot;
     const size_t step = (size_t)optimiser->width + 1u;
+    if (optimiser->pending_count > 0)
+        return;
     for (uint32_t i = 0, inputs = optimiser->inputs; i < inputs; i++, entry += step)
         pivot[i] = *entry;
 }

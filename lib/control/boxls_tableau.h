@@ -29,7 +29,7 @@ pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
 /*
  * Read the pivots of all inputs from the diagonal of the tableau, the optimiser's pivoted Hessian.
- * All collected pivot exchanges must have been applied to the tableau before.
+ * While pivot exchanges are collected, nothing is read: each exchange has updated the pivots.
  */
 void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
 
@@ -54,6 +54,16 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
  * up to the diagonal are kept up to date.
  */
 void pzs_tableau_apply(pzs_optimiser *optimiser);
+
+/*
+ * Do as pzs_tableau_apply. Where usually no pivot exchange is collected, as at the start and the
+ * end of a tick, this takes fewer instructions than the call.
+ */
+static inline void tableau_apply_collected(pzs_optimiser *optimiser)
+{
+    if (optimiser->pending_count > 0)
+        pzs_tableau_apply(optimiser);
+}
 
 /*
  * End a recomputation of the tableau (the optimiser's pivoted Hessian), so that all of its entries

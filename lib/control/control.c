@@ -399,6 +399,11 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error)
     return step(optimiser, control, error, control->state.predicted, NULL);
 }
 
+void pzs_control_complete(pzs_control *control)
+{
+    tableau_apply_collected(&control->state.optimiser);
+}
+
 /* ---- control tick ---------------------------------------------------- */
 
 /* Predict the shape anew if the voltages have changed since the last prediction. */
@@ -475,6 +480,7 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
              control->state.damping);
     if (stepped == PZS_E_NONFINITE)
         return hold_voltages(optimiser, control, control->info.where);
+    pzs_control_complete(control);
     rebase(optimiser, control);
     return stepped == PZS_OK && unusable != 0 ? finish(control, PZS_W_SENSOR, where) : stepped;
 }

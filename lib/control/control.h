@@ -46,6 +46,13 @@ void pzs_control_multiply(const pzs_control *control, pzs_real *product, const p
 void pzs_control_predict(pzs_control *control);
 
 /*
+ * Do what pzs_step leaves to the next call: apply the pivot exchanges that the optimiser has
+ * collected to its tableau (pivoted Hessian). A block of the loop must call this function in the
+ * tick of its pzs_step, because pzs_control_restore discards collected exchanges.
+ */
+void pzs_control_complete(pzs_control *control);
+
+/*
  * Tell the controller that another function than pzs_step or pzs_tick has changed its array
  * state.voltage; the next call of pzs_step or pzs_tick then starts from the new voltages.
  */

@@ -135,6 +135,7 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
     pzs_control_share_bounds(&optimum->state.optimiser, optimum);
     memcpy(state->target, wanted, problem->outputs * sizeof *wanted);
     state->has_target = !PZS_IS_ERROR(pzs_step(optimum, wanted));
+    pzs_control_complete(optimum);
 }
 
 /*

@@ -944,6 +944,36 @@ static void governor_follows_moving_targets(void **state)
         follow_moving_targets(&settings[i]);
 }
 
+/* Law: no pivot exchange of the governor's optimiser waits for the next tick, which would discard
+ * it. The target jumps between shapes with other voltages at their limits. */
+static void governor_keeps_no_exchange(void **state)
+{
+    const damper_settings settings = damper_default_settings();
+    modal_structure s;
+    damped_loop d;
+    uint32_t first = 0, exchanges = 0;
+    (void)state;
+    structure_of_plate(&s, 60);
+    damped_loop_open(&d, &s, 1e-3, 20, 1, NULL, 0, &settings);
+    d.governor.part = PZS_R(0.5);
+    damped_loop_reset(&d, d.error);
+    double *wanted = calloc(s.outputs, sizeof *wanted);
+    for (int k = 0; k < 20; k++) {
+        for (size_t i = 0; i < s.outputs; i++)
+            wanted[i] = 2 * (k % 5 - 2) * s.goal[i];
+        (void)damped_loop_tick(&d, wanted);
+        const pzs_governor_state *governor = pzs_loop_find(&d.loop, &pzs_governor_block);
+        assert_int_equal(governor->optimum.state.optimiser.pending_count, 0);
+        exchanges = governor->optimum.state.optimiser.exchanges;
+        first = k == 0 ? exchanges : first;
+    }
+    print_message("%u exchanges of the governor's optimiser\n", (unsigned)(exchanges - first));
+    assert_true(exchanges > first + 10);
+    free(wanted);
+    damped_loop_close(&d);
+    structure_close(&s);
+}
+
 #ifdef STORMS /* with check-long */
 /* Structures with near-equal modes, wide and narrow spectra, at rates of 3 to 110 ticks a period.
  */
@@ -1004,6 +1034,7 @@ int main(void)
         cmocka_unit_test(converter_steps_are_carried),
         cmocka_unit_test(few_sensors_settle),
         cmocka_unit_test(governor_follows_moving_targets),
+        cmocka_unit_test(governor_keeps_no_exchange),
         cmocka_unit_test(plate_settles_fast),
         cmocka_unit_test(plate_settles_after_storms),
 #ifdef STORMS
