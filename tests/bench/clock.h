@@ -36,6 +36,32 @@ static inline int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/*
+ * Return the mean of the middle half of the numbers x [count], which are sorted. It is as robust as
+ * the median, and finer than the resolution of the clock.
+ */
+static inline double middle_mean(double *x, int count)
+{
+    const int first = count / 4, last = count - first;
+    double sum = 0;
+    qsort(x, (size_t)count, sizeof *x, ascending);
+    for (int k = first; k < last; k++)
+        sum += x[k];
+    return sum / (last - first);
+}
+
+/* Return the time between two readings of the clock that follow each other at once (us). */
+static inline double clock_time(void)
+{
+    enum { READINGS = 4001 };
+    double time[READINGS];
+    for (int k = 0; k < READINGS; k++) {
+        const double from = now();
+        time[k] = now() - from;
+    }
+    return middle_mean(time, READINGS);
+}
+
 /* Sorts x [count]. */
 static inline double median(double *x, int count)
 {
