@@ -212,6 +212,7 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
                 sum[k] = (wide_vector)((lane_mask)((const wide_vector *)matrix)[k] & kept[k]);     \
             const pzs_real *factor = column + i;                                                   \
             const wide_vector *entry = (const wide_vector *)row;                                   \
+            UNROLLED_TWICE                                                                         \
             for (size_t q = 0; q < count; q++) {                                                   \
                 UNROLLED                                                                           \
                 for (unsigned k = 0; k < (COUNT); k++)                                             \
