@@ -71,6 +71,8 @@ static const struct rule {
      "elements that are nearly triangles are inaccurate; use others"},
     {"slenderness", SUBJECT_MESH, measure_slenderness, 1e-5, 0.5, "",
      "compare the units of the thickness with those of the surface or mesh file"},
+    {"thick_curvature", SUBJECT_MESH, measure_thick_curvature, 0, 0.2, "",
+     "a shell theory leaves out stresses of this order there; compare with a solid model"},
     {"file_slenderness", SUBJECT_MESH, measure_file_slenderness, 1e-4, 0.5, "",
      "compare the unit of the places in the file with that of the scene: write mesh: {unit: mm}, "
      "or the points of the surface in units.length"},

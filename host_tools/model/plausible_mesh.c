@@ -113,6 +113,20 @@ int measure_file_slenderness(const subject *of, int k, measured *found)
     return measure_thin(of, k, true, found);
 }
 
+int measure_thick_curvature(const subject *of, int k, measured *found)
+{
+    const mesh *mesh = of->mesh;
+    double curvature = 0;
+    for (int n = 0; n < mesh->nodes; n++)
+        for (int a = 0; a < 2; a++)
+            curvature = fmax(curvature, fabs(mesh->point[n].curvature[a]));
+    found->at = of->scene->at_surface;
+    found->value = mesh->laminate.thickness * curvature;
+    snprintf(found->what, WHAT, "thickness over the smallest radius of curvature, %g over %g",
+             mesh->laminate.thickness, 1 / curvature);
+    return k == 0;
+}
+
 int measure_points_height(const subject *of, int k, measured *found)
 {
     double extent[3];

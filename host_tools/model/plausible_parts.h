@@ -112,7 +112,7 @@ measure measure_limit_field, measure_applied_field, measure_resolution, measure_
  * length, which plausibility rules compare with their usual ranges (plausible_mesh.c).
  */
 measure measure_locking, measure_coarse, measure_strips, measure_narrow;
-measure measure_shear, measure_faces, measure_slenderness;
+measure measure_shear, measure_faces, measure_slenderness, measure_thick_curvature;
 measure measure_held_spring, measure_long_spring;
 measure measure_file_slenderness, measure_points_height;
 

@@ -842,6 +842,23 @@ static void test_slenderness(void **state)
     }
 }
 
+/* Law: a thickness of more than a fifth of the smallest radius of curvature is warned of. */
+static void test_thick_curvature(void **state)
+{
+    (void)state;
+    static const double thickness[2] = {0.199, 0.201}; /* over the radius of 25 */
+    for (int i = 0; i < 2; i++) {
+        char changes[100];
+        plausible warnings = {.count = 0};
+        scene_run r;
+        snprintf(changes, sizeof changes, "layers.0.thickness=%.17g", 25 * thickness[i]);
+        open_run(&r, "scordelis-lo", changes);
+        plausible_mesh(&warnings, &r.analysis.design.mesh);
+        assert_int_equal(find_rule(&warnings, "thick_curvature") != NULL, i == 1);
+        scene_run_close(&r);
+    }
+}
+
 /*
  * Law: places from a file in another unit than the scene's are warned of by the thickness over the
  * shorter side (0.2 m), on both sides of both limits, and heights in another unit than x and y by
@@ -970,6 +987,7 @@ int main(void)
         cmocka_unit_test(test_general_mesh),
         cmocka_unit_test(test_soft_core),
         cmocka_unit_test(test_slenderness),
+        cmocka_unit_test(test_thick_curvature),
         cmocka_unit_test(test_places_in_another_unit),
         cmocka_unit_test(test_shipped),
     };
