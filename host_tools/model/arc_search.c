@@ -46,7 +46,7 @@ int arc_open(arc_search *arc_search, analysis *analysis)
     double **const vector[] = {&arc_search->metric,      &arc_search->start,
                                &arc_search->direction,   &arc_search->increment,
                                &arc_search->by_residual, &arc_search->by_load,
-                               &arc_search->unit};
+                               &arc_search->origin,      &arc_search->unit};
     const size_t vectors = sizeof vector / sizeof *vector;
     arc_search->memory = calloc(vectors * arc_search->entries, sizeof *arc_search->memory);
     if (!arc_search->memory)

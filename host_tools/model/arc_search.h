@@ -34,6 +34,8 @@ typedef struct arc_search {
     double *by_load;     /* [free dof, then open electrodes] change of displacement and voltages per
                             unit of the load factor: inverse tangent matrix times force and charge
                             per unit of the load factor */
+    double *origin;      /* [free dof, then open electrodes] displacement and voltages at the
+                            bifurcation at which the path was left */
     double *unit;       /* [free dof, then open electrodes] work vector: nodal forces, or changes of
                            displacement and voltages, per unit of one input of the structure */
     double load_factor; /* load factor at the present point of the load path */

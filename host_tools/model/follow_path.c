@@ -195,6 +195,7 @@ static bool enter_branch(arc_search *arc_search, analysis *analysis, load_path *
         return false;
     add_point(arc_search, analysis, path);
     path->branch_point = path->points - 1;
+    memcpy(arc_search->origin, arc_search->start, arc_search->entries * sizeof *arc_search->origin);
     path->linear_solves += arc_search->iterations;
     arc_search->iterations = 0;
     if (!arc_solve(arc_search, true) ||
@@ -207,20 +208,40 @@ static bool enter_branch(arc_search *arc_search, analysis *analysis, load_path *
 }
 
 /*
+ * Return whether the last step of length `arc` on a branch has passed the bifurcation where it
+ * began, which lies nearer than `arc` to both ends of the step: beyond it the branch repeats
+ * itself.
+ */
+static bool has_returned(const arc_search *arc_search, const load_path *path, double arc)
+{
+    double square[2] = {0, 0};
+    for (size_t i = 0; i < arc_search->entries; i++) {
+        const double end = arc_search->start[i] - arc_search->origin[i];
+        const double begin = end - arc_search->direction[i];
+        square[0] += arc_search->metric[i] * begin * begin;
+        square[1] += arc_search->metric[i] * end * end;
+    }
+    return path->branch_point > 0 && path->points - path->branch_point > 3 &&
+           fmax(square[0], square[1]) < arc * arc;
+}
+
+/*
  * Make all steps of the load path. The first step is as long as the linear displacement under a
  * twentieth of the load, and no step is longer than four times that, but on a branch. A step that
- * fails is halved.
+ * fails is halved. The path ends where a branch returns to its bifurcation, and below LOWEST times
+ * the full load.
  *   branch in  number of the bifurcation at which to leave the path; 0: none
  */
 static void take_steps(arc_search *arc_search, analysis *analysis, load_path *path, int branch)
 {
+    enum { LOWEST = -10 };
     const double first =
         sqrt(arc_product(arc_search, arc_search->by_load, arc_search->by_load)) / 20;
     step_control control = {first, 4 * first, 5, 0, false};
     memcpy(arc_search->direction, arc_search->by_load,
            arc_search->entries * sizeof *arc_search->direction);
     while (path->points < LOAD_PATH_POINTS && arc_search->start_factor < 1 &&
-           control.arc > first / 1024) {
+           arc_search->start_factor > LOWEST && control.arc > first / 1024 && !path->is_closed) {
         int iterations;
         const int events = path->events;
         double arc = control.arc;
@@ -242,6 +263,7 @@ static void take_steps(arc_search *arc_search, analysis *analysis, load_path *pa
             continue;
         }
         add_point(arc_search, analysis, path);
+        path->is_closed = has_returned(arc_search, path, arc);
         adapt_length(&control, arc, iterations);
     }
 }
@@ -303,8 +325,9 @@ static int follow_arcs(load_path *path, analysis *analysis, int branch, double *
 static void explain_end(const load_path *path, const analysis *analysis, double reached,
                         char *error)
 {
-    char cause[PATH_CAUSE_BYTES];
-    path_cause(path, analysis, cause);
+    char cause[PATH_CAUSE_BYTES] = "the branch returns to its bifurcation";
+    if (!path->is_closed)
+        path_cause(path, analysis, cause);
     scene_fault(analysis->design.at, error,
                 "the load path ends at %.4g of the load after %d points; %s", reached, path->points,
                 cause);

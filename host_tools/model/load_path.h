@@ -59,6 +59,7 @@ typedef struct load_path {
     load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
                                                 beyond the largest number that can be stored
                                                 (LOAD_PATH_EVENTS) are left out */
+    bool is_closed;   /* whether the path ends because the branch has returned to its bifurcation */
     int branch_point; /* index of the point at a bifurcation from which the path follows a branch;
                          0: none */
     int outputs;      /* number of outputs of the scene */

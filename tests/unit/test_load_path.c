@@ -517,6 +517,30 @@ static void test_branch_of_column(void **state)
     }
 }
 
+/*
+ * A whole thin roof, not a quarter, leaves its symmetric path before the limit point, to one side.
+ * The branch is a closed curve: it ends where it returns to its bifurcation, with the load there.
+ */
+static void test_branch_of_roof(void **state)
+{
+    (void)state;
+    scene_run run;
+    load_path path;
+    open_run(&run, "hinged-roof",
+             "mesh.theta1={from: -254, to: 254, elements: 4};mesh.theta2={from: -0.2, to: 0.2, "
+             "elements: 16};layers.0.thickness=6.35;loads.0.u3=-600;supports=[{edge: theta2-, fix: "
+             "[u1 mean, u2 mean, u3 mean]}, {edge: theta2+, fix: [u1 mean, u2 mean, u3 mean]}]");
+    if (load_path_follow_branch(&path, &run.analysis, 1, run.error) < 0)
+        fail_msg("%s", run.error);
+    assert_true(path.is_closed && !path.is_complete);
+    assert_non_null(strstr(run.error, "returns to its bifurcation"));
+    const double begin = path.event[0].load_factor, end = path.point[path.points - 1].load_factor;
+    print_message("begins at %.4f, ends at %.4f after %d points\n", begin, end, path.points);
+    assert_true(path.points < 200 && fabs(end / begin - 1) < 0.02);
+    load_path_free(&path);
+    scene_run_close(&run);
+}
+
 /* Scenes whose path has no critical point, so that one load step ends at its end. */
 static const struct {
     const char *scene, *changes;
@@ -885,6 +909,7 @@ int main(void)
         cmocka_unit_test(test_snap_back),
         cmocka_unit_test(test_column_of_euler),
         cmocka_unit_test(test_branch_of_column),
+        cmocka_unit_test(test_branch_of_roof),
         cmocka_unit_test(test_control_on_request),
         cmocka_unit_test(test_answer_off_the_path),
         cmocka_unit_test(test_answer_on_the_path),
