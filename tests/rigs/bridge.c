@@ -199,7 +199,7 @@ double bridge_calibrate(size_t count, size_t inputs, size_t outputs, const doubl
 {
     char error[SCENE_ERROR];
     calibration result;
-    const pokes pokes = {count, inputs, outputs, voltage, shape};
+    const pokes pokes = {count, inputs, outputs, voltage, shape, 0};
     double noise = (double)NAN;
     if (calibrate(&result, &pokes, NULL, error) == 0) {
         memcpy(influence, result.influence, outputs * inputs * sizeof *influence);
