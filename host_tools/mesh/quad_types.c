@@ -112,14 +112,14 @@ static void set_skew(const quad_geometry *geometry, double skew[2])
 }
 
 static laminate_place quad_place(const quad_geometry *geometry, const quad_region *region,
-                                 const quad_rule *rule)
+                                 const double direction[3], const quad_rule *rule)
 {
     laminate_place place = {.present_plies = region->present_plies,
                             .area = geometry->area,
                             .bubble_share = rule->bubble_share,
                             .is_general = true};
     double axes[3][3];
-    material_axes(geometry, region->direction, axes);
+    material_axes(geometry, direction, axes);
     set_skew(geometry, place.skew);
     memcpy(place.curvature, geometry->principal, sizeof place.curvature);
     memcpy(place.chord, geometry->length, sizeof place.chord);
@@ -179,7 +179,9 @@ static int add_quad(quad_build *build, int element, const quad_geometry *geometr
     const double tau = build->list->scene->element.tau,
                  thickness = build->list->laminate->thickness;
     const double *curvature = geometry->curvature, *length = geometry->length;
-    laminate_place place = quad_place(geometry, &quads->region[region], rule);
+    const double *direction =
+        quads->material_axis ? quads->material_axis[element] : quads->region[region].direction;
+    laminate_place place = quad_place(geometry, &quads->region[region], direction, rule);
     const double sum = length[0] * length[0] * curvature[0] + length[1] * length[1] * curvature[1];
     pzs_element_type type;
     start_type(build, element, geometry, &type);

@@ -45,6 +45,7 @@ void quad_mesh_free(quad_mesh *mesh)
     free(mesh->area);
     free(mesh->element_region);
     free(mesh->region);
+    free(mesh->material_axis);
     free_sets(mesh->node_set, mesh->node_sets);
     free_sets(mesh->element_set, mesh->element_sets);
     free_sets(mesh->edge_set, mesh->edge_sets);

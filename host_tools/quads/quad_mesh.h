@@ -69,6 +69,8 @@ typedef struct quad_mesh {
                                  region 0 */
     quad_region *region; /* [regions] plies and material axis of each region; there is at least one
                             region */
+    double (*material_axis)[3]; /* [elements] vector whose projection on each element is material
+                                   axis 1; NULL: that of its region */
     size_t node_sets, element_sets, edge_sets;
     quad_set *node_set;    /* [node_sets] named sets of nodes of the mesh */
     quad_set *element_set; /* [element_sets] named sets of elements of the mesh */

@@ -34,6 +34,8 @@ static void free_quads(scene *scene)
         free(scene->patches[i].patch);
         outlines_free(scene->patches[i].outlines);
     }
+    for (i = 0; i < 3; i++)
+        expr_free(scene->ply_direction.formula[i]);
     if (!scene->quads)
         return;
     quad_mesh_free(&scene->quads->mesh);

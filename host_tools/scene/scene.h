@@ -148,12 +148,23 @@ typedef struct scene_line { /* Mesh lines along which one surface coordinate, th
  * equal layers), constrained dof and axes of the mesh follow from the layers, patches and supports
  * of the scene.
  */
+/*
+ * Direction from which the angles of layers are measured on a mesh of quadrilaterals: its
+ * projection on each element is axis 1 of a layer with angle 0.
+ */
+typedef struct scene_ply_direction {
+    bool given;           /* false: the direction is that from corner 1 to corner 2 of an element */
+    expr *formula[3];     /* components of the direction as functions of the position; NULL: the
+                             direction follows a set of edges */
+    char set[SCENE_NAME]; /* name of the set of edges whose direction the elements near them have;
+                             empty: the direction is given by formulas */
+    scene_at at;
+} scene_ply_direction;
+
 typedef struct scene_quads {
     quad_mesh mesh;
     quad_warnings warnings;
     char *file;            /* name of the mesh file as it is written in the scene file */
-    double direction[3];   /* vector from which ply angles are measured, projected on each element;
-                              zero vector: the direction from corner 1 to corner 2 of an element */
     bool accept_irregular; /* elements that are too thin for an irregular mesh (factor
                               quad_rule.lock above QUAD_LOCK) have too stiff a bending: true: they
                               are accepted with a warning; false: the mesh is refused */
@@ -1018,6 +1029,8 @@ typedef struct scene {
     scene_surface surface;
     scene_line line[2]; /* mesh lines of the surface coordinates theta1 and theta2; without points
                            where the mesh comes from a file */
+    scene_ply_direction ply_direction; /* direction from which the angles of layers are measured, on
+                                      a mesh of quadrilaterals */
     scene_quads *quads; /* mesh that is read from a file, or NULL where the scene has mesh lines on
                            a surface */
     bool reference_is_middle;

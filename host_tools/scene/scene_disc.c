@@ -123,7 +123,6 @@ int scene_take_block(reader *reader, int node, scene *scene, const char *key, qu
     scene->quads->at = node_at(reader, node);
     scene->quads->accept_irregular = options->accept_irregular;
     scene->at_surface = scene->line[0].at = scene->line[1].at = scene->quads->at;
-    memcpy(scene->quads->direction, options->direction, sizeof options->direction);
     if (tree_find(reader->t, reader->t->root, "surface"))
         return tree_fault(reader->t, tree_find(reader->t, node, key),
                           "a %s brings its own surface; remove 'surface'", key);

@@ -22,27 +22,29 @@ field_read read_surface, read_mesh;
  *   read_patch_sets   scene_patches, with the elements of the named sets
  *   read_set          scene_where (place on the mesh), with the name of a set
  *   read_set_pattern  scene_where, with a name in which a * stands for any text
+ *   read_ply_direction  nothing: the direction of layers goes to the scene of the reader
  *   read_vector       double[3]
  *   read_unit         double[3], a vector scaled to length 1
  */
+extern const form ply_direction_form;
+field_read read_ply_direction;
 field_read read_mesh_file, read_mesh_disc, read_mesh_panel, read_layer_sets, read_patch_sets,
     read_set, read_set_pattern, read_vector, read_unit;
 
 /* Keys beside `disc` or `panel` in the section `mesh`. */
 typedef struct block_options {
-    double direction[3];   /* vector from which ply angles are measured (scene_quads.direction) */
     bool accept_irregular; /* whether irregular thin elements are reported instead of refused */
 } block_options;
+#define DIRECTION_ROW                                                                              \
+    {                                                                                              \
+        "direction", read_ply_direction, 0, NULL, 0, OF_NUMBER, &ply_direction_form,               \
+            "Direction from whose projection the angles of layers are measured: a vector [x, y, "  \
+            "z], three formulas of x, y and z, or the name of a set of edges, along the nearest "  \
+            "of which it runs. Default, where the elements follow mesh lines or no layer needs a " \
+            "direction, the first side of each element."                                           \
+    }
 #define BLOCK_ROWS(offset)                                                                         \
-    {"direction",                                                                                  \
-     read_unit,                                                                                    \
-     (offset) + offsetof(block_options, direction),                                                \
-     NULL,                                                                                         \
-     0,                                                                                            \
-     OF_NUMBER,                                                                                    \
-     &triple_form,                                                                                 \
-     "Vector [x, y, z] from whose projection the angles of layers are measured; default the "      \
-     "first side of each element."},                                                               \
+    DIRECTION_ROW,                                                                                 \
     {                                                                                              \
         "accept_irregular", read_flag, (offset) + offsetof(block_options, accept_irregular), NULL, \
             0, OF_NOTHING, NULL,                                                                   \
@@ -75,10 +77,13 @@ int read_place(reader *reader, int node, scene_where *where);
  * Complete a mesh from a file after the scene has been read. Each returns 0, or -1 with error
  * filled.
  *   check_regions  groups the elements into regions with the same layers
+ *   check_directions  computes the direction of layers on each element, and refuses materials that
+ *       need one where there is none
  *   check_triads   applies the supports: marks held dof, turns directors (unit normals) into
  *       symmetry planes and the local axis e1 into directions of supports
  */
 int check_regions(scene *scene, char *error);
+int check_directions(scene *scene, char *error);
 int check_triads(scene *scene, char *error);
 
 /*

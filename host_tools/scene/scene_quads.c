@@ -52,7 +52,7 @@ int read_unit(reader *reader, int node, void *to, const void *rule)
 
 typedef struct file_text {
     char *file;
-    double unit, direction[3];
+    double unit;
     bool flip, accept_irregular;
 } file_text;
 
@@ -99,9 +99,7 @@ static const field file_fields[] = {
     {"flip", read_flag, offsetof(file_text, flip),
      .help = "The outer face is the one that the elements of the file show from behind; default "
              "false."},
-    {"direction", read_unit, offsetof(file_text, direction), .of = OF_NUMBER, .form = &triple_form,
-     .help = "Vector [x, y, z] from whose projection the angles of layers are measured; default "
-             "the first side of each element."},
+    DIRECTION_ROW,
     {"accept_irregular", read_flag, offsetof(file_text, accept_irregular),
      .help = "Report elements that are too thin for an irregular mesh, instead of refusing them; "
              "default false."},
@@ -111,7 +109,7 @@ const form mesh_file_form = {.type = FORM_MAP, .fields = file_fields};
 int read_mesh_file(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    file_text text = {NULL, 1, {0, 0, 0}, 0, 0};
+    file_text text = {NULL, 1, 0, 0};
     (void)rule;
     if (tree_find(reader->t, reader->t->root, "surface"))
         return tree_fault(reader->t, tree_find(reader->t, node, "file"),
@@ -126,7 +124,6 @@ int read_mesh_file(reader *reader, int node, void *to, const void *rule)
     scene->quads->at = node_at(reader, node);
     scene->quads->accept_irregular = text.accept_irregular;
     scene->at_surface = scene->line[0].at = scene->line[1].at = scene->quads->at;
-    memcpy(scene->quads->direction, text.direction, sizeof text.direction);
     status = read_quads(reader, node, scene->quads, &text);
     scene->hash = (scene->hash ^ scene->quads->mesh.hash) * 16777619u;
     return status;

@@ -57,14 +57,13 @@ static uint32_t layers_in(const scene *scene, size_t element)
  * Return the index of the region (group of elements with the same layers) of a mesh whose layers
  * are given by the bits of `layers`; a new region is added if there is none.
  */
-static uint32_t region_of(quad_mesh *mesh, uint32_t layers, const double direction[3])
+static uint32_t region_of(quad_mesh *mesh, uint32_t layers)
 {
     for (size_t i = 0; i < mesh->regions; i++)
         if (mesh->region[i].present_plies == layers)
             return (uint32_t)i;
     quad_region *fresh = &mesh->region[mesh->regions];
     fresh->present_plies = layers;
-    memcpy(fresh->direction, direction, sizeof fresh->direction);
     return (uint32_t)mesh->regions++;
 }
 
@@ -80,7 +79,6 @@ int check_regions(scene *scene, char *error)
     if (!mesh->region || !mesh->element_region)
         return scene_fault(scene->quads->at, error, "the mesh does not fit into memory");
     for (size_t element = 0; element < mesh->elements; element++)
-        mesh->element_region[element] =
-            region_of(mesh, layers_in(scene, element), scene->quads->direction);
-    return 0;
+        mesh->element_region[element] = region_of(mesh, layers_in(scene, element));
+    return check_directions(scene, error);
 }

@@ -27,7 +27,7 @@ BEYOND_SCHEMA = [
     # numbers that only a formula or another number decides
     "is no number or formula", "' must rise", "leave no positive", "is not positive definite", "runs from", "'to' must be above", "does not ascend",
     "has . numbers, '", "each needs as many", "beside the strengths", "has no blocking force",
-    "is empty; write .lowest", "has no direction; give one", "is per second, but", "entry .* of the mask is", "are ignored; use some",
+    "is empty; write .lowest", "has no direction; give one", "no set of edges", "no theta1 and theta2", "is per second, but", "entry .* of the mask is", "are ignored; use some",
     # places on the mesh and the surface
     "no node of the mesh", "is no (mesh line|node)", "is not on the mesh", "reaches a pole", "past the axis", "more than a full turn",
     "lies above the outer face", "'(from|to)' is missing",

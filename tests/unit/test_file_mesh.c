@@ -90,6 +90,16 @@ static scene_run run_scene(const char *body, const char *layers)
     return r;
 }
 
+/* The scene is refused with a message that contains `says`. */
+static void assert_scene_refused(const char *body, const char *layers, const char *says)
+{
+    scene_run r;
+    write_scene(body, layers);
+    if (scene_run_open(&r, scene_path, "") == 0 || !strstr(r.error, says))
+        fail_msg("'%s', expected '%s'", r.error, says);
+    scene_run_close(&r);
+}
+
 static void plate(double u, double v, double x[3])
 {
     x[0] = 2 * u;
@@ -386,14 +396,91 @@ static void test_direction(void **state)
     assert_near("first side of the elements", value[2], value[0], 1e-9);
 }
 
-/* ---- refusals -------------------------------------------------------------------- */
-
 static void cylinder(double u, double v, double x[3])
 {
     x[0] = cos(pi / 2 * u);
     x[1] = sin(pi / 2 * u);
     x[2] = 2 * v;
 }
+
+/* Return the displacement of a quarter cylinder of plies in a direction, with the angle of a ply.
+ */
+static double of_plies(const char *direction, int angle)
+{
+    char body[400], layers[100];
+    grid_fill(&grid, 8, 6, cylinder, 0);
+    write_grid(MSH4_TEXT);
+    snprintf(body, sizeof body,
+             "mesh: {file: grid.msh, direction: %s}\nsupports: [{set: low2, fix: clamped}]\n"
+             "loads: [{line: high2, x: 1}]\n"
+             "outputs: [{name: w, z: middle, at: {x: 1, y: 0, z: 2}}]\n",
+             direction);
+    snprintf(layers, sizeof layers, "layers: [{material: ply, thickness: 0.01, angle: %d}]\n",
+             angle);
+    scene_run r = run_scene(body, layers);
+    const double value = scene_run_value(&r, 0);
+    scene_run_close(&r);
+    return value;
+}
+
+/*
+ * Law: the direction around a cylinder is that across its axis, be it given by formulas or by the
+ * arc at its end.
+ */
+static void test_direction_field(void **state)
+{
+    (void)state;
+    const double across = of_plies("[0, 0, 1]", -60);
+    assert_near("formulas", of_plies("['-y', 'x', 0]", 30), across, 1e-9);
+    assert_near("edges", of_plies("low2", 30), across, 1e-9);
+    assert_near("edges along the axis", of_plies("high1", -60), across, 1e-9);
+    assert_true(fabs(of_plies("[0, 0, 1]", -50) / across - 1) > 0.01);
+}
+
+/*
+ * Law: on a disc of blocks, whose first sides turn, a ply needs a direction with a projection; an
+ * isotropic layer takes any.
+ */
+static void test_direction_refusals(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *direction, *layers, *says; /* says: NULL if the scene is valid */
+    } row[] = {
+        {"", "layers: [{material: ply, thickness: 0.01}]\n", "the first sides of the elements"},
+        {", direction: [0, 0, 1]", "layers: [{material: ply, thickness: 0.01}]\n",
+         "the direction is normal to element"},
+        {", direction: ['x/0', 0, 0]", "layers: [{material: ply, thickness: 0.01}]\n",
+         "or no finite vector"},
+        {", direction: ['theta1', 0, 0]", "layers: [{material: ply, thickness: 0.01}]\n",
+         "no theta1 and theta2"},
+        {", direction: ring1", "layers: [{material: ply, thickness: 0.01}]\n",
+         "no set of edges 'ring1'"},
+        {", direction: rim",
+         "layers: [{material: ply, thickness: 0.01}, {material: ceramic, thickness: 1e-3, "
+         "poling: 1}]\n",
+         "have no sense"},
+        {", direction: [0, 1]", "layers: [{material: ply, thickness: 0.01}]\n", "has 2 values"},
+        {", direction: rim", "layers: [{material: ply, thickness: 0.01}]\n", NULL},
+        {", direction: ['-y', 'x', 0]", "layers: [{material: ply, thickness: 0.01}]\n", NULL},
+        {", direction: [0, 0, 1]", "layers: [{material: ceramic, thickness: 0.01}]\n", NULL},
+        {"", "layers: [{material: ceramic, thickness: 0.01}]\n", NULL},
+    };
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        char body[300];
+        snprintf(body, sizeof body,
+                 "mesh: {disc: {radius: 1, elements: 4}%s}\nsupports: [{set: rim, fix: clamped}]\n",
+                 row[k].direction);
+        if (row[k].says) {
+            assert_scene_refused(body, row[k].layers, row[k].says);
+        } else {
+            scene_run r = run_scene(body, row[k].layers);
+            scene_run_close(&r);
+        }
+    }
+}
+
+/* ---- refusals -------------------------------------------------------------------- */
 
 static const struct {
     const char *body, *says;
@@ -456,13 +543,8 @@ static void test_refused_scenes(void **state)
     (void)state;
     grid_fill(&grid, 6, 3, cylinder, 0);
     write_grid(MSH4_TEXT);
-    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
-        scene_run r;
-        write_scene(refused[k].body, LAYERS);
-        if (scene_run_open(&r, scene_path, "") == 0 || !strstr(r.error, refused[k].says))
-            fail_msg("case %zu: '%s', expected '%s'", k, r.error, refused[k].says);
-        scene_run_close(&r);
-    }
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++)
+        assert_scene_refused(refused[k].body, LAYERS, refused[k].says);
 }
 
 /*
@@ -527,12 +609,20 @@ static int remove_files(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_plate),     cmocka_unit_test(test_disc),
-        cmocka_unit_test(test_box_beam),       cmocka_unit_test(test_hemisphere),
-        cmocka_unit_test(test_dish_directors), cmocka_unit_test(test_symmetry),
-        cmocka_unit_test(test_plane_support),  cmocka_unit_test(test_support_pattern),
-        cmocka_unit_test(test_layer_sets),     cmocka_unit_test(test_direction),
-        cmocka_unit_test(test_refused_scenes), cmocka_unit_test(test_loose_node),
+        cmocka_unit_test(test_same_plate),
+        cmocka_unit_test(test_disc),
+        cmocka_unit_test(test_box_beam),
+        cmocka_unit_test(test_hemisphere),
+        cmocka_unit_test(test_dish_directors),
+        cmocka_unit_test(test_symmetry),
+        cmocka_unit_test(test_plane_support),
+        cmocka_unit_test(test_support_pattern),
+        cmocka_unit_test(test_layer_sets),
+        cmocka_unit_test(test_direction),
+        cmocka_unit_test(test_direction_field),
+        cmocka_unit_test(test_direction_refusals),
+        cmocka_unit_test(test_refused_scenes),
+        cmocka_unit_test(test_loose_node),
         cmocka_unit_test(test_hash),
     };
     if (!mkdtemp(folder))
