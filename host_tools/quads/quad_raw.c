@@ -74,6 +74,12 @@ static char *copy_name(const char *name, size_t length)
     return copy;
 }
 
+int quad_raw_refuse_sets(const quad_file *file)
+{
+    return quad_fault(file, "the file has more than %d sets; leave out those that are not used",
+                      (int)QUAD_RAW_SETS);
+}
+
 quad_raw_set *quad_raw_find_set(quad_raw *raw, const quad_file *file, const char *name,
                                 size_t length, int corners)
 {
@@ -82,6 +88,10 @@ quad_raw_set *quad_raw_find_set(quad_raw *raw, const quad_file *file, const char
         if (raw->set[i].corners == corners && strlen(raw->set[i].name) == length &&
             memcmp(raw->set[i].name, name, length) == 0)
             return &raw->set[i];
+    if (raw->sets >= QUAD_RAW_SETS) {
+        quad_raw_refuse_sets(file);
+        return NULL;
+    }
     const int status = make_room(&items, raw->sets, &raw->set_room, sizeof *raw->set, file);
     raw->set = items;
     if (status < 0)

@@ -45,6 +45,15 @@ typedef struct quad_raw {
     quad_raw_set *set;
 } quad_raw;
 
+/*
+ * Largest number of sets of each kind in a mesh file. Sets are found by comparing names one by one:
+ * the limit bounds the time that a damaged file takes.
+ */
+enum { QUAD_RAW_SETS = 10000 };
+
+/* Write the error message that a mesh file has more than QUAD_RAW_SETS sets. Returns -1. */
+int quad_raw_refuse_sets(const quad_file *file);
+
 void quad_raw_free(quad_raw *raw);
 
 /*

@@ -18,6 +18,8 @@ typedef struct entity {
     int dimension, tag, count;
     int *physical; /* [count] numbers of the physical groups to which the geometric entity of the
                       Gmsh file belongs */
+    size_t *set;   /* [count] indices of the sets of these groups; NULL until the first cell (point,
+                      edge or quadrilateral) of the entity is added to them */
 } entity;
 
 typedef struct physical_name {
@@ -118,7 +120,11 @@ static int group_of(gmsh *gmsh, int dimension, int physical)
     const int known = find_entity(gmsh, dimension, physical);
     if (known >= 0 || physical == 0)
         return known;
-    entity one = {dimension, physical, 1, malloc(sizeof *one.physical)};
+    if (gmsh->entities >= QUAD_RAW_SETS) {
+        quad_raw_refuse_sets(gmsh->file);
+        return -2;
+    }
+    entity one = {dimension, physical, 1, malloc(sizeof *one.physical), NULL};
     if (!one.physical) {
         quad_fault(gmsh->file, "the entities do not fit into memory");
         return -2;
@@ -147,6 +153,25 @@ static quad_raw_set *set_of(gmsh *gmsh, int dimension, int tag)
 }
 
 /*
+ * Find the sets of all physical groups of a geometric entity. A negative number of a group stands
+ * for the group with reversed orientation. Returns 0, or -1 after writing an error message about
+ * the mesh file.
+ */
+static int name_sets(gmsh *gmsh, entity *of)
+{
+    of->set = calloc((size_t)of->count + 1, sizeof *of->set);
+    if (!of->set)
+        return quad_fault(gmsh->file, "the sets do not fit into memory");
+    for (int k = 0; k < of->count; k++) {
+        const quad_raw_set *set = set_of(gmsh, of->dimension, abs(of->physical[k]));
+        if (!set)
+            return -1;
+        of->set[k] = (size_t)(set - gmsh->raw->set);
+    }
+    return 0;
+}
+
+/*
  * Add every cell (point, edge or quadrilateral) of the Gmsh file to the sets of its physical
  * groups. Returns 0, or -1 after writing an error message about the mesh file.
  */
@@ -154,14 +179,12 @@ static int collect_sets(gmsh *gmsh)
 {
     for (size_t index = 0; index < gmsh->raw->cells; index++) {
         const quad_raw_cell *cell = &gmsh->raw->cell[index];
-        const entity *of = cell->group >= 0 ? &gmsh->entity[cell->group] : NULL;
+        entity *of = cell->group >= 0 ? &gmsh->entity[cell->group] : NULL;
+        if (of && !of->set && name_sets(gmsh, of) < 0)
+            return -1;
         for (int k = 0; of && k < of->count; k++) {
-            /*
-             * A negative number of a physical group stands for the group with reversed orientation.
-             */
-            quad_raw_set *set = set_of(gmsh, of->dimension, abs(of->physical[k]));
             const int64_t item = cell->corners == 1 ? cell->node[0] : (int64_t)index;
-            if (!set || quad_raw_add_item(set, gmsh->file, item) < 0)
+            if (quad_raw_add_item(&gmsh->raw->set[of->set[k]], gmsh->file, item) < 0)
                 return -1;
         }
     }
@@ -192,6 +215,8 @@ static int read_names(gmsh *gmsh)
     if (quad_read_int(file, "the number of names", &count) < 0 ||
         quad_check_count(file, "names", count, 4) < 0)
         return -1;
+    if (count > QUAD_RAW_SETS)
+        return quad_raw_refuse_sets(file);
     gmsh->name = calloc((size_t)count + 1, sizeof *gmsh->name);
     if (!gmsh->name)
         return quad_fault(file, "the names do not fit into memory");
@@ -258,7 +283,7 @@ static int read_physicals(gmsh *gmsh, entity *one)
 
 static int read_entity(gmsh *gmsh, int dimension)
 {
-    entity one = {dimension, 0, 0, NULL};
+    entity one = {dimension, 0, 0, NULL, NULL};
     int status = quad_read_int(gmsh->file, "the number of an entity", &one.tag);
     if (status == 0)
         status = pass_reals(gmsh, dimension == 0 ? 3 : 6);
@@ -673,8 +698,10 @@ int quad_read_gmsh(quad_file *file, quad_raw *raw)
 {
     gmsh gmsh = {.file = file, .raw = raw};
     const int status = read_sections(&gmsh);
-    for (size_t i = 0; i < gmsh.entities; i++)
+    for (size_t i = 0; i < gmsh.entities; i++) {
+        free(gmsh.entity[i].set);
         free(gmsh.entity[i].physical);
+    }
     free(gmsh.entity);
     free(gmsh.name);
     return status;

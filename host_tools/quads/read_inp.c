@@ -188,6 +188,8 @@ static int open_set(inp *in, piece name, bool is_elements)
         return known;
     if (name.length >= sizeof in->list->name)
         return quad_fault(in->file, "the name of a set has %zu bytes; use at most 63", name.length);
+    if (in->sets >= QUAD_RAW_SETS)
+        return quad_raw_refuse_sets(in->file);
     if (in->sets == in->room) {
         const size_t room = 2 * in->room + 16;
         listed_set *bigger = realloc(in->list, room * sizeof *bigger);

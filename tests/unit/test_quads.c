@@ -728,6 +728,53 @@ static void test_large_garbage(void **state)
     write_text("");
 }
 
+/* Write a mesh file of one element that lists `sets` sets by lines of the given format. */
+static void write_many_sets(const char *head, const char *line, int sets, const char *tail)
+{
+    FILE *file = open_file();
+    fprintf(file, "%s", head);
+    for (int i = 1; i <= sets; i++)
+        fprintf(file, line, i, i);
+    fprintf(file, "%s", tail);
+    fclose(file);
+}
+
+/*
+ * Law: a file with 300,000 sets is refused within four seconds of processor time, however it lists
+ * them; one with 10,000 is read.
+ */
+static void test_many_sets(void **state)
+{
+#define GMSH_NODES "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n"
+#define GMSH "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+#define INP                                                                                        \
+    "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=S4\n1, 1, 2, 3, 4\n"
+    static const struct {
+        const char *head, *line, *tail;
+    } row[] = {
+        {GMSH GMSH_NODES "300000\n", "%d 3 2 %d 1 1 2 3 4\n", "$EndElements\n"},
+        {GMSH "$PhysicalNames\n300000\n", "2 %d \"%d\"\n",
+         "$EndPhysicalNames\n" GMSH_NODES "1\n1 3 2 1 1 1 2 3 4\n$EndElements\n"},
+        {INP, "*ELSET, ELSET=s%d\n1\n**%d\n", ""},
+        {INP, "*NSET, NSET=s%d\n1\n**%d\n", ""},
+    };
+    (void)state;
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        const clock_t begin = clock();
+        write_many_sets(row[k].head, row[k].line, 300000, row[k].tail);
+        const result r = read_with(&plain);
+        assert_int_equal(r.status, -1);
+        if (!strstr(r.error, "the file has more than 10000 sets"))
+            fail_msg("case %zu: %s", k, r.error);
+        assert_true((double)(clock() - begin) < 4.0 * CLOCKS_PER_SEC);
+    }
+    write_many_sets(INP, "*ELSET, ELSET=s%d\n1\n**%d\n", 10000, "");
+    result r = read_with(&plain);
+    assert_int_equal(r.status, 0);
+    assert_int_equal(r.mesh.element_sets, 10000);
+    quad_mesh_free(&r.mesh);
+}
+
 /* Law: a damaged file is refused with a message, or is a mesh with unit directors. */
 static void test_damaged_files(void **state)
 {
@@ -785,6 +832,7 @@ int main(void)
         cmocka_unit_test(test_envelope),
         cmocka_unit_test(test_sloan_strip),
         cmocka_unit_test(test_large_garbage),
+        cmocka_unit_test(test_many_sets),
         cmocka_unit_test(test_damaged_files),
     };
     const int file = mkstemp(path);
