@@ -41,6 +41,8 @@ static int build(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
     quad_topology topology = {NULL};
     int status = quad_collect(mesh, origin, raw, options, warnings);
     if (status == 0)
+        status = quad_check_folds(mesh, origin);
+    if (status == 0)
         status = quad_connect(mesh, origin, raw, options, &topology);
     if (status == 0)
         status = quad_directors(mesh, origin, &topology, warnings);

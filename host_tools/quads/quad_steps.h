@@ -31,6 +31,12 @@ int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options, quad_warnings *warnings);
 
 /*
+ * Refuse elements whose sides cross or of which a corner points inwards. Returns 0, or -1 after
+ * writing an error message about the mesh file.
+ */
+int quad_check_folds(const quad_mesh *mesh, const quad_origin *origin);
+
+/*
  * Neighbours of all elements of a mesh across their sides; the value QUAD_FREE marks a side without
  * a neighbour.
  */

@@ -225,7 +225,7 @@ static const struct {
      ":16: element 7 is defined twice"},
     {SQUARE2 "$Elements\n2\n7 3 2 0 1 1 2 3 4\n8 1 2 1 1 1 3\n$EndElements\n",
      ":16: line element 8 of set '1' is no edge of a quadrilateral"},
-    {SQUARE2 "$Elements\n1\n7 3 2 0 1 1 3 2 4\n$EndElements\n", "element 7 has no area"},
+    {SQUARE2 "$Elements\n1\n7 3 2 0 1 1 3 2 4\n$EndElements\n", "element 7 is folded at node 1"},
     {HEAD2 "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 nan 0\n4 0 1 0\n$EndNodes\n$Elements\n1\n"
            "1 3 2 0 1 1 2 3 4\n$EndElements\n",
      ":8: node 3 has the coordinate nan"},
@@ -359,6 +359,15 @@ static void test_refused_surfaces(void **state)
            "$EndNodes\n$Elements\n2\n11 3 2 0 1 1 2 3 4\n12 3 2 0 1 5 7 8 6\n$EndElements\n",
            "the mesh falls apart: 1 elements are joined, 1 are not, element 12 among them; "
            "if the part between them is missing, give it a physical group");
+    refuse(HEAD2 "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 0 0\n6 2 1 0\n$EndNodes\n"
+                 "$Elements\n2\n11 3 2 0 1 1 2 3 4\n12 3 2 0 1 2 6 5 3\n$EndElements\n",
+           "element 12 is folded at node 2");
+    refuse(HEAD2 "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0.3 0.3 0\n4 0 1 0\n5 2 0 0\n6 2 1 0\n$EndNodes\n"
+                 "$Elements\n2\n11 3 2 0 1 1 2 3 4\n12 3 2 0 1 2 5 6 3\n$EndElements\n",
+           "element 11 is folded at node 3");
+    refuse(HEAD2 "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 3 0 0\n$EndNodes\n"
+                 "$Elements\n1\n11 3 2 0 1 1 2 3 4\n$EndElements\n",
+           "element 11 has no area");
     char strip[4000];
     int n = snprintf(strip, sizeof strip, HEAD2 "$Nodes\n24\n");
     for (int i = 0; i < 12; i++)
