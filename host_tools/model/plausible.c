@@ -144,6 +144,9 @@ static const struct rule {
     {"thickness", SUBJECT_SCENE, measure_thickness, 1e-7, 1, "m", CHECK_UNITS "0.3 mm"},
     {"sharp_edge", SUBJECT_SCENE, measure_sharp_edge, 0, 40, "degrees",
      "the two sides share one mean director there; smaller elements at the edge reduce the error"},
+    {"distant_place", SUBJECT_SCENE, measure_place, 0, 0.1, "of the diagonal of an element",
+     "write the coordinates of a node, or put the point into the mesh (in Gmsh Point{n} In "
+     "Surface{m};)"},
     {"slit", SUBJECT_SCENE, measure_slit, 0, 0, "pairs",
      "the surface is open there; where it should not be, mesh with Coherence;"},
     {"influence", SUBJECT_SCENE, measure_matrix_entry, 1e-12, 1e-5, "m/V",

@@ -16,6 +16,18 @@ int measure_sharp_edge(const subject *of, int k, measured *found)
     return 1;
 }
 
+int measure_place(const subject *of, int k, measured *found)
+{
+    const scene_quads *quads = of->scene->quads;
+    if (k > 0 || !quads || !(quads->place_gap > 0))
+        return 0;
+    found->at = quads->place_at;
+    found->value = quads->place_gap;
+    snprintf(found->what, WHAT, "distance of the place from the nearest node%s%.0lld, used instead",
+             quads->place_node ? " " : "", (long long)quads->place_node);
+    return 1;
+}
+
 int measure_slit(const subject *of, int k, measured *found)
 {
     const scene_quads *quads = of->scene->quads;

@@ -120,7 +120,7 @@ measure measure_file_slenderness, measure_points_height;
  * Functions that find sharp edges and slits in a mesh from a file, for the plausibility rules
  * (plausible_file.c).
  */
-measure measure_sharp_edge, measure_slit;
+measure measure_sharp_edge, measure_slit, measure_place;
 
 /*
  * Functions that find numbers of a measured influence matrix, such as its largest entry and dead

@@ -168,6 +168,11 @@ typedef struct scene_quads {
     bool accept_irregular; /* elements that are too thin for an irregular mesh (factor
                               quad_rule.lock above QUAD_LOCK) have too stiff a bending: true: they
                               are accepted with a warning; false: the mesh is refused */
+    double place_gap;   /* of all places that the scene names by coordinates: largest distance from
+                           the nearest node, which the scene uses instead, over the longest
+                           diagonal of the elements there */
+    int64_t place_node; /* number of that node in the mesh file, 0 if it has none */
+    scene_at place_at;  /* that place in the scene file */
     scene_at at;
 } scene_quads;
 

@@ -534,6 +534,16 @@ static const field place_fields[] = {
     {.key = NULL}};
 const form place_form = {.type = FORM_MAP, .fields = place_fields};
 
+/* Keep the place of the scene that is farthest from the node that stands for it. */
+static void note_gap(scene_quads *quads, double gap, uint32_t node, scene_at at)
+{
+    if (!(gap > quads->place_gap))
+        return;
+    quads->place_gap = gap;
+    quads->place_node = quads->mesh.node_label ? quads->mesh.node_label[node] : 0;
+    quads->place_at = at;
+}
+
 int read_place(reader *reader, int node, scene_where *where)
 {
     if (read_map(reader, node, place_fields, where) != 0)
@@ -544,12 +554,14 @@ int read_place(reader *reader, int node, scene_where *where)
         if (distance_to(mesh, candidate, where->x) < distance_to(mesh, nearest, where->x))
             nearest = candidate;
     const double *found = mesh->position[nearest];
-    if (distance_to(mesh, nearest, where->x) > size_at(mesh, nearest))
+    const double gap = distance_to(mesh, nearest, where->x) / size_at(mesh, nearest);
+    if (!(gap <= 1))
         return tree_fault(reader->t, node,
                           "(%g, %g, %g) is not on the mesh; the nearest node is (%g, %g, %g)",
                           where->x[0], where->x[1], where->x[2], found[0], found[1], found[2]);
     where->node[0] = (int)nearest;
     where->type = WHERE_PLACE;
+    note_gap(reader->s->quads, gap, nearest, node_at(reader, node));
     return 0;
 }
 

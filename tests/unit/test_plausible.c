@@ -363,6 +363,30 @@ static void test_small_electrode(void **state)
 }
 
 /*
+ * Law: a place that is not at a node of a mesh of quadrilaterals is reported with its distance over
+ * the size of the elements, the farthest of several.
+ */
+static void test_distant_place(void **state)
+{
+    (void)state;
+    double value[2];
+    plausible warnings;
+    warnings_of("tests/rigs/scenes/holed-panel.yaml", "outputs=[]", &warnings);
+    assert_null(find_rule(&warnings, "distant_place"));
+    for (int k = 0; k < 2; k++) {
+        char changes[200];
+        snprintf(changes, sizeof changes,
+                 "outputs=[{name: a, u3: middle, at: {x: -10, y: -10, z: 0}}, "
+                 "{name: b, u3: middle, at: {x: %g, y: -10, z: 0}}]",
+                 -10 - 0.4 * (k + 1));
+        warnings_of("tests/rigs/scenes/holed-panel.yaml", changes, &warnings);
+        assert_non_null(find_rule(&warnings, "distant_place"));
+        value[k] = find_rule(&warnings, "distant_place")->value;
+    }
+    assert_near("twice the distance", value[1], 2 * value[0], 1e-9);
+}
+
+/*
  * Law: hysteresis of more than a quarter of the voltage range is warned of where the control loop
  * has a self-test, and only there.
  */
@@ -971,6 +995,7 @@ int main(void)
         cmocka_unit_test(test_sudden_loads),
         cmocka_unit_test(test_unitless),
         cmocka_unit_test(test_small_electrode),
+        cmocka_unit_test(test_distant_place),
         cmocka_unit_test(test_tested_hysteresis),
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_materials),
