@@ -1,43 +1,57 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Iterations of the dual active-set method where sums of absolute values of voltages are limited.
- * An input may then also be kept at 0 V (input_state), and its voltage has a chosen sign, which the
- * iterations may reverse.
+ * Iterations of the dual active-set method where weighted sums of absolute values of voltages are
+ * limited.
+ *
+ * Each input has a chosen sign, and sign * voltage replaces the absolute value of its voltage in
+ * these sums. An input may be kept not only at a bound of its voltage but also at 0 V
+ * (input_state). The iterations may reverse the chosen signs.
  */
 #include "absolute_rows.h"
 #include "boxls_dual.h"
 #include "../core/numbers.h"
 
 /*
- * A quantity that is a linear combination of the active ones counts as inside its bounds if it is
- * outside by no more than this multiple of its rounding error.
+ * Factor in a test for a quantity (voltage or limited sum of voltages) that is a linear combination
+ * of those kept at their bounds. The quantity counts as inside its own bounds if it is outside by
+ * no more than this factor times machine epsilon times the largest quantity.
  */
 #define ROUNDING_FACTOR 64
 /*
- * Number of times that the iterations examine again the quantities that they have ignored because
- * of rounding errors. This is done in ticks in which an earlier round did not lower the objective.
+ * Number of times that a round (sequence of iterations) examines ignored voltages and limited sums
+ * again. They were ignored because rounding errors explained why they were outside their bounds.
+ * They are examined again only if an earlier round of the same tick did not lower the objective.
  */
 #define REPEATS 2u
 
 /*
- * State of an input in the iterations, where sums of absolute values of voltages are limited. With
- *   g  half the gradient of the objective without these limits
- *   f  sum of (weight * multiplier) over these limits (pzs_absolute_slopes)
+ * State of an input in the iterations, where weighted sums of absolute values of voltages are
+ * limited. With
+ *   g  half the gradient of the objective by the voltage, without these limits (m2/V)
+ *   f  sum of (weight * multiplier) over these limits (m2/V), see pzs_absolute_slopes
  *   s  chosen sign of the voltage, 1 or -1
  * a voltage between its bounds is optimal if s g + f = 0, and a voltage of 0 V if -f <= g <= f. The
- * multiplier m = s g + f that keeps an input at 0 V thus has two limits, 0 <= m <= 2 f.
+ * multiplier m = s g + f that keeps an input at 0 V thus has two limits, 0 <= m <= 2f. With the
+ * opposite sign it is 2f - m.
  */
 typedef enum {
-    INPUT_FREE,     /* its multiplier is 0 */
-    INPUT_AT_BOUND, /* kept at a bound of its voltage by a multiplier of one sign */
-    INPUT_AT_ZERO   /* kept at 0 V by a multiplier between 0 and twice the slope of its limits */
+    INPUT_FREE,     /* the voltage is kept neither at a bound nor at 0 V */
+    INPUT_AT_BOUND, /* a multiplier of one sign keeps the voltage at its lower or upper bound */
+    INPUT_AT_ZERO /* the voltage is kept at 0 V by a multiplier from 0 to 2f, where f is the sum of
+                     (weight * multiplier) over the limited sums that contain the voltage */
 } input_state;
 
-/* What an iteration leaves of the entering quantity. */
+/*
+ * Result of one iteration of the dual active-set method. The iteration changes the multiplier of
+ * one voltage or limited sum, the entering quantity, to bring this quantity to its bound.
+ */
 typedef enum {
-    PULL_FAILED,    /* no change of its multiplier brings it to its bound */
-    PULL_CONTINUES, /* another quantity became free; the next iteration has the same entering one */
-    PULL_ENDED      /* it is active, or free without being outside */
+    PULL_FAILED, /* the iterations must end: no change of the entering quantity's multiplier brings
+                    this quantity to its bound */
+    PULL_CONTINUES, /* another voltage or limited sum has become free; the next iteration has the
+                       same entering quantity */
+    PULL_ENDED /* the entering quantity is kept at its bound or may stay free; the next iteration
+                  has another one */
 } pull_end;
 
 static input_state state_of(const rows_run *run, uint32_t i)
@@ -47,15 +61,19 @@ static input_state state_of(const rows_run *run, uint32_t i)
     return absolute_is_split(run, i, run->tableau->side[i]) ? INPUT_AT_ZERO : INPUT_AT_BOUND;
 }
 
-/* Whether limited sum `row` is free but has kept its multiplier. */
+/*
+ * Whether the limited sum of tableau row `row` is free (not kept at its limit) but still has a
+ * multiplier. This happens after the chosen sign of a voltage in the sum was reversed.
+ */
 static bool is_pending(const rows_run *run, uint32_t row)
 {
     return rows_is_free(run, row) && run->tableau->direction[row] < 0;
 }
 
 /*
- * Compute for each input the slope (m2/V) that the active limits of sums of absolute values add to
- * the objective on each side of 0 V. Returns the slopes [inputs].
+ * Compute the slope f (m2/V) of each input: the sum of (weight of the input * multiplier) over the
+ * limited sums that contain its voltage. These limits act on half the objective like f * |voltage|.
+ * Returns the slopes [inputs].
  */
 static pzs_real *find_slopes(const rows_run *run)
 {
@@ -66,9 +84,10 @@ static pzs_real *find_slopes(const rows_run *run)
 /* ---- signs ------------------------------------------------------------------- */
 
 /*
- * Reverse the sign of free input i, whose voltage is on the wrong side of 0 V. The sums of absolute
- * values that contain the input get other values; their limits become free and keep their
- * multipliers. The rows of the limited sums must be renewed afterwards.
+ * Reverse the chosen sign of free input i, whose voltage is on the other side of 0 V. This changes
+ * the limited sums of absolute values that contain the voltage. These sums become free (not kept at
+ * their limits) but keep their multipliers. The caller must then compute their rows of the tableau
+ * anew (pzs_absolute_renew).
  */
 static void reverse_free(const rows_run *run, uint32_t i)
 {
@@ -87,8 +106,9 @@ static void reverse_free(const rows_run *run, uint32_t i)
 }
 
 /*
- * Where a free voltage and its chosen sign differ, and no active limit of a sum of absolute values
- * contains the voltage, choose the sign of the voltage, if the work limit allows it.
+ * Reverse the chosen sign of each free input whose voltage is on the other side of 0 V, if its
+ * voltage limits allow the other sign and no limited sum with a multiplier contains the voltage. If
+ * the work limit does not allow this, note that the work limit has stopped the optimiser.
  */
 static void follow_unconstrained(const rows_run *run)
 {
@@ -113,9 +133,10 @@ static void follow_unconstrained(const rows_run *run)
 }
 
 /*
- * Reverse the chosen signs of the inputs at 0 V whose multiplier exceeds twice the slope of their
- * limits. Their multipliers then have the wrong sign, so that they become free next.
- *   rounding in  an excess up to this size does not count (m2/V)
+ * Reverse the chosen sign of each input that is kept at 0 V by a multiplier m > 2f. Here f is the
+ * sum of (weight * multiplier) over the limited sums that contain the voltage. With the opposite
+ * sign the multiplier is 2f - m < 0: it has the wrong sign, so that the input becomes free next.
+ *   rounding in  an excess of m over 2f up to this size does not count (m2/V)
  * Returns whether a sign was reversed.
  */
 static bool reverse_exceeding(const rows_run *run, pzs_real rounding)
@@ -138,8 +159,10 @@ static bool reverse_exceeding(const rows_run *run, pzs_real rounding)
 }
 
 /*
- * Make free all active quantities whose multipliers are outside their limits, until none is left or
- * the work limit stops the optimiser.
+ * Make free every voltage and limited sum that is kept at a bound or at 0 V by a multiplier outside
+ * the limits of this multiplier (input_state), until none is left or the work limit stops the
+ * optimiser.
+ *   rounding in  an excess over these limits up to this size does not count (m2/V)
  */
 static void drop_wrong(const rows_run *run, pzs_real rounding)
 {
@@ -158,29 +181,37 @@ static void drop_wrong(const rows_run *run, pzs_real rounding)
 /* ---- iteration ----------------------------------------------------------------- */
 
 /*
- * As in boxls_dual.c, an iteration changes the multiplier of one free quantity outside its bounds
- * (a voltage or a limited sum), the entering one; the multipliers of the active quantities follow.
- * It ends at the first event:
+ * An iteration, as in boxls_dual.c, changes the multiplier of one free quantity (voltage or limited
+ * sum) that is outside its bounds, the entering quantity. Active quantities, those kept at a bound
+ * or at 0 V, stay there, and their multipliers follow.
+ *
+ * For each input let f be the sum of (weight * multiplier) over the limited sums that contain its
+ * voltage. The iteration ends at the first of these events:
  *   - the entering quantity reaches its bound and becomes active;
- *   - a multiplier becomes 0: its quantity becomes free;
- *   - the multiplier of an input at 0 V becomes twice the slope of its limits (input_state): the
- *     input becomes free with the other sign;
- *   - the entering quantity is an input at the wrong side of 0 V, and its multiplier becomes twice
- *     this slope before its voltage reaches 0 V: it gets the other sign and stays free.
+ *   - the multiplier of an active quantity becomes 0: this quantity becomes free;
+ *   - the multiplier of an input at 0 V becomes 2f (input_state): the input becomes free with the
+ *     opposite sign;
+ *   - the entering quantity is an input on the wrong side of 0 V, and its multiplier becomes 2f
+ *     before its voltage reaches 0 V: the input gets the opposite sign and stays free;
+ *   - the entering quantity is a limited sum below its limit (is_pending), and its multiplier
+ *     becomes 0: the sum stays free.
  */
 
 /*
- * Another sign of a voltage away from 0 V changes the limited sums of absolute values. Their limits
- * then become free but keep their multipliers, until iterations bring them to their limits or the
- * multipliers to 0. The number of iterations is finite, because every iteration of positive length
- * raises the dual objective.
+ * If the chosen sign of a voltage that is not 0 V is reversed, the limited sums that contain the
+ * voltage change and may leave their limits. These sums become free but keep their multipliers.
+ * Further iterations bring each of these sums to its limit, or its multiplier to 0. The number of
+ * iterations is finite, because every iteration of positive length raises the dual objective.
  */
 
 /*
- * Find the input at 0 V, or the entering input, whose multiplier first becomes twice the slope of
- * its limits.
- *   entering in      entering quantity, whose multiplier changes by sense * part
- *   part     in/out  in: largest size of this change; out: size at which the input was found (m2/V)
+ * Find the input whose multiplier is the first to become 2f in the present iteration. Here f is the
+ * sum of (weight * multiplier) over the limited sums that contain the voltage of the input.
+ * Candidates are the inputs kept at 0 V and the entering input.
+ *   entering in      quantity (voltage or limited sum) whose multiplier the iteration changes
+ *   sense    in      sign of this change, 1 or -1
+ *   part     in/out  in: largest size of this change; out: its size when the multiplier of the
+ *                    found input becomes 2f, unchanged if none is found (m2/V)
  * Returns the input, or the number of inputs if there is none.
  */
 static uint32_t first_crossing(const rows_run *run, uint32_t entering, pzs_real sense,
@@ -211,7 +242,11 @@ static uint32_t first_crossing(const rows_run *run, uint32_t entering, pzs_real 
     return first;
 }
 
-/* Give input i the other sign: its multiplier has become twice the slope of its limits. */
+/*
+ * Reverse the chosen sign of input i and make the input free, because its multiplier m has become
+ * 2f. Here f is the sum of (weight * multiplier) over the limited sums that contain the voltage.
+ * With the opposite sign the multiplier is 2f - m = 0.
+ */
 static pull_end cross(const rows_run *run, uint32_t i)
 {
     pzs_optimiser *tableau = run->tableau;
@@ -228,7 +263,10 @@ static pull_end cross(const rows_run *run, uint32_t i)
     return is_at_zero ? PULL_CONTINUES : PULL_ENDED;
 }
 
-/* Make quantity i active at its bound, with its present multiplier, if the active set has room. */
+/*
+ * Keep quantity i (a voltage or limited sum) at its bound from now on, with its present multiplier,
+ * if the active set has room.
+ */
 static void join(const rows_run *run, uint32_t i)
 {
     pzs_optimiser *tableau = run->tableau;
@@ -239,8 +277,8 @@ static void join(const rows_run *run, uint32_t i)
 }
 
 /*
- * Whether rounding errors explain that a quantity is outside its bounds by the distance `outside`
- * (V) although it is a linear combination of the active ones.
+ * Whether rounding errors explain that a quantity (voltage or limited sum) is outside its bounds by
+ * the distance `outside` (V) although it is a linear combination of those kept at their bounds.
  */
 static bool is_explained(const rows_run *run, pzs_real outside)
 {
@@ -254,8 +292,10 @@ static bool is_explained(const rows_run *run, pzs_real outside)
 }
 
 /*
- * Make one iteration with the entering quantity i. A limited sum that is free but has a multiplier
- * may also be inside its limit; its multiplier then falls.
+ * Make one iteration, which changes the multiplier of the entering quantity i, a free voltage or
+ * limited sum. The iteration usually brings a quantity outside its bounds to its bound. A limited
+ * sum below its limit may have kept a multiplier (is_pending); the iteration then reduces this
+ * multiplier.
  */
 static pull_end pull(const rows_run *run, uint32_t i)
 {
@@ -296,8 +336,10 @@ static pull_end pull(const rows_run *run, uint32_t i)
 }
 
 /*
- * Choose the entering quantity: a limited sum that is free but has a multiplier, or else the free
- * quantity that is farthest outside its bounds. Returns the number of quantities if there is none.
+ * Choose the entering quantity, whose multiplier the next iteration changes. This is a limited sum
+ * that is free but still has a multiplier (is_pending). If there is none, it is the free voltage or
+ * limited sum that is farthest outside its bounds. Returns the number of quantities if there is
+ * none either.
  */
 static uint32_t choose_entering(const rows_run *run)
 {
@@ -311,8 +353,9 @@ static uint32_t choose_entering(const rows_run *run)
 }
 
 /*
- * Iterate until all quantities are inside their bounds or the optimiser has made `most` iterations.
- * Returns false if the iterations ended early.
+ * Iterate until no voltage or limited sum is outside its bounds by more than rounding errors.
+ * Returns false if the iterations end before that: at the work limit, after `most` iterations of
+ * the optimiser, or because an iteration fails (PULL_FAILED).
  */
 static bool pull_all(const rows_run *run, uint32_t most)
 {
@@ -332,10 +375,10 @@ static bool pull_all(const rows_run *run, uint32_t most)
 }
 
 /*
- * Examine again the quantities that the iterations have ignored, because rounding errors explained
- * that they were outside their bounds. The active quantities are first moved exactly to their
- * bounds, so that little is left that rounding errors explain. Returns false if the iterations
- * ended early.
+ * Examine again the voltages and limited sums that the iterations have ignored, because rounding
+ * errors explained why they were outside their bounds. Those kept at a bound are first moved
+ * exactly to their bounds, so that rounding errors explain less. Returns false if the iterations
+ * ended early (pull_all).
  */
 static bool pull_ignored(const rows_run *run, uint32_t most)
 {
@@ -354,15 +397,16 @@ static bool pull_ignored(const rows_run *run, uint32_t most)
 }
 
 /*
- * Start the iterations: free all active quantities whose multipliers are outside their limits.
- * Returns the largest number of iterations that the optimiser may have made when they end.
+ * Start a round (sequence of iterations): make free all voltages and limited sums that are kept at
+ * a bound or at 0 V by multipliers outside the limits of these multipliers. Returns the largest
+ * number of iterations that the optimiser may have made when the round ends.
  */
 static uint32_t begin(const rows_run *run, pzs_real rounding)
 {
     const uint32_t most = pzs_dual_begin_round(run->tableau);
     pzs_absolute_clear(run);
-    // Limited sums have no lower bound: they may be negative while chosen signs differ from the
-    // signs of the voltages.
+    // Limited sums have no lower bound in the iterations: a sum of (chosen sign * weight * voltage)
+    // may be negative where chosen signs differ from the signs of the voltages.
     for (uint32_t row = absolute_first(run); row < run->count; row++)
         run->tableau->lower[row] = -(pzs_real)HUGE_VAL;
     drop_wrong(run, rounding);
@@ -370,9 +414,9 @@ static uint32_t begin(const rows_run *run, pzs_real rounding)
 }
 
 /*
- * Note the chosen sign of each input at the end of the iterations, 1 or -1, doubled for an input at
- * a bound of its voltage. If the work limit has stopped the iterations, the next tick continues
- * with these signs (pzs_absolute_row_calls.resume).
+ * At the end of the iterations, note the chosen sign of each input in the array `waiting`: 1 or -1,
+ * or 2 or -2 if the voltage is kept at a bound that is not 0 V. If the work limit has stopped the
+ * iterations, the next tick continues with these signs (pzs_absolute_row_calls.resume).
  */
 static void note_signs(const rows_run *run)
 {

@@ -14,13 +14,19 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-/* Return the number of the first stored entry of the limited sums of absolute values. */
+/*
+ * Return the index in pzs_rows.dof and pzs_rows.value of the first entry (input and its weight) of
+ * the limited sums of absolute values. These sums are the last rows of the table.
+ */
 static uint32_t first_entry(const rows_run *run)
 {
     return run->rows->sums.start[absolute_first(run) - run->inputs];
 }
 
-/* Return the number after the last stored entry of the limited sums of absolute values. */
+/*
+ * Return the index in pzs_rows.dof and pzs_rows.value just after the last entry (input and its
+ * weight) of the limited sums of absolute values.
+ */
 static uint32_t last_entry(const rows_run *run)
 {
     return run->rows->sums.start[run->rows->sums.count];
@@ -42,8 +48,8 @@ void pzs_absolute_slopes(const rows_run *run, const pzs_real *multiplier, pzs_re
 /* ---- choice of the signs ------------------------------------------------- */
 
 /*
- * Set the bounds of the voltage of input i, which is part of a limited sum of absolute values:
- * those of the present tick, and 0 V on the side that the sign chosen for the voltage excludes.
+ * Set the bounds of the voltage of input i, which is part of a limited sum of absolute values: the
+ * bounds of the present tick, cut off at 0 V so that the voltage keeps the sign chosen for it.
  */
 static void split_bounds(const rows_run *run, uint32_t i)
 {
@@ -64,8 +70,8 @@ void pzs_absolute_reverse(const rows_run *run, uint32_t i)
 }
 
 /*
- * Whether the sign chosen for the voltage of input i is the wrong one: not that of its voltage, or
- * excluded by its bounds.
+ * Whether the sign chosen for the voltage of input i must be reversed: the present voltage has the
+ * opposite sign, or the bounds of the voltage exclude the chosen sign.
  */
 static bool is_sign_wrong(const rows_run *run, uint32_t i)
 {
@@ -159,8 +165,9 @@ static void follow_signs(pzs_control *control)
 }
 
 /*
- * Compute the sums of absolute values of voltages with the chosen signs, where these may differ
- * from those of the voltages, into the values of the tableau.
+ * Compute the limited sums of absolute values for the present voltages, with each absolute value
+ * replaced by (chosen sign * voltage), into the values of the tableau. Where a chosen sign is not
+ * that of the voltage, the term is negative.
  */
 static void load_signed_sums(const rows_run *run)
 {

@@ -25,17 +25,19 @@ static inline bool absolute_is_split(const rows_run *run, uint32_t i, pzs_real s
 }
 
 /*
- * Reverse the sign chosen for the voltage of input i, and adapt the bounds of the voltage. An input
- * that is kept at 0 V stays there. The rows of the limited sums must be renewed afterwards.
+ * Reverse the chosen sign of the voltage of input i, and adapt the bounds of the voltage, which
+ * must keep the chosen sign. The sign (1 or -1) replaces the absolute value in limited sums of
+ * absolute values: |voltage| = sign * voltage. An input that is kept at 0 V stays there. The caller
+ * must then call pzs_absolute_renew for the tableau of the optimiser.
  */
 void pzs_absolute_reverse(const rows_run *run, uint32_t i);
 
 /*
- * For each input, compute the slope that the active limits of sums of absolute values of voltages
- * add to the objective on each side of 0 V: the sum of (weight of the input * absolute value of the
- * multiplier) over these limits.
+ * For each input, compute the slope f that the limits of sums of absolute values of voltages add to
+ * half the objective on each side of 0 V, in the form f * |voltage|. It is the sum of (weight of
+ * the input * absolute value of the multiplier) over these limits.
  *   multiplier [inputs + rows] in   multipliers of the limits (m2/V), 0 for inactive limits
- *   slope      [inputs]        out  slopes in the direction away from 0 V (m2/V)
+ *   slope      [inputs]        out  slope f of each input (m2/V)
  */
 void pzs_absolute_slopes(const rows_run *run, const pzs_real *multiplier, pzs_real *slope);
 

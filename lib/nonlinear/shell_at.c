@@ -66,15 +66,19 @@ static const mode_rows rows_of_mode[4] = {
 
 /*
  * Two rows of stress_row_of (stresses per unit of each nodal degree of freedom) that modes_to_nodes
- * combines. They belong to two strain modes whose ratio is the linear mode `mode`. In the columns
- * of node r, the stress at node p contains
- *   first + s_p s_r second,  which replaces `second` for s_p = 1 and `first` for s_p = -1
- *   s_p  value (1 or -1) of `mode` at node p
+ * combines. Both hold the stress of the same strain. Row `first` holds the part in one or two of
+ * the strain modes 00, 01, 10 and 11. Row `second` holds the part in these modes times the linear
+ * mode `mode`. In the columns of node r, both parts of the stress at node p together are
+ *   first + s_p s_r second
+ *   s_p, s_r  value (1 or -1) of `mode` at nodes p and r
+ * Row `first` receives this sum for the nodes p with s_p = -1, row `second` for the other nodes,
+ * with s_p = 1.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
 } row_pair;
-// The last PAIRS - PAIRS_WITH_Q pairs are zero in the columns of q, the seventh degree of freedom.
+// Only the first PAIRS_WITH_Q pairs are needed in the columns of q, the seventh degree of freedom
+// of a node: the strains 11 and 22 of the other pairs do not depend on q.
 enum { PAIRS = 14, PAIRS_WITH_Q = 10 };
 static const row_pair row_pairs[PAIRS] = {
     {A33M, 10, 1}, {A33D, 11, 1}, {A13, 12, 1},  {15, 20, 1},   {16, 21, 1},
@@ -219,8 +223,9 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
     const pzs_real *w = type->warp, xi2 = mode_sign[1][node], xi1 = mode_sign[2][node];
-    // Factors of warp for strains in a linear mode get the sign of this mode at the node, because
-    // nodal strains do not contain it.
+    // xi1 and xi2 are the element coordinates (1 or -1) of the node. In a linear mode, the strain
+    // of the node is the entry of `nodal` times xi1 or xi2; the factors w[1], w[2], w[6] and w[8]
+    // multiply such strains.
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
     for (int i = NODE_DOF * node; i < NODE_DOF * (node + 1); i++)
@@ -304,7 +309,8 @@ static bool has_q(const mode_rows *mode, int row)
  * Compute the stresses of an element per unit of each nodal degree of freedom: the stiffness of
  * each strain mode times the nodal strains.
  *   nodal         [10][28] in   ten strains per unit of each of the 28 nodal degrees of freedom
- *   stress_row_of [22][28] out  stresses, one strain mode after the other (rows_of_mode)
+ *   stress_row_of [22][28] out  stresses: ten rows for strain mode 00, five for 01, five for 10,
+ *                               two for 11 (rows_of_mode); mode ab varies as xi1^a xi2^b
  */
 static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
@@ -399,17 +405,22 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 }
 
 /*
- * Turn the stresses of the four strain modes of an element in place into the stresses at its four
+ * Turn the stresses of an element in its four strain modes, in place, into the stresses at its four
  * nodes, all per unit of each of the 28 nodal degrees of freedom. In the columns of node r,
- *   stress at node p = sum over the modes m of s_m(p) s_m(r) row of mode m
+ *   stress at node p = sum over m of s_m(p) s_m(r) (row of mode m)
+ *   m       strain mode ab = 00, 01, 10 or 11, which varies over the element as xi1^a xi2^b
  *   s_m(p)  value (1 or -1) of mode m at node p
- *   stress_row_of [22][28] in/out  in: rows of the four modes, one mode after the other
- *                                  (rows_of_mode); out: rows of the nodes, listed in stress_row
+ *   s_m(r)  factor of node r in the strains of mode m, which the rows of the modes leave out
+ *   stress_row_of [22][28] in/out  in: rows of the four modes, one for each of the 10 + 5 + 5 + 2
+ *                                  stresses of the modes (rows_of_mode); out: rows of the nodes,
+ *                                  listed in stress_row
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
-    // Sum and difference of a pair of rows are the stresses at the nodes where the mode by which
-    // the rows differ is 1 and -1.
+    // Each pair of rows is replaced by first + s_p s_r second: row `first` with s_p = -1, row
+    // `second` with s_p = 1. In the columns of node r, row `first` thus becomes the sum of both if
+    // s_r = -1, and their difference if s_r = 1, where s_r is the value of the pair's linear mode
+    // there.
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = stress_row_of[row_pairs[i].first],
                  *second = stress_row_of[row_pairs[i].second];
@@ -461,11 +472,13 @@ static int pair_of(int node, int other)
 }
 
 /*
- * Add the contribution of one in-plane stress to the geometric stiffness between two nodes of an
- * element: left_map' right_map, times stress.mean to pair->mean, times stress.cross to pair->cross,
- * and times stress.diff to pair->diff.
- *   left_map, right_map [3][3] in  turn the displacements of the two nodes into the two
- *                                  displacement derivatives whose products belong to this stress
+ * Add the contribution of one in-plane stress at a corner (11, 22 or 12) to the geometric stiffness
+ * between two nodes of an element. The strain that belongs to this stress contains the scalar
+ * product of two derivatives of the displacement. The matrix left_map^T right_map [3][3] is added
+ * to all three matrices of the pair of nodes, each time with the factor in the member of `stress`
+ * that has the same name.
+ *   left_map, right_map [3][3] in  for each of the two nodes: matrix that turns the displacement of
+ *                                  the node into its contribution to one of these derivatives
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, conjugate stress)
@@ -484,7 +497,9 @@ static void add_product(block *restrict pair, const pzs_real *restrict left_map,
  * Add the geometric stiffness of the in-plane stresses at one corner of an element, the second
  * derivative of
  *   sum over the directions a and b of stress_ab * (w_a . w_b) / 2
- *   w_a  derivative of the displacement in direction a, from the corner and its neighbour there
+ *   a, b  direction: 1 along the surface coordinate theta1, 2 along theta2
+ *   w_a   derivative of the displacement in direction a, from the displacements of the corner and
+ *         of the next corner in direction a
  *   stress [10]  in      stresses at the corner, in the strain order of pzs_element_type.d
  *   pair   [10]  in/out  geometric stiffness between two nodes, for each pair (pair_of)
  */
@@ -518,10 +533,18 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 }
 
 /*
- * Add the geometric stiffness by the transverse stresses 33, 13 and 23 at one corner of an element.
- * The strains 13 and 23 multiply the derivative of the displacement along the surface by the
- * director, or by the degree of freedom q (displacement of the middle surface minus the mean of
- * both faces).
+ * Add the geometric stiffness by the transverse stresses 33, 13 and 23 at one corner of an element:
+ * the second derivative of stress times strain. Apart from constant factors, the nonlinear terms of
+ * the strains at the corner are
+ *   13 (a = 1), 23 (a = 2)  beta . w_a  and  q d_a
+ *   33, mean of both faces  beta . beta  and  q^2
+ *   33, difference of both  q beta_3
+ *   beta  change of the director (degrees of freedom 3 to 5 of the node); beta_3: its third
+ *         component
+ *   q     displacement of the middle surface minus the mean of both faces, divided by the thickness
+ *         (degree of freedom 6)
+ *   w_a   derivative of the mean displacement of both faces along surface coordinate theta_a
+ *   d_a   third component of the derivative of beta along theta_a
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
@@ -555,9 +578,10 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
 /* ---- the tangent ------------------------------------------------------ */
 
 /*
- * Compute row i of one node, up to its diagonal, in the packed tangent stiffness of an element:
- * product of nodal strains (strains per unit of each nodal degree of freedom) and stresses plus
- * geometric stiffness.
+ * Write row i (0 to 5) of one node into the packed lower triangle of an element's tangent
+ * stiffness, up to the diagonal entry: material part plus geometric part.
+ *   sum  [6 (node + 1)] in  material part: entries in the columns of the nodes 0 to `node`
+ *   pair [10]           in  geometric stiffness between two nodes, for each pair (pair_of)
  */
 static void write_row(const pzs_real *restrict sum, const block pair[10], unsigned dof_per_node,
                       int node, int i, pzs_real *restrict stiffness)
