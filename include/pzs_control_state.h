@@ -203,9 +203,10 @@ typedef struct pzs_optimiser {
                                  (m2): weighted squared norm of the target shape minus the shape
                                  without voltages */
     /*
-     * largest violation of the optimality (KKT) conditions by an input (m2/V), to be compared with
-     * `rounding_bound`. Where the tableau (pivoted Hessian) has predicted most of the gradient: sum
-     * of the absolute errors of two predicted entries, found from the Hessian
+     * violation of the optimality (KKT) conditions (m2/V), to be compared with `rounding_bound`:
+     * the largest one by an input. Where the gradient was predicted by the tableau (pivoted
+     * Hessian), only two of its entries are also computed from the Hessian in a tick. The member is
+     * then the sum of the absolute differences between predicted and computed entries
      */
     pzs_real kkt_violation;
     pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)
@@ -876,9 +877,9 @@ typedef struct pzs_selftest_state {
                                        its own (own), and with the nearest one found so far
                                        (nearest) */
     /*
-     * comparisons of the measured response of a partner, with whose cable that of the amplifier (or
-     * sensor) under evaluation may be exchanged: with the modelled response of the partner
-     * (partner_own), and with that of the one under evaluation (partner_nearest)
+     * test for exchanged cables of two amplifiers (or of two sensors): the one under evaluation and
+     * its partner. Comparisons of the measured response of the partner: with the modelled response
+     * of the partner (partner_own), and with that of the one under evaluation (partner_nearest)
      */
     pzs_selftest_sums partner_own, partner_nearest;
     uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs
@@ -893,9 +894,10 @@ typedef struct pzs_calibration_state {
     const pzs_real *influence; /* [outputs][inputs] influence matrix from which a calibration takes
                                   the columns that its records do not determine (m/V) */
     /*
-     * [inputs + 1][inputs + outputs] memory of the recursive least squares of a calibration. First
-     * `inputs` columns (V): triangular factor R with R'R = sum of v v' over the recorded voltages
-     * v. Other columns (m): the readings after the same rotations. Last row: record being added
+     * [inputs + 1][inputs + outputs] memory of the recursive least squares of a calibration, whose
+     * rows plane rotations combine. First `inputs` columns (V): triangular factor R with R'R = sum
+     * of v v' over the recorded voltages v. Other columns (m): the recorded readings, combined by
+     * the same rotations of rows. Last row: record being added
      */
     pzs_real *factor;
     /*

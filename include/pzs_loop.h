@@ -704,9 +704,11 @@ typedef struct pzs_damper_info {
     pzs_real deviation;
     /*
      * RMS over the sensors of the innovations (reading minus predicted reading) in the last tick,
-     * less their low-passed values (m); 0 where no reading was usable. Where all target nodes are
-     * measured and the target leaves some motions free, which the model does not know, it is the
-     * RMS (weighted by `precision`) of the part that the observed vibration modes explain
+     * less their low-passed values (m); 0 where no reading was usable.
+     *
+     * Another value is reported if every target node is measured and the target has free functions:
+     * shapes, such as a tilt, that may be added to it at no cost. It is the RMS, weighted by
+     * `precision`, of the part of the innovations that the observed vibration modes explain.
      */
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
@@ -805,11 +807,12 @@ typedef struct pzs_governor_state {
      */
     pzs_real *reference;
     /*
-     * [inputs] correction of the target by the governor (which slows targets down), as voltages (V)
-     * whose predicted shape is subtracted from the target:
-     *   optimal voltages - `reference` - (change of `reference` in this tick) / share
-     * The loop thus follows `reference`, although a tick goes only the part pzs_governor.share of
-     * the way to its target
+     * [inputs] voltages (V) by which the governor, which slows targets down, corrects the target:
+     * it subtracts the shape that the controller predicts for them. They are
+     *   optimal voltages - r - (change of r in this tick) / share
+     *   r      member `reference`, voltages that move gradually to the optimal ones
+     *   share  part of the way to its target that a tick goes (pzs_governor.share)
+     * With this correction the voltages of the loop follow r.
      */
     pzs_real *ahead;
     pzs_real *target; /* [outputs] target shape for which the voltages that are optimal in static
@@ -1205,8 +1208,10 @@ extern const pzs_block_type pzs_fault_detector_block;
  *   - If noise or vibration hides the response of an amplifier, the loop does not begin to control.
  *   - A sensor that no amplifier moves enough is not tested and does not prevent control.
  *   - The voltages obey voltage limits and step limits, and end where they began.
- *   - A pulse with at least 5.4 periods of a mode excites this mode by less than 1 % of its height;
- *     97 % of such a vibration from other causes, constant loads and linear drift are suppressed.
+ *   - Let a pulse last at least 5.4 periods of a vibration mode. The vibration that it leaves in
+ *     this mode is below 1 % of the static response to the height of the pulse.
+ *   - A vibration of such a mode by other causes changes a measured response by less than 3 % of
+ *     its amplitude. Constant loads and linear drift hardly change measured responses.
  */
 typedef enum pzs_wiring_state {
     PZS_WIRING_UNTESTED = 0,
@@ -1225,7 +1230,8 @@ typedef enum pzs_wiring_state {
                         gain is below 0.15 or above 2, and all responding amplifiers have this state
                       */
     PZS_WIRING_UNKNOWN, /* self-test finding: the measured response of the amplifier (or sensor)
-                           resembles the modelled response of no amplifier (or of no sensor) */
+                           does not resemble any modelled response, neither its own nor that of
+                           another amplifier (or sensor) */
     PZS_WIRING_NOISY    /* self-test finding: the noise of the sensor exceeds the value in
                            pzs_selftest_tables.noise */
 } pzs_wiring_state;
@@ -1285,9 +1291,12 @@ typedef struct pzs_selftest_tables {
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Variance of the self-test's weighted sums for white noise of variance 1, scaled to a response of
- * 1 to the pulse, times the number N of ticks in a pulse, for large N (dimensionless):
- *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2, with sums over the ticks of a pulse
+ * Noise of the responses that the self-test measures. A response is the sum over the ticks of a
+ * pulse of (reading * weight e), divided by that of (pulse * e). A second sum with weights o
+ * detects vibration. For white noise of variance 1, the variances of both sums together, divided by
+ * the square of the sum of (pulse * e), are this number / N (dimensionless, for large N):
+ *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2
+ *   N     number of ticks in a pulse, over which the sums extend
  *   e, o  weights of the readings: symmetric and antisymmetric in time
  *   p     voltage of a pulse of height 1
  */
@@ -1432,15 +1441,17 @@ extern const pzs_block_type pzs_selftest_block;
  */
 
 /*
- * Conditions under which the fault detector for structures that vibrate works:
+ * Conditions under which the fault detector for structures that vibrate works. It tests a suspected
+ * electrode by slow voltage pulses together with a reference electrode that seems healthy:
  *   - During the pulses the loop damps vibration, but does not follow loads. If a load jumps, the
  *     pulse is repeated.
  *   - Sensors: at least four are needed. With fewer sensors than electrodes several electrodes may
  *     have to be tested one after the other.
  *   - Hysteresis: where the loop compensates it, a measured model of it predicts the readings. With
  *     30 % hysteresis that is not compensated most faults are not found.
- *   - If both electrodes respond weakly, or if hysteresis makes a pulse ineffective, the pulses
- *     grow to up to four times their height, at most half the voltage range.
+ *   - If suspected and reference electrode respond weakly, or if hysteresis makes a pulse
+ *     ineffective, the pulses grow to up to four times their height, at most half the voltage
+ *     range.
  */
 /* Smallest number of sensors with which the fault detector can prove an electrode faulty. */
 #define PZS_PULSE_SENSORS 4u

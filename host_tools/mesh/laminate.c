@@ -254,9 +254,10 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
 
 /*
  * Compute the factors by which the strains of an element along lines of curvature are divided at
- * height z: squares and products of the lengths there over those in the reference surface.
+ * height z. Lengths there along direction a are c_a = 1 + (curvature along a) z times those in the
+ * reference surface. The factor of strain ab is c_a c_b, with c_3 = 1.
  *   share [6] out  the factors, order 11 22 33 23 13 12; 1 with the element option `metric` off and
- *       on other elements
+ *                  on other elements
  * Returns the area of the element at height z over that in the reference surface.
  */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
@@ -807,14 +808,16 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 }
 
 /*
- * Return the factor (0 to 1) of the added transverse shear flexibility in a linear strain mode:
- *   1/(1 + 0.6 (f/ft) (L_a/L_b)^2).
+ * Return a factor (0 to 1) of the flexibility that the element option `rho` adds to a transverse
+ * shear strain in a linear strain mode:
+ *   1/(1 + 0.6 (f/ft) (L_a/L_b)^2)
  *   f, ft     flexibilities of bending and of twist
  *   L_a, L_b  lengths of the element along and across the direction of the shear
  *   inverse [10][10] in  compliance matrix of the element (m/N), from plane_compliance
  *   direction        in  direction of the transverse shear: 0 for 13, 1 for 23
- * The factor is below 1 because a normal displacement inside the element that changes its sign also
- * twists the element. For a square with Poisson's ratio 0.3: 0.813 (exact: 0.784).
+ * The added flexibility stands for a normal displacement inside the element that bends it. In a
+ * linear mode this displacement changes its sign across the element, and thus also twists it, which
+ * makes the flexibility smaller. For a square with Poisson's ratio 0.3: 0.813 (exact: 0.784).
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -897,9 +900,10 @@ static int soften_shear(double modal[N][N], int mode, const double flexibility[2
 }
 
 /*
- * Compute the compliance matrix of an element (m/N), the strains per unit of one resultant while
- * all others are 0, also that of the strain 33. Coupling of the transverse shears with the other
- * eight strains is left out. Returns 0, or -1 if the stiffness matrix is singular.
+ * Compute the compliance matrix of an element (m/N): column k holds all strains while resultant k
+ * is 1 and all other resultants are 0, those of the thickness strain 33 included. Coupling of the
+ * transverse shears with the other eight strains is left out. Returns 0, or -1 if the stiffness
+ * matrix is singular.
  */
 static int plane_compliance(double stiffness[N][N], double compliance[N][N])
 {
@@ -958,11 +962,12 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
  * (prescribed resultants), and the strains of the element if it is free instead.
  */
 typedef struct free_field {
-    double resultants[N], strain[N]; /* resultants: stress resultants of the element under a voltage
-                                        or temperature at zero strains (N/m). strain: minus the
-                                        strains of an unloaded element under the same field; 0 if
-                                        that causes no transverse shear stress. Order of both:
-                                        `voigt` */
+    double resultants[N], strain[N]; /* resultants: stress resultants of the element (N/m) while a
+                                        voltage or temperature acts and the strains are kept at 0.
+                                        strain: minus the strains that the same voltage or
+                                        temperature causes in the unloaded element; set to 0 if it
+                                        causes no transverse shear stress, because these strains are
+                                        then not needed. Order of both: `voigt` */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
     double constant[N][N]; /* stiffness of the element for strains that are constant over it (N/m).
@@ -1075,9 +1080,10 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the resultants (N/m) that a voltage, an electric field or a temperature prescribes in an
- * element. With the element option lin33 plies thicken freely while their mean thickness strain is
- * 0. Where transverse shear stress arises, compute the strains of the unloaded element too.
+ * Compute the stress resultants (N/m) of an element whose strains are kept at 0 while a voltage, an
+ * electric field or a temperature acts. With the element option lin33 single plies may thicken
+ * then, but the mean thickness strain of all plies is 0. If transverse shear stress arises in a
+ * ply, also compute the strains of the unloaded element (free_field.strain).
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,
@@ -1125,12 +1131,15 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return what must be added to an electrode's charge per area (C/m2), under 1 V or 1 K, where an
- * element is softer in shear than its material (keep_free_strains):
- *   e1^T (D - D') e2.
- *   e1, e2  strains of the unloaded element under the fields `first` and `second`
- *   D       stiffness with uniform transverse shear through the thickness
- *   D'      stiffness of the softer element
+ * Return the correction of the charge per area of an electrode where an element is softer in shear
+ * than its material (keep_free_strains). The charge per area is a mixed second derivative by two
+ * fields, so that the correction is symmetric in them:
+ *   e1^T (D - D') e2
+ *   e1, e2  strains of the unloaded element per unit of the field `first` (voltage of the
+ *           electrode) and of the field `second` (voltage or temperature)
+ *   D       stiffness with uniform transverse shear through the thickness (N/m)
+ *   D'      stiffness of the softer element (N/m)
+ * Unit: C/m2 per volt or per kelvin.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -1178,15 +1187,16 @@ static double larger_cover(const laminate_place *place, const laminate_field *fi
 }
 
 /*
- * The charge per area is the sum of four terms:
- *   integral of f1 f2 d + integral of f1 f2 c_33 t1 t2 - C_33 T1 T2 + shear_charge.
- *   f1, f2      values of the two fields at a height
- *   d           field_density of the ply
- *   c_33, C_33  normal stiffness of the ply, and of all plies together
- *   t1, t2      free thickness strains of the ply per unit of each field
+ * The charge per area that the field `second` causes on the electrode of the field `first` is the
+ * sum of four terms:
+ *   integral of f1 f2 d + integral of f1 f2 c_33 t1 t2 - s C_33 T1 T2 + s shear_charge
+ *   f1, f2      values of `first` and `second` at a height, per unit of each field
+ *   d           field_density of the ply of the electrode
+ *   c_33, C_33  normal stiffness of this ply, and of all plies together
+ *   t1, t2      free thickness strains of this ply per unit of each field
  *   T1, T2      means of the free thickness strains over all plies
- * Terms two and three exist with the element option lin33, term four for uniform fields. Terms
- * three and four have the factor of larger_cover.
+ *   s           larger one of the fractions of the element that the plies of both fields cover
+ * Terms two and three exist with the element option lin33, term four for uniform fields.
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

@@ -61,9 +61,9 @@ typedef struct laminate {
 typedef struct laminate_place {
     uint32_t present_plies; /* plies that are present in the element, at least in a part of it: bit
                                i is set for ply i */
-    double absent[LAMINATE_LAYERS]; /* fraction of the area of the element in which each ply that is
-                                       present is absent (smeared_plies.h): above 0 where a patch
-                                       with smeared stiffness ends within the element */
+    double absent[LAMINATE_LAYERS]; /* for each present ply the fraction of the area of the element
+                                       that it does not cover (smeared_plies.h): above 0 where a
+                                       patch with smeared stiffness ends within the element */
     double curvature[2]; /* principal curvatures of the element along its directions 1 and 2 (1/m)
                           */
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
@@ -189,14 +189,15 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
 
 /*
- * Return the charge that one field causes on the electrode of another in an element at zero
- * strains: capacitance (C/V), or charge per kelvin (C/K) where a temperature is the cause. Where
- * the fields cover only a fraction of the element, the caller multiplies by the fraction common to
- * both.
+ * Return the charge that the field `second` causes on the electrode of the field `first`, in an
+ * element at zero strains: capacitance (C/V), or charge per kelvin (C/K) where `second` is a
+ * temperature. Where the fields cover only a fraction of the element, the caller multiplies by the
+ * fraction common to both.
  *   first      in  electric field in a ply
  *   second     in  electric field in the same or another ply, or a temperature
- *   is_uniform in  true: both fields are constant over the element; false: both vary with the mean
- *       0, and no correction for a changed transverse shear stiffness is made
+ *   is_uniform in  true: both fields are constant over the element. false: both vary over it with
+ *                  the mean 0. The correction for an element that is softer in transverse shear
+ *                  than its material, which applies to constant fields only, is then left out
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

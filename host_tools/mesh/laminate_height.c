@@ -62,11 +62,13 @@ static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double 
 }
 
 /*
- * Compute the quadratic part m of the in-plane strains (quadratic_of_middle) as a function of the
- * mean and the difference of each strain at both faces. With the line a + b z/thickness in place of
- * z^2:
- *   (1 + with_slope b/thickness - with_mean a) m
- *     = with_slope difference/thickness - with_mean mean.
+ * Compute the quadratic part m of the in-plane strains e + z k + z^2 m at height z as a function of
+ * the mean and the difference of each strain at both faces. In the middle m = S k - M e
+ * (quadratic_of_middle). As the line a + b z/thickness replaces z^2, mean = e + a m and difference
+ * = thickness k + b m. This gives
+ *   (1 + S b/thickness - M a) m = S difference/thickness - M mean
+ *   with_slope [3][3] in  S (1/m)
+ *   with_mean  [3][3] in  M (1/m2)
  */
 static void solve_quadratic(laminate_heights *heights, double with_slope[3][3],
                             double with_mean[3][3])

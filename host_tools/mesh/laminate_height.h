@@ -52,10 +52,11 @@ typedef struct height_ply {
 void height_fit_lines(const height_ply *ply, int plies, laminate_heights *heights);
 
 /*
- * Compute the coefficients of z^2 in the in-plane strains (members of_mean and of_difference). The
- * member `line` must be set (height_fit_lines).
+ * Compute the members of_mean and of_difference of laminate_heights. They give the coefficients of
+ * z^2 in the in-plane strains (1/m2), per mean strain of both faces and per difference between
+ * them. The member `line` must be set (height_fit_lines).
  *   change [2][2] in  change of the base vectors per height (1/m) in the middle of all plies: base
- *       vector a changes by sum over c of change[c][a] times base vector c
+ *                     vector a changes by sum over c of change[c][a] times base vector c
  */
 void height_quadratic_part(double change[2][2], laminate_heights *heights);
 

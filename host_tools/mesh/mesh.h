@@ -158,9 +158,10 @@ bool mesh_depends_on_axes(const scene_support *support);
 int mesh_hold_oblique(mesh *mesh, double *values, int *node, char *error);
 
 /*
- * Convert three components at a node from its triad (local axes) to the axes of its mean
- * displacements (mesh_turn_to_dof), or back (mesh_turn_to_triad). They differ only at oblique
- * supports.
+ * Convert the three components of a vector at a node between two sets of axes. The first is the
+ * triad (local axes) of the node. The second holds the axes along which the first three dof of the
+ * node act, the mean displacements of both faces. They differ only at oblique supports.
+ * mesh_turn_to_dof converts from the triad to the dof, mesh_turn_to_triad back.
  *   mean [3] in/out  mean displacement, force, or weights of the mean displacements
  */
 void mesh_turn_to_dof(const mesh *mesh, int node, double mean[3]);

@@ -35,10 +35,10 @@ typedef struct quad_rule {
     double bubble_share; /* factor, 0 to 1, of a flexibility that the element option `rho` adds to
                             the transverse shears, so that coarse meshes bend easily enough: 1 on
                             regular meshes, smaller on thin elements of an irregular mesh */
-    double lock; /* excess stiffness of the element in bending, an estimate (dimensionless): (c
-                    thinness/70)^2, where c rises linearly from 0 at an irregularity of 0.2 to 1 at
-                    0.3. Above QUAD_LOCK the mesh is refused unless the scene accepts irregular
-                    meshes */
+    double lock; /* estimate of how much too stiff the element is in bending, relative to the exact
+                    stiffness: (c thinness/70)^2, with the member `thinness`. c rises linearly from
+                    0 to 1 where the member `irregularity` rises from 0.2 to 0.3. Above QUAD_LOCK
+                    the mesh is refused unless the scene accepts irregular meshes */
     double asymptotic; /* weight, 0 to 1, of a correction of the mean shear strain 12 of an element
                           by multiples of its bending strains (quad_types.c). It is 0 unless the
                           directions of the element are asymptotic lines of the surface (lines with

@@ -195,10 +195,13 @@ static double unlikelihood(const spectrum *spectrum, double ratio)
 }
 
 /*
- * Choose the most likely ratio of the variances of noise and model error from a logarithmic grid
- * around the mean eigenvalue, or the smallest ratio if it is almost as likely: measurements are
- * then trusted, because noise and model error cannot be separated.
- *   is_separable out  whether they can be separated; not, for example, with few orthogonal pokes
+ * Choose the most likely ratio of the variances of measurement noise and model error. Candidates
+ * form a logarithmic grid around the mean eigenvalue of V V', with the voltages V
+ * [measurements][actuators] of the measured shapes. If the smallest candidate is almost as likely,
+ * noise and model error cannot be separated. The smallest one is then chosen, which trusts the
+ * measurements.
+ *   is_separable out  whether they can be separated; not, for example, with few measured shapes of
+ *                     single actuators
  */
 static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 {

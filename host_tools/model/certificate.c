@@ -22,14 +22,16 @@ static const double decayed = 20;
 
 /*
  * Transition matrix of a control loop over one tick, while it is filled. It multiplies the states
- * just before a tick. States of each vibration mode, each for all modes in turn (static
- * coordinates: modal coordinates in equilibrium according to the model):
+ * just before a tick. The static coordinate of a vibration mode is its modal coordinate in
+ * equilibrium under certain voltages, according to the model. States of each mode, each for all
+ * modes in turn:
  *   e       deviation of the modal coordinate from equilibrium under the mean output voltages
  *   p       modal velocity divided by the angular frequency
- *   h       [delay + 1] static coordinates under the voltages that answer the last delay + 1
- *       measurements, newest first; the commanded voltages are -h of `delay` ticks before
+ *   h       [delay + 1] static coordinates under the voltages that the controller subtracts in
+ *           answer to each of the last delay + 1 measurements, newest first. `delay` ticks after a
+ *           measurement the static coordinate under the commanded voltages is -h
  *   output  only where the amplifiers lag: static coordinates under their output voltages at the
- *       tick, and under their mean output voltages in the interval before it
+ *           tick, and under their mean output voltages in the interval before it
  */
 typedef struct transition {
     const double *loop; /* [modes][stride] loop matrix. If the controller measures mode j with the
@@ -50,9 +52,11 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add to a row of the transition matrix `factor` times h of vibration mode i, the static coordinate
- * that the controller measures at the coming tick: loop matrix times deviations e of all modes,
- * plus the static coordinate of the voltages, minus the one that the model predicts.
+ * Add to a row of the transition matrix `factor` times h of vibration mode i at the coming tick. h
+ * is the static coordinate (modal coordinate in equilibrium) under the voltages that the controller
+ * subtracts in answer to the measurement at this tick. It is the sum of two terms:
+ *   - loop matrix times the deviations e of all modes;
+ *   - static coordinate of the structure under its voltages minus the one that the model predicts.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {
@@ -67,9 +71,10 @@ static void add_measured(const transition *transition, double *row, size_t i, do
 }
 
 /*
- * Add to a row of the transition matrix `factor` times the static coordinate of vibration mode i
- * under the voltages commanded at the coming tick: -h, with the coordinate h that the controller
- * measured `delay` ticks before.
+ * Add to a row of the transition matrix `factor` times the static coordinate (modal coordinate in
+ * equilibrium) of vibration mode i under the voltages commanded at the coming tick. It is -h, where
+ * h belongs to the voltages that the controller subtracts in answer to the measurement of `delay`
+ * ticks before.
  */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {

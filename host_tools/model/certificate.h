@@ -115,8 +115,8 @@ typedef struct certificate_loop {
                          of the first observed vibration mode), the longest of a few loads.
                          Simulations end after 8 periods, so that 8 or more means: not reached. NAN:
                          no mode is observed, or no load can be compensated */
-    double angle; /* phase angle of the first observed vibration mode in a tick (rad); 0: no mode
-                     is observed */
+    double angle; /* angle by which the phase of the first observed vibration mode advances in one
+                     tick (rad): angular frequency times tick interval; 0: no mode is observed */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */

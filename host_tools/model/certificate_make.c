@@ -184,9 +184,10 @@ static void estimated_shape(const gains *gains, const estimator *estimator,
 }
 
 /*
- * Compute the column of the loop matrix for one vibration mode: the coordinates of all modes in
- * equilibrium under the voltages that the controller subtracts when it measures a unit of this mode
- * as an error of the shape.
+ * Compute one column of the loop matrix. The structure is displaced in the shape of a vibration
+ * mode with the coordinate 1. The controller takes this for an error of the shape and subtracts
+ * certain voltages. The column holds the coordinates of all modes in static equilibrium under these
+ * voltages.
  */
 static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {

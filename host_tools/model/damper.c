@@ -269,9 +269,11 @@ static void fill_noise(const builder *builder, double *noise)
 }
 
 /*
- * Compute the weight of each sensor in the fit of vibration modes to readings: the inverse variance
- * of its noise; if every target node is measured, 1, or the squared target weight with free
- * functions. Scaled so that the weighted readings of a mode have a root mean square of about 1.
+ * Compute the weight of each sensor in the fit of vibration modes to readings. If the shape is
+ * estimated from a few sensors, the weight is the inverse variance of the sensor's noise. If every
+ * target node is measured, it is 1, or the squared target weight where the target has free
+ * functions (shapes, such as a tilt, that may be added to it at no cost). All weights are then
+ * scaled so that the weighted readings of a mode have a root mean square of about 1.
  */
 static void fill_precision(builder *builder)
 {

@@ -9,9 +9,9 @@
 #include "voltages.h"
 
 /*
- * Fill deformed->offset, the outputs extrapolated to 0 V (those at the best voltages, minus
- * influence matrix times voltages), and the largest displacement of the target nodes there over the
- * thickness of the shell.
+ * Fill deformed->offset, the outputs extrapolated linearly to 0 V: outputs at the best voltages,
+ * minus influence matrix times these voltages. Also store in deformed->amplitude the largest
+ * displacement of the target nodes at the best voltages, divided by the thickness of the shell.
  */
 static void fill_offset(deformed *deformed, const voltages *best)
 {

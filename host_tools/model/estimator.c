@@ -32,10 +32,12 @@ typedef struct estimation {
     double *eigenvector; /* [sensors][sensors] eigenvectors, as columns, of the covariance of the
                             sensor readings, each reading divided by the noise of its sensor */
     double *target_part, *side, *direction,
-        *rotated; /* work arrays. direction [targets]: weights of a sum of target displacements.
-                     target_part [disturbances]: this sum under each disturbance. side [sensors]: b,
-                     then x, of (1 + C) x = b with the covariance C of the readings over their
-                     noise. rotated [sensors]: `side` in the basis of C's eigenvectors */
+        *rotated; /* work arrays. direction [targets]: weights of a weighted sum of target
+                     displacements. target_part [disturbances]: value of this sum under each
+                     disturbance. side [sensors]: right-hand side b, then solution x, of (1 + C) x =
+                     b, where C is the covariance of the sensor readings, each divided by the noise
+                     of its sensor. rotated [sensors]: coefficients of `side` for the eigenvectors
+                     of C */
 } estimation;
 
 static int allocate(estimation *estimation)

@@ -127,8 +127,9 @@ typedef struct step_control {
 static void adapt_length(step_control *control, double arc, int iterations)
 {
     /*
-     * A shortened step that has not reduced the iterations raises `usual`: with follower loads the
-     * tangent is approximate, and shorter steps do not help.
+     * If a shorter step has not needed fewer iterations than the one before, raise `usual`, the
+     * number of iterations at which the length of the steps stays the same. Steps would otherwise
+     * become shorter and shorter in vain: with follower loads the tangent is approximate.
      */
     if (control->is_shorter && iterations >= control->before)
         control->usual = iterations > control->usual ? iterations : control->usual;

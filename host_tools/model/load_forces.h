@@ -35,10 +35,11 @@ void load_temperature_resultants(const mesh *mesh, const scene_load *load, int e
 /*
  * Compute two base vectors of a face at a corner of an element along the straight sides (chords)
  * that meet there, for the nodal forces of a pressure with Cartesian kinematics. A chord over an
- * arc of angle a leans by a/2, reduced to 1/(a/2) - cot(a/2) for the resultant and moment of the
- * pressure on the arc.
+ * arc of angle a is inclined to the tangent plane by a/2. Instead of its slope tan(a/2), the
+ * smaller slope 1/(a/2) - cot(a/2) is used. The nodal forces then have the resultant and the moment
+ * of the pressure on the arc.
  *   flat [2][2] out  components of the base vectors in the tangent plane
- *   lean [2]    out  component of each base vector normal to it, reduced
+ *   lean [2]    out  component of each base vector normal to it, with this slope
  * Returns the area that the two base vectors span.
  */
 double load_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],

@@ -39,9 +39,10 @@ void strain_turn(const double strain[6], double angle, double turned[6])
 static const int in_plane_mean[HEIGHT_ROWS] = {0, 2, 6};
 
 /*
- * Compute the strains of an element, nonlinear in the displacement. An in-plane strain has a term m
- * z^2 at height z, and the mean strain is e + a m with the constant a (height_squared). The
- * coefficient m follows from mean strains with two values of a.
+ * Compute the strains of an element, nonlinear in the displacement. An in-plane strain at height z
+ * contains a term m z^2. The element adds it to the mean of the strain over both faces as a m, with
+ * a constant a (pzs_element_type.height_squared). The strains are therefore computed twice, with
+ * two values of a; m is the difference of the mean strains divided by that of a.
  */
 static void nonlinear_strains(const pzs_element_type *type, unsigned dof_per_node,
                               const double *displacement, double strain[STRAIN_COUNT])

@@ -35,9 +35,10 @@ static void trial_free(trial *trial)
 }
 
 /*
- * Set up a controller that minimises the shape error under limits other than the scene's.
+ * Set up a controller that minimises the shape error under voltage limits that the caller chooses.
  *   influence  [targets][amplifiers] in  influence matrix; NULL: that of the reference state
- *   common                           in  limits of all amplifiers: of the scene, given, or none
+ *   common                           in  limits that all amplifiers share: those of the scene file,
+ *                                        two given voltages, or none (limits_source)
  * Returns the status of the library; PZS_E_LIMITS with error filled if an amplifier has no
  * permitted voltage.
  */

@@ -176,8 +176,10 @@ static double common_gain(const wiring *wiring)
 
 /*
  * Compute the gain of every electrode (ratio of its actual to its model influence) for the wiring
- * assumed at present. A prior keeps a gain that the measurements do not determine at the common
- * gain. Returns the remaining sum of squared differences between measured and model shapes.
+ * assumed at present. A prior draws each gain slightly to the common gain, the single gain of all
+ * electrodes that fits the measured shapes best. Gains that the measurements do not determine thus
+ * become the common gain. Returns the remaining sum of squared differences between measured and
+ * model shapes.
  */
 static double find_gains(wiring *wiring)
 {

@@ -118,14 +118,15 @@ typedef struct scene_element {
     double rho; /* factor (dimensionless) of a flexibility that is added to the transverse shears of
                    an element: bending flexibility 12/(E h^3) times L^2/12, with the length L of the
                    element. Without it, elements much longer than thick bend too little */
-    bool hr, lin33;  /* hr: true (Hellinger-Reissner): strains that a linear or bilinear strain mode
-                        lacks have no stress resultants; false: they are 0. lin33: true lets each
-                        ply thicken freely */
-    bool metric;     /* true: strains take the exact variation of the surface metric through the
-                        thickness; false: metric of the reference surface */
-    bool exact_area; /* area of an element in its stiffness and loads, on a mesh along lines of
-                        constant surface coordinates. true: its exact area on the surface; false:
-                        the area from the metric of the surface at its centre */
+    bool hr, lin33; /* hr: the linear and bilinear strain modes contain only some of the strains. In
+                       these modes the stress resultants of the other strains are 0 if hr is true
+                       (Hellinger-Reissner); if it is false, these strains are 0. lin33: true lets
+                       each ply thicken freely */
+    bool metric;    /* true: strains take the exact variation of the surface metric through the
+                       thickness; false: metric of the reference surface */
+    bool exact_area;  /* area of an element in its stiffness and loads, on a mesh along lines of
+                         constant surface coordinates. true: its exact area on the surface; false:
+                         the area from the metric of the surface at its centre */
     int dof_per_node; /* number of dof of a node, 7 or 6; the seventh is the displacement of the
                          middle surface along the normal, relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of

@@ -55,7 +55,7 @@ typedef struct block_options {
 /*
  * Let a scene own a mesh that was made from the key `disc` or `panel` (scene_disc.c). The scene
  * must not have a surface of its own. Returns 0, or -1 after writing an error message about the
- * scene file; the mesh is then released with the scene, or at once.
+ * scene file. Even after an error the caller must not release the mesh.
  */
 int scene_take_block(reader *reader, int node, scene *scene, const char *key, quad_mesh *mesh,
                      const block_options *options);

@@ -299,9 +299,10 @@ static void set_defaults(scene *scene)
 }
 
 /*
- * Choose 6 or 7 dof of a node where the scene file does not state the number. The seventh, the
- * displacement of the middle surface relative to the faces, is left out at large rotations with
- * lin33, where it has no effect and could lose its stiffness. A support that names it keeps it.
+ * Choose 6 or 7 dof of a node where the scene file does not state the number. The seventh is the
+ * displacement of the middle surface relative to the faces. It is left out at large rotations if
+ * plies thicken freely (element option lin33): it then has no effect and could lose its stiffness.
+ * A support that names it keeps it.
  */
 static void choose_dof_per_node(scene *scene, const tree *tree)
 {

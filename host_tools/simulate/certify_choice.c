@@ -12,11 +12,12 @@ static const double two_pi = 6.283185307179586;
  * rows compensate a load step fast; of these, rows with less noise in the voltages come first. The
  * other rows tolerate larger deviations of the readings' delay. Units are those of damper_settings.
  *   damping  strength of the damping
- *   mix      weight of the change of velocity in the computed deviation from equilibrium
+ *   mix      a mode's deviation from equilibrium is estimated from its position, with the weight
+ *            1 - mix, and from the change of its velocity in a tick, with the weight mix
  *   follow   speed at which the voltages approach the statically optimal voltages
  *   drift    random change of the loads that the observer assumes: a larger value estimates a load
- *       faster, with more sensor noise in the voltages
- *   kick     random change of the velocity that the observer assumes
+ *            faster, with more sensor noise in the voltages
+ *   kick     random change of the first mode's velocity in a tick that the observer assumes
  *   later    assumed additional age of the sensor readings (ticks)
  */
 static const struct {

@@ -52,7 +52,10 @@ static bool is_certified(const scene *scene)
     return is_tested && is_stable;
 }
 
-/* Whether the control loop is stable without the free functions of the target. */
+/*
+ * Whether the control loop passes all stability tests if the scene's target has no free functions.
+ * Free functions are shapes, such as a tilt, that may be added to the target at no cost.
+ */
 static bool is_stable_without_free(const design *design)
 {
     scene changed = *design->scene;

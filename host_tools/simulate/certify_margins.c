@@ -128,9 +128,10 @@ static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 }
 
 /*
- * Determine whether the control loop is stable at a tick rate, with tables made for this rate:
- * small vibrations decay on three structures, and on two of them the shape settles after fast jumps
- * of the target. Returns 0, or -1 with error filled.
+ * Determine whether the control loop is stable at a tick rate, with tables made for this rate.
+ * Small vibrations must decay on the modelled structure and on two others. These have 1.33 times
+ * its static response and 0.9 or 1.1 times its natural frequencies. On them the shape must also
+ * settle after fast jumps of the target. Returns 0, or -1 with error filled.
  */
 static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 {

@@ -51,9 +51,10 @@ typedef struct plant {
                                   rotation */
     double *modal_input; /* [amplifiers + loads] inputs of the model of vibration modes: voltages
                             (V) and load factors */
-    double *deviation;   /* [outputs of the structure] deviation of the outputs in the latest shape
-                            from their values in the static equilibrium; where the motion is
-                            nonlinear, it is computed by one step of Newton's method */
+    double *deviation;   /* [outputs of the structure] deviation of the outputs, when the shape was
+                            last computed, from their values in static equilibrium under the same
+                            voltages and loads. Where the motion is nonlinear, one step of Newton's
+                            method gives the deviation */
 } plant;
 
 /*

@@ -22,12 +22,12 @@ typedef struct storm_task {
 typedef bool storm_visit(void *context, const storm_task *task, const storm_result *result);
 
 /*
- * Run the simulations of a batch in several threads with the same tables of the loop's blocks
- * (stages of the control tick). No block may keep memory in its tables, as those of laws.h do.
- * Results do not depend on the number of threads.
+ * Run the simulations of a batch in several threads, which share the tables of the loop's blocks
+ * (stages of the control tick). Blocks that store values in their tables, as those of laws.h do,
+ * are therefore not permitted. Results do not depend on the number of threads.
  *   count in  number of simulations, at most STORM_BATCH_LIMIT
- * Returns 0, or -1 with the error of the first simulation that failed; those before it have been
- * visited.
+ * Returns 0, or -1 with the error of the first simulation that failed; the function `visit` has
+ * then been called for those before it.
  */
 int storm_batch_run(const storm_rig *rig, const storm_task *task, int count, storm_visit *visit,
                     void *context, char *error);

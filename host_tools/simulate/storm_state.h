@@ -105,9 +105,10 @@ void storm_compute_shape(storm *storm);
 double storm_distance(const storm *storm, const double *first, const double *second);
 
 /*
- * Return the static displacement of an output of the structure at 0 V (m): without load, plus that
- * by the load of a load step. Simulations without voltage limits (growth of small vibrations) leave
- * out the first term, which the voltages would only move to compensate.
+ * Return the static displacement of an output of the structure at 0 V (m). It is the sum of the
+ * displacement by a load step and, on a structure linearised about a deformed state, a constant:
+ * the displacement extrapolated to 0 V. Simulations of the growth of small vibrations, which have
+ * no voltage limits, leave the constant out, because it does not affect the growth.
  */
 double storm_offset(const storm *storm, size_t row);
 

@@ -545,9 +545,14 @@ BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 /* ---- the table of block types ----------------------------------------- */
 
 /*
- * Types of blocks (stages of a control tick): condition for the block in a scene file, functions
- * that fill and write its tables, names (tables: PREFIX_ and `tables_name` in the generated
- * header), memory (BLOCK_BYTES), and upper bound of the instructions in a tick.
+ * Types of blocks (stages of a control tick). Members of a row:
+ *   is_present   whether a scene needs the block
+ *   tables       fills the tables of the block and returns their address
+ *   type_name    name of the block type in generated C source: pzs_NAME_block
+ *   tables_name  ending of the name of the tables in generated C source, after the common prefix
+ *   bytes        memory that the block needs in the loop (bytes)
+ *   bytes_macro  C source of this size, written into the generated header
+ *   work         upper bound of the instructions of the block in a tick
  */
 static const struct {
     const pzs_block_type *type;
@@ -631,9 +636,9 @@ static int count_readings(const loop_blocks *blocks)
 }
 
 /*
- * Return an upper bound of the number of play operators of the hysteresis model that begin to move
- * or reverse in one tick: the most whose slacks differ by at most twice the largest change of a
- * voltage in a tick.
+ * Return an upper bound of the number of plays (elements with backlash of the hysteresis model)
+ * that begin to move or reverse in one tick. This is the largest number of plays whose slacks (half
+ * widths of the backlash) lie within twice the largest change of a voltage in a tick.
  */
 static size_t near_plays(const loop_blocks *blocks)
 {

@@ -539,8 +539,9 @@ static void write_voltage_problem(emitter *emitter, const design *design,
  * Write the voltage optimisation problem and its target.
  *   image  in      part of the library that the firmware uses: control, linear or nonlinear
  *   blocks in      blocks (stages) of the control tick, with the problem to be written
- *   facts  in/out  storage of the influence matrix, full or as sparse rows, and the numbers of
- *       entries that decide it; out if image is TABLES_CONTROL, otherwise in
+ *   facts  in/out  whether the influence matrix is written in full or as sparse rows, and the
+ *                  numbers of its entries. Filled here if image is TABLES_CONTROL, otherwise only
+ *                  read
  * Returns 0, or -1 where memory runs out.
  */
 static int write_problem(emitter *emitter, const analysis *analysis, tables_image image,

@@ -397,7 +397,8 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
     const pzs_real *mark = IS_WIDE ? optimiser->waiting : optimiser->free_set;
     const uint32_t inputs = optimiser->inputs;
     blocking first = {part, inputs};
-    // Vector instructions mark the inputs in question, so that only these are compared one by one.
+    // Vector instructions mark the free inputs whose voltages would pass a bound. Only these are
+    // then compared one by one.
     if (IS_WIDE && mark_blocking(optimiser->waiting, move, optimiser->free_set, voltage, lower,
                                  upper, sense, part, optimiser_span(optimiser)) == 0)
         return first;
@@ -502,9 +503,10 @@ static void add_multiple(pzs_real *restrict sum, const pzs_real *restrict vector
 }
 
 /*
- * Choose an active input (whose voltage is kept) to be released: of the inputs between their bounds
- * the one that violates the optimality (KKT) conditions most; without any, such an input at a
- * bound. Returns the number of inputs if no violation exceeds `rounding` (m2/V).
+ * Choose an active input, whose voltage is kept, to be released. Active inputs whose voltages lie
+ * between their bounds come first: of these, the one that violates the optimality (KKT) conditions
+ * most is chosen. If none of them violates the conditions, it is the worst one of the active inputs
+ * at a bound. Returns the number of inputs if no violation exceeds `rounding` (m2/V).
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -826,8 +828,8 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
                    sure = -change / SIGNIFICANT;
     const pzs_real far =
         PZS_SQRT(pzs_product_dot(optimiser->scratch, optimiser->scratch, optimiser->width));
-    // The rounding error of the change must be far below the change, or below the scale of the
-    // objective.
+    // `change` is the change of the objective, computed with rounding errors. These must be far
+    // below the change, or below the scale of the objective.
     return change < 0 && far * optimiser->model_rounding <
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }

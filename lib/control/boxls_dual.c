@@ -62,9 +62,10 @@
  */
 #define TRIAL_PART 4u
 /*
- * The dual active-set method replaces its active set by an estimate without trying ordinary
- * iterations (TRIAL_PART) if at most one in this number of inputs is right: free and inside its
- * bounds, or active (kept at a bound) with a multiplier of the right sign.
+ * The dual active-set method estimates its active set anew without first trying ordinary iterations
+ * (TRIAL_PART) if few inputs are right: at most (number of inputs) / FEW_RIGHT. An input is right
+ * if it is free with its voltage inside its bounds, or active (kept at a bound) with a multiplier
+ * of the right sign.
  */
 #define FEW_RIGHT 5u
 

@@ -195,8 +195,9 @@ bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside);
 uint32_t pzs_dual_first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part);
 
 /*
- * Change the multiplier of free input i, for which pzs_dual_find_response was called, by `change`
- * (m2/V). The multipliers of the active inputs and the voltages next_voltage follow.
+ * Change the multiplier of free input i, whose voltage is outside its bounds, by `change` (m2/V).
+ * This moves the voltage towards its bound, where the input becomes active. The multipliers of the
+ * active inputs and the voltages next_voltage follow, as pzs_dual_find_response has computed.
  */
 void pzs_dual_advance(pzs_optimiser *optimiser, uint32_t i, pzs_real change);
 

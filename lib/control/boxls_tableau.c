@@ -222,8 +222,8 @@ static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
         const size_t input = optimiser->exchange[j].input;
         if (input >= i && input < i + rows)
             memset(optimiser->tableau + input * width, 0, width * sizeof(pzs_real));
-        // Columns from i + most on are set only in rows of exchanged inputs: the caller updates no
-        // others.
+        // The caller updates these rows only up to column i + rows - 1, so that the input's column
+        // is cleared only if it lies there.
         for (size_t line = 0; input < i + rows && line < rows; line++)
             first[line * width + input] = 0;
     }

@@ -56,9 +56,10 @@ static size_t width_of(const pzs_calibration *calibration)
 }
 
 /*
- * Return row `index` of the matrix [inputs + 1][inputs + outputs] that a calibration stores. Its
- * first `inputs` columns are the triangular factor R with R'R = sum of v v' over the recorded
- * voltages v. The other columns are the recorded readings after the same rotations.
+ * Return row `index` of the matrix [inputs + 1][inputs + outputs] that a calibration stores, whose
+ * rows plane rotations combine. Its first `inputs` columns are the triangular factor R with R'R =
+ * sum of v v' over the recorded voltages v. The other columns are the recorded readings, combined
+ * by the same rotations of rows.
  */
 static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
 {

@@ -307,13 +307,13 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Change the gradient of a tick at the base voltages so that the tick also damps vibration:
- * multiply it by state.share, which slows the approach to the static optimum, and subtract the
- * damping gradient.
+ * Change the gradient of a tick so that the tick also damps vibration: multiply it by state.share,
+ * which slows the approach to the static optimum, and subtract the damping gradient. This is the
+ * gradient at the base voltages; the optimiser adds the Hessian times the change of the voltages.
  *   damping [inputs] in  damping gradient, which takes energy out of the vibration (m2/V)
  *   missed           in  weighted squared norm of the target error (m2)
- * Returns the squared norm for the rounding-error bound of the gradient: `missed` plus that of
- * `damping` (m2).
+ * Returns the scale of the gradient's rounding errors, as a weighted squared norm of a shape (m2):
+ * `missed` plus the square of a target error that would cause the largest entry of `damping`.
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)

@@ -359,8 +359,10 @@ static pzs_real faded_sum(pzs_real sum, pzs_real term)
 
 /*
  * Estimate by least squares, into state.deviation, the voltage change of each electrode that the
- * shape indicates minus its commanded change (V). Also update the decaying sums of each electrode.
- * Returns the sum of the squared deviations (V2).
+ * shape indicates minus its commanded change (V). Also update three exponentially decaying sums for
+ * each electrode: of its squared commanded changes (state.moved), of its squared indicated changes
+ * (state.response), and of its deviations (state.lost_voltage). Returns the sum of the squared
+ * deviations (V2).
  */
 static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *voltage)
 {
@@ -519,8 +521,9 @@ static void set_test_voltages(pzs_fault_detector *detector)
  */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
-    // The decaying sums start anew: a sum that damaged memory has made very large would cause test
-    // after test.
+    // The exponentially decaying sums of the electrode's voltage changes start anew. A sum that
+    // damaged memory has made very large would otherwise raise suspicion, and thus start a test,
+    // again and again.
     detector->state.moved[j] = 0;
     detector->state.response[j] = 0;
     detector->state.lost_voltage[j] = 0;

@@ -428,9 +428,9 @@ typedef struct effect_walk {
      */
     const pzs_real *play;
     /*
-     * [plays] weight of each play (element with backlash) in the effect, while the play is in the
-     * half of the voltage range that the search for a voltage enters last: the upper half if `sign`
-     * is 1, the lower half if it is -1 (dimensionless)
+     * [plays] weight of each play (element with backlash) in the effect (voltage that would move
+     * the structure as far without hysteresis), while the play is in the upper half of the voltage
+     * range if `sign` is 1, in the lower half if it is -1 (dimensionless)
      */
     const pzs_real *ahead;
     /*
@@ -770,7 +770,9 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
 {
     const pzs_hysteresis *tables = compensator->state.tables;
     const pzs_real *effect = compensator->state.effect, *base = control->state.optimiser.base;
-    // Effects equal to those of the last prediction up to rounding keep the prediction valid.
+    // The controller's prediction of the shape stays valid if the effects (voltages that would move
+    // the structure as far without hysteresis) are those for which it was computed, up to rounding
+    // errors.
     bool is_known = control->state.behind == PZS_BEHIND_NOTHING;
     for (uint32_t k = 0; k < tables->inputs && is_known; k++) {
         const size_t set = set_of(tables, k);

@@ -105,8 +105,9 @@
 #define JUMPED PZS_R(0.1)
 /*
  * Largest jump of the readings during a test pulse, divided by the modelled response of the
- * reference electrode (a healthy one); a larger jump proves no fault. The limit is larger than
- * JUMPED, because the gain of the reference electrode need not be accurate.
+ * reference electrode (a healthy one). A pulse with a larger jump does not count as proof of a
+ * fault. The limit is larger than that for the suspected electrode (JUMPED), because the gain of
+ * the reference electrode need not be accurate.
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*

@@ -53,9 +53,10 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * First shift, added to all diagonal entries of a Hessian that is singular or nearly so, stated as
- * (regularisation weight + shift) / (largest diagonal entry). A Hessian whose pivots all exceed
- * this fraction of its largest diagonal entry is not shifted.
+ * Size of the first shift of a Hessian that is singular or nearly so. A shift is a number added to
+ * all diagonal entries; larger ones follow if iterations fail. It is stated as (regularisation
+ * weight + shift) / (largest diagonal entry). A Hessian whose pivots all exceed this fraction of
+ * its largest diagonal entry is not shifted.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
@@ -498,9 +499,11 @@ static void predict_step(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * Bring the sum of limit row k (limit of a sum of voltages) back inside its narrowed limits if it
- * is outside by more than half of the margin. The voltages of the row change as little as possible
- * (sum of squares) and are clamped to their bounds. Returns whether the sum was outside.
+ * Bring the sum of limit row k (limit of a sum of voltages) back inside its limits. The optimiser
+ * narrows these limits by a margin, because of rounding errors. If the sum is outside the narrowed
+ * limits by more than half of the margin, move it to the nearest narrowed limit. The voltages of
+ * the row change as little as possible (sum of squares) and are clamped to their bounds. Returns
+ * whether the sum was moved.
  */
 static bool project_row(const rows_run *run, uint32_t k)
 {
@@ -754,9 +757,9 @@ static bool run_round(const rows_run *run)
         run->rows->absolute_call->resume(run->control);
     predict_step(run);
     /*
-     * The dual active-set method reserves two products of the matrix with a vector for the end of
-     * its round. Here they are not needed: the remaining work already excludes the end of the
-     * round.
+     * The dual active-set method subtracts from the work limit the work of two products of the
+     * matrix with a vector, for the end of its round (sequence of iterations). These are added
+     * here, because remaining_work has already subtracted the work at the end of the round.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = iterate(run);

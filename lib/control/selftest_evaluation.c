@@ -563,8 +563,11 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 
 /*
  * Return how much the measured responses of two amplifiers (or sensors) differ from two modelled
- * ones: the sum of the squared sines of the angles between measured and modelled vectors. With
- * axis->has_gains it is the squared sine of one angle, between the joined vectors.
+ * ones: the sum of the squared sines of the angles between measured and modelled vectors.
+ *
+ * If axis->has_gains, the modelled responses already contain the measured gains, so that the sizes
+ * of the vectors count too. The result is then the squared sine of one angle. It is taken between
+ * the two measured vectors, joined to one, and the two modelled vectors, joined to one.
  *   one   in  comparison of the measured response of the first amplifier (or sensor) with a
  *             modelled response: its own or, to find exchanged cables, that of the second
  *   other in  the same for the second, with its own modelled response or that of the first
@@ -677,11 +680,12 @@ static void give_verdict(pzs_selftest *selftest)
 
 /*
  * Each stage of the self-test's evaluation is a sequence of steps. A step compares one measured
- * with one modelled column or row; the last step decides what the comparisons mean, and which stage
+ * with one modelled response: a column (of an amplifier) or a row (of a sensor) of the matrix of
+ * changes of readings per voltage. The last step decides what the comparisons mean, and which stage
  * is next.
  *
- * A tick makes steps until it has compared settings.work_limit entries, so that its time hardly
- * depends on the size of the structure. The findings are the same for any number of ticks.
+ * A tick makes steps until it has compared settings.work_limit matrix entries, so that its time
+ * hardly depends on the size of the structure. The findings are the same for any number of ticks.
  */
 
 /*

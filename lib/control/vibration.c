@@ -5,14 +5,16 @@
  *
  * State of a mode with the modal coordinate q and the angular frequency w0; one tick under constant
  * voltages multiplies (d, p) by a 2 x 2 matrix:
- *   d = q - g v - w  deviation from static equilibrium under the voltages v and the loads w
+ *   d = q - g v - w  deviation from static equilibrium
+ *   g v              static modal coordinate under the voltages v (g: response per volt)
+ *   w                static modal coordinate under the loads
  *   p                velocity / w0
  *
  * An observer of constant gain estimates q, p and w: it corrects the state predicted for the time
  * of the readings, `delay` ticks ago, and predicts the present state from the corrected one.
  *
- * Work of a tick: at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
- * sensors multiply-adds, plus the optimisation of the voltages.
+ * Work of a tick (multiply-adds), besides the optimisation of the voltages: at most
+ *   3 * modes * (sensors + outputs) + inputs * (sensors + 2 * modes) + outputs * sensors
  */
 #include <string.h>
 #include "vibration.h"
@@ -349,8 +351,9 @@ static pzs_real low_pass(pzs_real *restrict filtered, const pzs_real *restrict p
 
 /*
  * Whether info.innovation reports only the part of the innovations (readings minus predicted
- * readings) that the vibration modes explain: the target has free motions (shapes that may be added
- * to it), every target node is measured, and vibration modes are observed. The part is an RMS,
+ * readings) that the vibration modes explain. Three conditions must hold: the target has free
+ * functions (shapes, such as a tilt, that may be added to it at no cost); every target node is
+ * measured; and vibration modes are observed. The part is reported as an RMS over the sensors,
  * because single modal coordinates may be large but cancel each other.
  */
 static bool has_free_functions(const pzs_vibration *tables)
@@ -393,10 +396,11 @@ static void correct(pzs_damper *damper)
  *   W, B, C    output weights, influence matrix, mode shapes
  *   w          static modal coordinates under the loads
  *   z, r       target shape; low-passed part of the shape that the modes do not explain
- *   damping_i  damping gradient of mode i
- *   d_i        deviation of mode i from static equilibrium: weighted mean (pzs_vibration.mix) of
- *              the observed one and of (decrease of velocity / angular frequency in a tick) /
- *              (angle by which the mode turns in a tick), which needs no static modal coordinates
+ *   damping_i  [inputs] row i of pzs_vibration.damping: decrease of the gradient per unit of d_i
+ *   d_i        deviation of mode i from static equilibrium: (1 - mix) p_i + mix a_i
+ *   p_i        modal coordinate minus its value in static equilibrium
+ *   a_i        the same, estimated from the velocity alone, without static modal coordinates:
+ *              decrease of (velocity / angular frequency) in a tick / (angular frequency * tick)
  *   share      from 0 to 1, slows the approach to the static optimum
  *
  * For exact modes observed without error, their energy plus the static objective never rises,

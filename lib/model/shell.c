@@ -11,7 +11,8 @@
 
 /*
  * Base vectors at a corner of a shell element, from which strains are measured. Shapes and units
- * are those of shell_corner. In the undeformed state the director beta is the normal, and q is 0.
+ * are those of shell_corner. In the undeformed state the director beta is the normal. The
+ * displacement q of the middle surface relative to the mean of both faces is then 0.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -112,8 +113,9 @@ static void corner_strains(const shape *base, const shell_corner *change,
 {
     const pzs_real thickness = type->thickness;
     const pzs_real *square = type->height_squared[0], *slope = type->height_squared[1];
-    // Differences come from those of g + l and dl: subtracting the nearly equal strains of both
-    // faces would lose digits.
+    // The differences of the strains between the faces are computed from means and differences of
+    // the base vectors (g + l) and of their changes (dl). Subtracting the nearly equal strains of
+    // both faces would lose digits.
     for (int direction = 0; direction < 2; direction++) {
         // Quadratic in the height: enters mean and difference with the factors of height_squared.
         const pzs_real quadratic = vector3_dot(base->diff[direction], change->diff[direction]);

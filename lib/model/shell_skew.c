@@ -7,10 +7,13 @@
 #include "shell_corner.h"
 
 /*
- * Correct the in-plane strains of an element for its skew alpha_1, alpha_2 and its length ratio r
- * (pzs_element_type.skew), with e00_11 for strain 11 in mode 00:
- *   b = r (e10_22 - alpha_2 e00_22) - alpha_1 e00_12
- *   c = (alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r b) / (1 - alpha_1^2 - alpha_2^2)
+ * Correct the in-plane strains of an element for its skew a1, a2 and its length ratio r
+ * (pzs_element_type.skew). Let eM_ij be strain ij in strain mode M = 00, 01 or 10. With
+ *   b = r (e10_22 - a2 e00_22) - a1 e00_12
+ *   c = (a1 (e01_11 - a1 e00_11) + a2 r b) / (1 - a1^2 - a2^2)
+ * first c is subtracted from e00_11 and c/r^2 from e00_22, then
+ *   2 a1 e00_11 + a2 r e00_12    is subtracted from e01_11
+ *   2 a2 e00_22 + a1/r e00_12    is subtracted from e10_22
  *   face in  0: the strains are means of the two faces, 1: differences
  */
 static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)

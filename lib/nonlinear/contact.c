@@ -560,7 +560,8 @@ static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
                          structure->node_dof[(size_t)node * structure->dof_per_node + (size_t)k]))
                 add_support(contact, solver, face_height(contact, solver), node, k, gram);
     for (int i = 0; i < 6; i++)
-        // Smallest pivot that counts as positive, with a bound of its rounding error.
+        // Limit up to which a pivot counts as zero: 1e-6 plus a bound of the rounding error of the
+        // pivot.
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int pivot = 0; pivot < 6; pivot++) {
         if (!(gram[pivot][pivot] > least[pivot]))

@@ -245,7 +245,8 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
     const pzs_real weight[4] = {(1 - along) * (1 - across), along * (1 - across), along * across,
                                 (1 - along) * across};
     const pzs_real(*corner)[3] = search->corner[1];
-    // Twice the depth of the formula is allowed, because the gap of a body may exceed the distance.
+    // Twice the depth that the function comment states is allowed, because a body's gap function
+    // may exceed the true distance from the body. curvature_along returns about d^2 / R.
     pzs_real sag = 0, diagonal = 0;
     for (int index = 0; index < 4; index++) {
         const pzs_real offset[3] = {corner[index][0] - position[0], corner[index][1] - position[1],
@@ -258,10 +259,12 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
         const pzs_real length = curvature_along(at, offset);
         diagonal = length > diagonal ? length : diagonal;
     }
-    // No body may pass between nodes: a facet with a long diagonal must have a corner in contact.
+    // If a diagonal of the facet is longer than the body's radius of curvature, the body could pass
+    // between the nodes. No depth is then allowed unless a corner of the facet is in contact.
     if (!search->is_supported && diagonal > at->radius)
         return 0;
-    // A fifth of the radius is enough for diagonals up to the length of the radius.
+    // The depth is limited to a fifth of the body's radius of curvature. A flat facet whose
+    // diagonals are as long as this radius enters the body by less.
     const pzs_real most = SAG_LIMIT * at->radius;
     return sag < most ? sag : most;
 }

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h). At a corner of an
- * element the pressure acts on the loaded face in the direction n, and on the middle surface in the
- * direction `side`:
+ * element the pressure acts on the loaded face in the direction n. A correction acts on the middle
+ * surface in the direction `side`, because the sides of a flat element are inclined to the curved
+ * shell at its corners:
  *
  *   n = U_1 x U_2  with  U_a = G_a - (g_a . e3) t
  *   side = lean_1 t x U_2 + lean_2 U_1 x t
  *   g_a, G_a  undeformed and deformed base vectors of the face in the surface direction a
  *   e3, t     normal and director of the shell
- *   lean_a    pzs_follower.lean, component along e3 of the base vector of the middle surface,
- *             because a flat element only approximates a curved shell
+ *   lean_a    pzs_follower.lean, component along e3 of the base vector of the flat element in
+ *             direction a, which n leaves out
  */
 #include "face.h"
 #include "../core/guard.h"

@@ -274,12 +274,13 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Compute the sum over i of factor[i * stride] times row[i] in the four columns of q, the seventh
- * degree of freedom of each node (displacement of the middle surface minus the mean of both faces).
+ * Compute a linear combination of rows, sum over i of factor[i * stride] times row[i], in the four
+ * columns of q. q is the seventh degree of freedom of each node (displacement of the middle surface
+ * minus the mean of both faces).
  *   to    [4] out  result
  *   row       in   rows of strains or stresses per unit of each nodal degree of freedom
- *   count     in   number of rows that q contributes to: the first ones; for WITH_Q (5) the first
- *                  four and row A12M, the mean strain 12
+ *   count     in   number of rows that depend on q. The sum contains rows 0 to count - 1; if count
+ *                  is WITH_Q (5), rows 0 to 3 and row A12M, the mean strain 12
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -601,12 +602,12 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], unsign
 }
 
 /*
- * Write the first six rows of one node into the packed tangent stiffness of an element: products of
- * strains and stresses, plus the geometric stiffness. The row of q, the seventh degree of freedom,
- * is not written.
+ * Write the rows of the first six degrees of freedom of one node into the packed tangent stiffness
+ * of an element: products of strains and stresses, plus the geometric stiffness.
  *   nodal  [ROWS][COLUMNS] in  strains per unit of each nodal degree of freedom
- *   stress [ROWS + 1]      in  for each of these strains the address of its stress at the node, per
- *                              unit of each nodal degree of freedom [COLUMNS]; then NULL
+ *   stress [ROWS + 1]      in  pointers to the stresses at the node per unit of each nodal degree
+ *                              of freedom, [COLUMNS] for each strain in the order of `nodal`; then
+ *                              NULL
  *   pair   [10]            in  geometric stiffness between two nodes, for each pair (pair_of)
  */
 static void write_node(unsigned dof_per_node, int node, pzs_real nodal[ROWS][COLUMNS],
