@@ -174,6 +174,7 @@ $(call for_variants,loop_blocks,64 32 san64 san32,)
 $(call for_variants,late,64 32 san64 san32,)
 DAMPED := @tests/rigs/damped_loop.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o
 $(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
+$(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)
 $(call for_variants,recursive,64 32 san64 san32,@bridge64.o)
 $(call for_variants,pulse_faults,64 32 san64 san32,)
@@ -308,6 +309,9 @@ check-long: setup-test
 	    -I$(B)/tables tests/unit/test_flips.c $(LIB) -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-supervisor && $(B)/long-supervisor || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DHEALTHY_RUNS=1200 $(INCLUDE) \
+	    tests/unit/test_polarity.c $(DAMPED:@%=$(B)/$$bits/%) $(B)/$$bits/libpiezoshape.a -lcmocka $(HOST_LIBS) \
+	    -o $(B)/long-polarity && $(B)/long-polarity || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DRUNS=100 -DHEALTHY_RUNS=340 $(INCLUDE) \
 	    tests/unit/test_selftest.c $(B)/$$bits/bridge64.o $(B)/$$bits/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-selftest \
 	    && $(B)/long-selftest || exit 1; done

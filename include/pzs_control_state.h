@@ -718,6 +718,23 @@ typedef struct pzs_supervisor_core {
 } pzs_supervisor_core;
 
 /*
+ * State of the polarity monitor, with which the supervisor of a loop that damps vibration detects a
+ * structure that moves against its prediction.
+ */
+typedef struct pzs_polarity_state {
+    pzs_real *direction; /* [outputs] last jump of the target shape (m) */
+    pzs_real least;      /* smallest change of the product of `direction` and a shape that is judged
+                            (m2) */
+    pzs_real before[2];  /* products of `direction` with the predicted and the measured shape at
+                            the jump (m2) */
+    pzs_real now[2];     /* the same of the last tick or the one before, because each tick computes
+                            one of the two (m2) */
+    uint32_t remaining;  /* number of ticks in which the motion will still be judged; the first two
+                            of them set `before` */
+    uint32_t first;      /* value of `remaining` at the jump */
+} pzs_polarity_state;
+
+/*
  * State of the divergence monitor, with which the supervisor of the loop detects a measured shape
  * that the model cannot explain.
  */
@@ -744,6 +761,15 @@ typedef struct pzs_monitor_state {
      * inputs with equal lower and upper limit in the last tick), plus 1 during a test signal
      */
     uint32_t fixed;
+    pzs_real earlier;   /* with a vibration damper: largest amplitude in the half period of the
+                           first vibration mode before the present one (m) */
+    pzs_real later;     /* largest amplitude in the present half period (m) */
+    uint32_t vibrating; /* counter of ticks with an amplitude above the threshold; each other tick
+                           lowers it by two, and a half period in which the vibration has fallen
+                           sets it back to one half period */
+    pzs_polarity_state polarity;
+    bool is_opposed; /* whether the last tick found the structure moved against its prediction */
+    bool is_first;   /* whether the last tick was the first one of a loop with a vibration damper */
     bool is_started;
 } pzs_monitor_state;
 

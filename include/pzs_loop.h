@@ -518,11 +518,15 @@ typedef struct pzs_supervision {
      * and ramps the voltages to the park voltages (safe voltages); 0: no time-out
      */
     uint16_t timeout;
-    uint16_t ramp_ticks;  /* shortest duration of a ramp of the voltages when the loop does not
-                             control them (ticks), at least 1; step limits may make a ramp longer */
-    uint16_t alarm_ticks; /* alarm threshold of the counter of implausible shapes: a tick with an
-                             implausible measured shape raises this counter by one, any other tick
-                             lowers it by two; the supervisor gives an alarm at this value */
+    uint16_t ramp_ticks; /* shortest duration of a ramp of the voltages when the loop does not
+                            control them (ticks), at least 1; step limits may make a ramp longer */
+    /*
+     * alarm threshold of the counter of implausible shapes: a tick with an implausible measured
+     * shape raises this counter by one, any other tick lowers it by two; above this value the
+     * supervisor gives an alarm. With a vibration damper it is a period of the first vibration
+     * mode; vibration gives an alarm above twice this value, if it does not fall meanwhile
+     */
+    uint16_t alarm_ticks;
     uint16_t waits;       /* 1: the loop begins to control the voltages only after the command
                              PZS_COMMAND_ARM; 0: it begins without a command */
     const pzs_real *park; /* [inputs] park voltages: safe voltages to which the loop ramps when
@@ -554,6 +558,9 @@ typedef struct pzs_supervisor_info {
     pzs_real threshold; /* amplitude of the deviation (measured minus predicted shape) above which
                            the divergence monitor of the supervisor counts a tick as implausible (m)
                          */
+    bool is_opposed; /* whether the structure of a loop that damps vibration has moved against its
+                        prediction since the last jump of the target, as with amplifiers of the
+                        wrong polarity */
 } pzs_supervisor_info;
 
 typedef struct pzs_supervisor {

@@ -619,6 +619,9 @@ static const char *latch_cause(const loop *loop)
     const pzs_supervisor *supervisor = pzs_loop_find(&loop->controller, &pzs_supervisor_block);
     if (loop->status != PZS_E_LATCHED || !supervisor || supervisor->info.cause >= PZS_EVENTS)
         return "";
+    if (supervisor->info.cause == PZS_EVENT_ALARM && supervisor->info.is_opposed)
+        return "; cause: the structure moved against the shapes that the tables predict, as with "
+               "reversed amplifiers; safety.selftest names reversed and swapped ones";
     const char *cause = text[supervisor->info.cause];
     return cause ? cause : "";
 }

@@ -214,6 +214,6 @@ double loop_work_pulse_detector(const block_counts *of, const loop_processor *on
 
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
-    return of->is_damped ? loops(of, on, 12, 45, 900) + second_prediction(of, on)
+    return of->is_damped ? loops(of, on, 14, 45, 890) + second_prediction(of, on)
                          : loops(of, on, 45, 60, 1200) + second_prediction(of, on);
 }

@@ -12,14 +12,20 @@
  *     that of the vibration which the damper estimates, and of readings that it did not predict;
  *     without a damper the RMS of the disturbance. Readings and disturbance count less their
  *     low-passed values, so that steady loads and errors of the model do not.
- *   - The shape does not respond: over the last moves its measured changes had less than a tenth of
- *     the predicted size in the predicted direction. Causes: a wrong polarity, an amplifier that is
- *     switched off, or vibration in a loop without a vibration damper.
+ *   - Without a damper, the shape does not respond: over the last moves its measured changes had
+ *     less than a tenth of the predicted size in the predicted direction. Causes: a wrong polarity,
+ *     an amplifier that is switched off, or vibration.
  *
- * The work of a tick is about 20 operations for each output; with a vibration damper, 5.
+ * In a loop with a vibration damper, shocks by loads or failing electrodes may come one after the
+ * other, and the loop damps each of them. Vibration is an alarm only if its amplitude stays
+ * implausible for two periods of the first mode, and its peak falls in none of the half periods
+ * after the first. A wrong polarity is found earlier, by a monitor of its own (polarity.h).
+ *
+ * The work of a tick is about 20 operations for each output; with a vibration damper, 7.
  */
 #include <string.h>
 #include "monitor.h"
+#include "polarity.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
@@ -59,6 +65,28 @@
  */
 #define LEAST_MOVE PZS_R(0.25)
 
+/*
+ * Smallest ratio of the largest amplitude of vibration in a half period to that in the half period
+ * before, at which the vibration counts as not falling. With the least damping for which the
+ * envelope allows, by e in two periods, this ratio is exp(-1/4) = 0.78; without any damping it is
+ * 1.
+ */
+#define STEADY PZS_R(0.9)
+/*
+ * Number of half periods in a row for which an implausible vibration must not fall before it is an
+ * alarm, plus 1. Single shocks are damped within one or two of them.
+ */
+#define LOST_HALVES 4u
+
+/*
+ * Half a period of the first vibration mode in a loop with a vibration damper (ticks); alarm_ticks
+ * is the whole one.
+ */
+static uint32_t half_period(const pzs_supervision *tables)
+{
+    return tables->alarm_ticks > 1 ? tables->alarm_ticks / 2u : 1u;
+}
+
 void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs)
 {
     monitor->slow = memory;
@@ -66,6 +94,7 @@ void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t ou
     monitor->predicted = memory + 2u * (size_t)outputs;
     monitor->move = memory + 3u * (size_t)outputs;
     monitor->wanted = memory + 4u * (size_t)outputs;
+    monitor->polarity.direction = monitor->move;
 }
 
 void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs)
@@ -144,6 +173,11 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
     monitor->envelope = PZS_SQRT(square);
     monitor->moved = 0;
     monitor->answered = 0;
+    monitor->earlier = 0;
+    monitor->later = 0;
+    monitor->vibrating = 0;
+    monitor->polarity.remaining = 0;
+    monitor->is_opposed = false;
     monitor->fixed = count_fixed(signals);
     monitor->is_started = true;
 }
@@ -178,34 +212,52 @@ static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signa
     return sum;
 }
 
-/*
- * Return the root mean square of the change of the target shape in this tick (m), and store the
- * target shape.
- */
-static pzs_real change_of_target(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
+/* Return the root mean square of the change of the target shape in this tick (m). */
+static pzs_real change_of_target(const pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
     const uint32_t outputs = signals->control->state.problem->outputs;
-    const pzs_real part = 1 / (pzs_real)outputs, *wanted = signals->wanted;
-    pzs_real *before = monitor->wanted, sum = 0;
+    const pzs_real part = 1 / (pzs_real)outputs, *wanted = signals->wanted,
+                   *before = monitor->wanted;
+    pzs_real sum = 0;
     for (uint32_t i = 0; i < outputs; i++) {
         const pzs_real target = wanted[i] - before[i];
         sum += part * target * target;
-        before[i] = wanted[i];
     }
     return PZS_SQRT(sum);
 }
 
 /*
+ * Store the target shape of this tick, which has changed. After a jump the polarity monitor judges
+ * the motion of the structure along it. Returns whether the target has jumped.
+ *   change in  root mean square of the change (m)
+ */
+static bool store_target(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                         const pzs_loop_signals *signals, pzs_real change)
+{
+    const uint32_t outputs = signals->control->state.problem->outputs;
+    const bool has_jumped = change > pzs_polarity_least(tables);
+    if (has_jumped)
+        pzs_polarity_begin(&monitor->polarity, tables, signals->wanted, monitor->wanted, outputs,
+                           monitor->envelope);
+    memcpy(monitor->wanted, signals->wanted, outputs * sizeof *monitor->wanted);
+    return has_jumped;
+}
+
+/*
  * Update two variables of the divergence monitor in a loop with a vibration damper (m, RMS over the
  * outputs): `amplitude`, the recent peak of the amplitude of vibration, and `envelope`, the
- * amplitude that motions of the target can have caused, which decays as the vibration does.
+ * amplitude that motions of the target can have caused, which decays as the vibration does. Returns
+ * whether the target has jumped.
  */
-static void follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
+static bool follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
                          const pzs_loop_signals *signals)
 {
     const pzs_real now = signals->deviation, faded = PEAK_FADING * monitor->amplitude;
     monitor->amplitude = now > faded ? now : faded;
-    monitor->envelope = tables->fading * monitor->envelope + change_of_target(monitor, signals);
+    const pzs_real change = change_of_target(monitor, signals);
+    const bool has_jumped = change > 0 && store_target(monitor, tables, signals, change);
+    monitor->envelope = tables->fading * monitor->envelope + change;
+    return has_jumped;
 }
 
 pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables)
@@ -241,22 +293,19 @@ static void sum_moves(pzs_monitor_state *monitor, const squares *sum,
         monitor->move[i] = 0;
 }
 
-bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
-                      const pzs_loop_signals *signals)
+/* Whether the state of the divergence monitor shows that memory was damaged. */
+static bool is_damaged(const pzs_monitor_state *monitor)
 {
-    guard_repair_bool(&monitor->is_started);
-    const bool has_modes = !(signals->deviation < 0);
-    const bool is_damaged = !number_is_finite(monitor->amplitude + monitor->envelope +
-                                              monitor->moved + monitor->answered);
-    const bool has_other_inputs = count_fixed(signals) / 2u != monitor->fixed / 2u;
-    if (!monitor->is_started || is_damaged || has_other_inputs) {
-        start(monitor, signals, has_modes);
-        return false;
-    }
-    if (has_modes) {
-        follow_modes(monitor, tables, signals);
-        return monitor->amplitude > pzs_monitor_threshold(monitor, tables);
-    }
+    const pzs_polarity_state *polarity = &monitor->polarity;
+    return !number_is_finite(monitor->amplitude + monitor->envelope + monitor->moved +
+                             monitor->answered + monitor->earlier + monitor->later +
+                             polarity->least + polarity->before[0] + polarity->before[1]);
+}
+
+/* Whether a tick of a loop without a vibration damper is implausible. */
+static bool judge_shape(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                        const pzs_loop_signals *signals)
+{
     const squares sum = compare(monitor, signals);
     const pzs_real now = PZS_SQRT(sum.deviation), faded = PEAK_FADING * monitor->amplitude;
     monitor->amplitude = now > faded ? now : faded;
@@ -264,4 +313,91 @@ bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
     sum_moves(monitor, &sum, signals);
     return monitor->amplitude > pzs_monitor_threshold(monitor, tables) ||
            is_unanswered(monitor, tables);
+}
+
+/* Number of implausible ticks after a plausible one. */
+static uint32_t lowered(uint32_t over)
+{
+    return over > 2u ? over - 2u : 0;
+}
+
+/*
+ * Count a tick whose amplitude of vibration is implausible. At the end of each half period the
+ * largest amplitude is compared with that of the half period before.
+ */
+static void count_vibration(pzs_monitor_state *monitor, const pzs_supervision *tables)
+{
+    const uint32_t half = half_period(tables);
+    monitor->vibrating++;
+    if (monitor->amplitude > monitor->later)
+        monitor->later = monitor->amplitude;
+    if (monitor->vibrating % half != 0)
+        return;
+    if (monitor->later < STEADY * monitor->earlier)
+        monitor->vibrating = half;
+    monitor->earlier = monitor->later;
+    monitor->later = 0;
+}
+
+/* Whether a structure keeps vibrating more than changes of the target and loads explain. */
+static bool keeps_vibrating(pzs_monitor_state *monitor, const pzs_supervision *tables)
+{
+    if (monitor->amplitude > pzs_monitor_threshold(monitor, tables))
+        count_vibration(monitor, tables);
+    else
+        monitor->vibrating = lowered(monitor->vibrating);
+    if (monitor->vibrating == 0) {
+        monitor->earlier = 0;
+        monitor->later = 0;
+    }
+    return monitor->vibrating > LOST_HALVES * half_period(tables);
+}
+
+/*
+ * Whether a structure moves against its prediction. In the second tick of a loop the target counts
+ * as having jumped from the predicted shape.
+ *   has_jumped in  whether the target has jumped in this tick
+ */
+static bool moves_against(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                          const pzs_loop_signals *signals, bool has_jumped)
+{
+    const uint32_t outputs = signals->control->state.problem->outputs;
+    const pzs_real *predicted = signals->control->info.predicted;
+    const bool is_first = monitor->is_first;
+    monitor->is_first = false;
+    if (has_jumped)
+        return false;
+    if (!is_first)
+        return pzs_polarity_is_opposed(&monitor->polarity, predicted, signals->measured, outputs);
+    pzs_polarity_begin(&monitor->polarity, tables, signals->wanted, predicted, outputs, 0);
+    return false;
+}
+
+/* Judge one tick of a loop with a vibration damper. Returns the number of implausible ticks. */
+static uint32_t judge_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                            const pzs_loop_signals *signals, uint32_t over)
+{
+    const bool has_jumped = follow_modes(monitor, tables, signals);
+    monitor->is_opposed = moves_against(monitor, tables, signals, has_jumped);
+    if (keeps_vibrating(monitor, tables))
+        return tables->alarm_ticks + 1u;
+    return monitor->is_opposed ? over + 1u : lowered(over);
+}
+
+uint32_t pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                          const pzs_loop_signals *signals, uint32_t over)
+{
+    guard_repair_bool(&monitor->is_started);
+    guard_repair_bool(&monitor->is_first);
+    guard_repair_bool(&monitor->is_opposed);
+    const bool has_modes = !(signals->deviation < 0);
+    const bool has_other_inputs = count_fixed(signals) / 2u != monitor->fixed / 2u;
+    if (!monitor->is_started || is_damaged(monitor) || has_other_inputs) {
+        monitor->is_first = !monitor->is_started;
+        start(monitor, signals, has_modes);
+        return lowered(over);
+    }
+    if (has_modes)
+        return judge_modes(monitor, tables, signals, over);
+    return judge_shape(monitor, tables, signals) ? over + 1u : lowered(over);
 }

@@ -27,10 +27,12 @@ void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t ou
 pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables);
 
 /*
- * Compare the measured shape in one tick with the shape that the model predicts. Returns whether
- * the difference is implausible.
+ * Compare the measured shape in one tick with the shape that the model predicts. Returns the new
+ * number of implausible ticks: one more if the difference is implausible, otherwise two less. An
+ * alarm is due if it exceeds the table's alarm_ticks.
+ *   over in  number of implausible ticks before
  */
-bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
-                      const pzs_loop_signals *signals);
+uint32_t pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
+                          const pzs_loop_signals *signals, uint32_t over);
 
 #endif

@@ -352,11 +352,8 @@ static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *sig
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
     const pzs_supervision *tables = supervisor->state.tables;
-    if (core->mode == PZS_MODE_RUNNING && core->silent == 0) {
-        const bool is_over = pzs_monitor_tick(&supervisor->state.monitor, tables, signals);
-        const uint32_t less = core->over > 2u ? core->over - 2u : 0;
-        core->over = is_over ? core->over + 1u : less;
-    }
+    if (core->mode == PZS_MODE_RUNNING && core->silent == 0)
+        core->over = pzs_monitor_tick(&supervisor->state.monitor, tables, signals, core->over);
     if (tables->timeout > 0 && core->silent >= tables->timeout)
         process_event(supervisor, PZS_EVENT_TIMEOUT, signals);
     if (core->over > tables->alarm_ticks)
@@ -409,6 +406,7 @@ static void report(pzs_supervisor *supervisor)
     supervisor->info.cause = (pzs_supervisor_event)core->cause;
     supervisor->info.remaining = core->remaining;
     supervisor->info.amplitude = supervisor->state.monitor.amplitude;
+    supervisor->info.is_opposed = supervisor->state.monitor.is_opposed;
     supervisor->info.threshold =
         pzs_monitor_threshold(&supervisor->state.monitor, supervisor->state.tables);
 }

@@ -561,6 +561,17 @@ check 'simulate: a plant with inertia, its modes and its vibration over time' $?
 run 0 simulate plate-closed-loop ${quick% --set simulate.events*} --set 'safety={}'; check 'safety: no false alarm in the shipped schedule of faults' $?
 run 0 simulate tests/rigs/scenes/storm-panel.yaml --set control.rate=168 --set 'target.value=1e-3*theta1^2' --set simulate.ticks=500
 check 'safety: no false alarm by the hysteresis that a slow loop has not yet corrected' $?
+damped='--set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear --set simulate.events=[]'
+for hysteresis in 0 0.1 0.3; do
+    # The ramp that follows the alarm takes 50 ticks.
+    # shellcheck disable=SC2086
+    run 1 simulate plate-closed-loop $damped --set simulate.ticks=301 --set 'simulate.amplifiers={step: 0.05, reversed: [v]}' --set "simulate.plant.hysteresis=$hysteresis" &&
+        grep -q 'control was taken away.*cause: the structure moved against the shapes that the tables predict' "$dir/err"
+    check "safety: reversed amplifiers raise the alarm within 250 ticks, hysteresis $hysteresis" $?
+done
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $damped --set simulate.ticks=150000 --set 'simulate.faults={chance: 0.05, until: 149000}' --set 'safety={timeout: 400}' --set simulate.seed=2
+check 'safety: no false alarm in 150,000 ticks of random faults' $?
 # shellcheck disable=SC2086
 wired="$quick --set simulate.ticks=20"
 run 0 tables plate-closed-loop $quick --image control -o "$dir/pulses.h" --set 'simulate.events=[{at: 5, dead: [v_1_1], announced: detected}]' --set simulate.plant.inertia=true &&

@@ -389,6 +389,10 @@ static void start(damped_loop *loop)
         loop->block[count++] = (pzs_block){&pzs_amplifier_block, &loop->amplifier};
         bytes += PZS_AMPLIFIER_BLOCK_BYTES(inputs);
     }
+    if (loop->supervision.alarm_ticks > 0) {
+        loop->block[count++] = (pzs_block){&pzs_supervisor_block, &loop->supervision};
+        bytes += PZS_SUPERVISOR_BLOCK_BYTES(outputs);
+    }
     bytes += PZS_LOOP_BYTES(count, inputs);
     free(loop->work);
     loop->work = malloc(bytes);
@@ -431,6 +435,25 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
     damped_loop_reset(loop, EXACT_PLANT);
 }
 
+void damped_loop_supervise(damped_loop *loop)
+{
+    const modal_structure *structure = loop->structure;
+    const double period = 2 * pi / (structure->omega[0] * loop->interval);
+    double squares = 0;
+    for (size_t i = 0; i < structure->outputs; i++)
+        squares += pow(structure->goal[i], 2);
+    const double goal = sqrt(squares / (double)structure->outputs);
+    loop->supervision = (pzs_supervision){.inputs = loop->problem.inputs,
+                                          .scene = loop->problem.scene,
+                                          .ramp_ticks = 50,
+                                          .alarm_ticks = (uint16_t)fmax(20, ceil(period)),
+                                          .park = loop->problem.reference_voltage,
+                                          .fading = (pzs_real)exp(-1 / (2 * period)),
+                                          .noise = (pzs_real)(0.005 * goal),
+                                          .load = (pzs_real)(0.3 * goal)};
+    assert_int_equal(pzs_supervision_seal(&loop->supervision), PZS_OK);
+}
+
 void damped_loop_close(damped_loop *loop)
 {
     free(loop->memory);
@@ -454,6 +477,7 @@ void damped_loop_reset(damped_loop *loop, plant_error error)
     loop->tick = 0;
     loop->seed = 1;
     loop->is_silent = loop->is_blind = loop->is_held = false;
+    loop->stuck_input = -1;
     loop->bad_sensor = -1;
     memset(loop->position, 0, structure->modes * sizeof *loop->position);
     memset(loop->velocity, 0, structure->modes * sizeof *loop->velocity);
@@ -470,6 +494,8 @@ static void act(damped_loop *loop)
     const double limit = loop->structure->limit, half = loop->error.play * limit;
     for (size_t j = 0; j < loop->structure->inputs; j++) {
         const double voltage = (double)loop->loop.info.voltage[j];
+        if ((int)j == loop->stuck_input)
+            continue;
         loop->played[j] = fmin(fmax(loop->played[j], voltage - half), voltage + half);
         loop->voltage[j] =
             loop->played[j] * (1 + loop->error.cubic * pow(loop->played[j] / limit, 2));

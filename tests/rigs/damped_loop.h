@@ -77,7 +77,7 @@ typedef struct damped_loop {
     pzs_real *tables;                                        /* memory of all tables */
     pzs_problem problem;
     pzs_vibration vibration;
-    pzs_block block[5];
+    pzs_block block[6];
     pzs_loop loop;
     void *work;
     plant_error error;
@@ -87,12 +87,15 @@ typedef struct damped_loop {
     pzs_real *wanted, *sensed;
     int tick;
     unsigned seed;
-    pzs_governor governor;   /* the loop has a governor if its member part is above 0 */
-    pzs_amplifier amplifier; /* the loop has converter steps if the member step is above 0 */
-    bool is_silent;          /* no readings arrive */
-    bool is_blind;           /* all readings are missing */
-    bool is_held;            /* damped_loop_tick does not move the plant */
-    int bad_sensor;          /* index of the sensor that reads bad_value; -1: none */
+    pzs_governor governor;       /* the loop has a governor if its member part is above 0 */
+    pzs_amplifier amplifier;     /* the loop has converter steps if the member step is above 0 */
+    pzs_supervision supervision; /* the loop has a supervisor if its member alarm_ticks is above 0
+                                  */
+    bool is_silent;              /* no readings arrive */
+    bool is_blind;               /* all readings are missing */
+    bool is_held;                /* damped_loop_tick does not move the plant */
+    int stuck_input;             /* index of the electrode whose voltage stays; -1: none */
+    int bad_sensor;              /* index of the sensor that reads bad_value; -1: none */
     double bad_value;
 } damped_loop;
 
@@ -107,6 +110,13 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
                       double step_limit, int delay, const size_t *sensor, size_t sensors,
                       const damper_settings *settings);
 void damped_loop_close(damped_loop *loop);
+
+/*
+ * Give the loop a supervisor, from the next reset on, with the settings that `pzs tables` gives a
+ * scene with this target: it tolerates sudden loads of 0.3 times the target and noise of 0.005
+ * times, and its alarm takes a period of the first mode. It parks the voltages at 0.
+ */
+void damped_loop_supervise(damped_loop *loop);
 
 /* Return plant and loop to static equilibrium, with other differences between plant and model. */
 void damped_loop_reset(damped_loop *loop, plant_error error);

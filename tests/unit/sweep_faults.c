@@ -10,8 +10,8 @@
  * jumps, and while loads jump during its test pulses; and for plates on which one electrode fails
  * during a storm (jumps of the target that the voltages cannot follow) how many dead, stuck and
  * reversed electrodes it names after the storm. Most plates are measured at every node, some by six
- * or eight sensors. Returns 0 where no healthy electrode is held and the part of the faults that
- * its row demands is named.
+ * or eight sensors. Returns 0 where no healthy electrode is held, the supervisor takes control away
+ * from no healthy plate, and the part of the faults that its row demands is named.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -304,10 +304,20 @@ static const pzs_pulse_detector *detector_of(const rig *r)
     return pzs_loop_find(&r->loop, &pzs_pulse_detector_block);
 }
 
-/* Numbers of ticks, of electrodes that were suspected, and of electrodes that were held. */
+/*
+ * Numbers of ticks, of electrodes that were suspected, of electrodes that were held, and of runs in
+ * which the supervisor took control away.
+ */
 typedef struct tally {
-    long ticks, tests, held;
+    long ticks, tests, held, alarms;
 } tally;
+
+/* Whether the supervisor has taken control away. */
+static bool is_stopped(const rig *r)
+{
+    const pzs_supervisor *supervisor = pzs_loop_find(&r->loop, &pzs_supervisor_block);
+    return supervisor->info.mode == PZS_MODE_STOPPING || supervisor->info.mode == PZS_MODE_LATCHED;
+}
 
 /* Release all electrodes that the detector holds. */
 static void release_held(rig *r)
@@ -329,6 +339,7 @@ static tally run_healthy(rig *r, int ticks, int every, double hysteresis)
         }
         tally.held += detector_of(r)->info.found;
         tally.tests += detector_of(r)->info.tests;
+        tally.alarms += is_stopped(r);
     }
     return tally;
 }
@@ -409,6 +420,7 @@ static tally run_loads(rig *r, int ticks, double hysteresis)
         }
         tally.held += detector_of(r)->info.found;
         tally.tests += detector_of(r)->info.tests;
+        tally.alarms += is_stopped(r);
     }
     return tally;
 }
@@ -583,14 +595,15 @@ static long measure(rig *r, const row *row, int ticks, size_t stride)
     failures += check_detection(r);
     for (int i = 0; i < 3; i++) {
         const tally tally = run_healthy(r, ticks, every[i], row->ceramic);
-        printf("  jumps every %5d ticks: %ld healthy ticks, %ld suspected, %ld held\n", every[i],
-               tally.ticks, tally.tests, tally.held);
-        failures += tally.held;
+        printf("  jumps every %5d ticks: %ld healthy ticks, %ld suspected, %ld held, %ld alarms\n",
+               every[i], tally.ticks, tally.tests, tally.held, tally.alarms);
+        failures += tally.held + tally.alarms;
     }
     const tally loaded = run_loads(r, 2 * ticks, row->ceramic);
-    printf("  loads that jump during tests: %ld healthy ticks, %ld suspected, %ld held\n",
-           loaded.ticks, loaded.tests, loaded.held);
-    failures += loaded.held;
+    printf(
+        "  loads that jump during tests: %ld healthy ticks, %ld suspected, %ld held, %ld alarms\n",
+        loaded.ticks, loaded.tests, loaded.held, loaded.alarms);
+    failures += loaded.held + loaded.alarms;
     for (int fault = PZS_FAULT_DEAD; fault <= PZS_FAULT_REVERSED; fault++) {
         const named n = run_faults(r, row, (pzs_electrode_fault)fault, stride);
         printf("  %-8s: %d of %d held, %d others lack at most 5 %% of their range, %d named "

@@ -552,25 +552,58 @@ static void loses_control(rig *r)
     printf("# alarm after %u ticks, ramp of %u\n", ticks, rest + 1);
 }
 
-/* Law: a deviation that a block tells raises the alarm after alarm_ticks ticks above the threshold,
- * load + 6 noise once the changes of the target have faded, and never below it. */
+/* Bring a loop to control whose block tells deviations, and let the envelope fade, by 0.98 a tick.
+ * Returns the threshold of the deviation. */
+static pzs_real open_deviating(rig *r)
+{
+    open_rig(r, 11, false);
+    r->failure.deviation = 0;
+    bring_to_control(r);
+    for (int t = 0; t < 1000; t++)
+        assert_int_equal(tick(r, 1, true), PZS_OK);
+    return r->supervision.load + 6 * r->supervision.noise;
+}
+
+/* Law: a deviation that a block tells raises the alarm after two periods (2 alarm_ticks) above the
+ * threshold, load + 6 noise once the changes of the target have faded, and never below it. */
 static void test_deviation(void **state)
 {
     static rig r;
     (void)state;
-    open_rig(&r, 11, false);
-    bring_to_control(&r);
-    for (int t = 0; t < 400; t++) /* the envelope fades by 0.98 a tick */
-        assert_int_equal(tick(&r, 1, true), PZS_OK);
-    const pzs_real threshold = r.supervision.load + 6 * r.supervision.noise;
+    const pzs_real threshold = open_deviating(&r);
     r.failure.deviation = PZS_R(0.99) * threshold;
     for (int t = 0; t < 100; t++)
         assert_int_equal(tick(&r, 1, true), PZS_OK);
     r.failure.deviation = PZS_R(1.01) * threshold;
-    for (int t = 0; t < ALARM; t++)
+    for (int t = 0; t < 2 * ALARM; t++)
         assert_int_equal(tick(&r, 1, true), PZS_OK);
     assert_int_equal(tick(&r, 1, true), PZS_W_RAMP);
     assert_int_equal(r.supervisor->info.cause, PZS_EVENT_ALARM);
+    assert_false(r.supervisor->info.is_opposed);
+}
+
+/*
+ * Law: vibration far above the threshold is no alarm while its peaks fall by more than a tenth in
+ * each half period (0.95 for each of its 10 ticks is 0.6); if they fall by less (0.995, which is
+ * 0.95), the alarm comes after two periods.
+ */
+static void test_falling_vibration(void **state)
+{
+    static const double factor[] = {0.95, 0.995};
+    (void)state;
+    for (int slow = 0; slow < 2; slow++) {
+        static rig r;
+        int ticks = 0;
+        const pzs_real threshold = open_deviating(&r);
+        r.failure.deviation = 1000 * threshold;
+        while (mode_of(&r) == PZS_MODE_RUNNING && r.failure.deviation > threshold) {
+            (void)tick(&r, 1, true);
+            r.failure.deviation *= (pzs_real)factor[slow];
+            ticks++;
+        }
+        assert_int_equal(mode_of(&r), slow ? PZS_MODE_STOPPING : PZS_MODE_RUNNING);
+        assert_in_range(ticks, slow ? 2 * ALARM + 1 : 100, slow ? 2 * ALARM + 1 : 200);
+    }
 }
 
 /* Law: amplifiers of the wrong polarity, from the start or all at once. */
@@ -674,13 +707,19 @@ static void test_random_faults(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_transitions),    cmocka_unit_test(test_arming),
-        cmocka_unit_test(test_start_at_park),  cmocka_unit_test(test_park_and_resume),
-        cmocka_unit_test(test_stop),           cmocka_unit_test(test_loop_of_the_readme),
-        cmocka_unit_test(test_tables),         cmocka_unit_test(test_ramp_lengths),
-        cmocka_unit_test(test_no_false_alarm), cmocka_unit_test(test_deviation),
-        cmocka_unit_test(test_wrong_polarity), cmocka_unit_test(test_unstable),
-        cmocka_unit_test(test_random_faults)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_transitions),
+                                       cmocka_unit_test(test_arming),
+                                       cmocka_unit_test(test_start_at_park),
+                                       cmocka_unit_test(test_park_and_resume),
+                                       cmocka_unit_test(test_stop),
+                                       cmocka_unit_test(test_loop_of_the_readme),
+                                       cmocka_unit_test(test_tables),
+                                       cmocka_unit_test(test_ramp_lengths),
+                                       cmocka_unit_test(test_no_false_alarm),
+                                       cmocka_unit_test(test_deviation),
+                                       cmocka_unit_test(test_falling_vibration),
+                                       cmocka_unit_test(test_wrong_polarity),
+                                       cmocka_unit_test(test_unstable),
+                                       cmocka_unit_test(test_random_faults)};
     return cmocka_run_group_tests_name("supervisor", tests, NULL, NULL);
 }

@@ -1,0 +1,239 @@
+/*
+ * The supervisor of a loop that damps vibration: amplifiers of the wrong polarity raise the alarm
+ * soon, and structures that merely differ from their model raise none, whatever targets, loads,
+ * impulses, hysteresis and single stuck electrodes do.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../rigs/damped_loop.h"
+#include "../rigs/uniform.h"
+
+#ifndef HEALTHY_RUNS
+#define HEALTHY_RUNS 30 /* runs without a fault of the loop on each structure */
+#endif
+enum { RUN_TICKS = 2500 };
+
+/* Structures with a tick rate each. */
+typedef struct structure {
+    const char *name;
+    double interval;
+    bool is_plate; /* the plate of the demonstration scene; otherwise a supported plate */
+} structure;
+static const structure structures[] = {
+    {"plate, 15 Hz, 1 kHz", 1e-3, true},
+    {"supported plate, 9 Hz, 1 kHz", 1e-3, false},
+    {"supported plate, 9 Hz, 250 Hz", 4e-3, false},
+};
+enum { STRUCTURES = sizeof structures / sizeof *structures };
+
+static void open_structure(modal_structure *s, const structure *from)
+{
+    static const supported_plate plate = {.length = 3,
+                                          .first = 9,
+                                          .modes = 40,
+                                          .columns = 6,
+                                          .rows = 2,
+                                          .points_x = 9,
+                                          .points_y = 5,
+                                          .ratio = 0.005};
+    if (from->is_plate)
+        structure_of_plate(s, 40);
+    else
+        structure_of_supported_plate(s, &plate);
+}
+
+static pzs_supervisor_mode mode_of(const damped_loop *d)
+{
+    const pzs_supervisor *supervisor = pzs_loop_find(&d->loop, &pzs_supervisor_block);
+    return supervisor->info.mode;
+}
+
+static bool is_stopped(const damped_loop *d)
+{
+    return mode_of(d) == PZS_MODE_STOPPING || mode_of(d) == PZS_MODE_LATCHED;
+}
+
+/*
+ * Latest tick of the alarm for amplifiers of the wrong polarity: 3.7 periods of the first mode, 248
+ * ticks on the plate of the demonstration scene.
+ */
+static int latest_alarm(const damped_loop *d)
+{
+    return 37 * d->supervision.alarm_ticks / 10;
+}
+
+/* Number of ticks from the start to the alarm under a constant target. */
+static int ticks_to_alarm(damped_loop *d, plant_error error)
+{
+    int tick = 0;
+    damped_loop_reset(d, error);
+    while (!is_stopped(d) && tick <= latest_alarm(d)) {
+        (void)damped_loop_tick(d, d->structure->goal);
+        tick++;
+    }
+    return tick;
+}
+
+/*
+ * Law: with all amplifiers of the wrong polarity, 0, 10 and 30 % hysteresis, and gains of 0.8 to
+ * 1.33, the alarm comes within 3.7 periods of the first mode.
+ */
+static void wrong_polarity_is_found(void **state)
+{
+    static const double play[] = {0, 0.1, 0.3}, gain[] = {1, 0.8, 1.33};
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        damped_loop d;
+        int latest = 0;
+        open_structure(&s, &structures[k]);
+        damped_loop_open(&d, &s, structures[k].interval, s.limit / 15, 1, NULL, 0, &settings);
+        damped_loop_supervise(&d);
+        for (int i = 0; i < 9; i++) {
+            const plant_error error = {-gain[i / 3], 1, 1, 1, play[i % 3], 0, 1e-4};
+            const int ticks = ticks_to_alarm(&d, error);
+            latest = ticks > latest ? ticks : latest;
+        }
+        print_message("%s: alarm after %d ticks at most, period %d\n", structures[k].name, latest,
+                      d.supervision.alarm_ticks);
+        assert_in_range(latest, 1, latest_alarm(&d));
+        damped_loop_close(&d);
+        structure_close(&s);
+    }
+}
+
+/* Course of a run of a loop without faults: target, load, ticks of their next jumps. */
+typedef struct course {
+    unsigned seed;
+    double *wanted;
+    int next_target, next_load, next_impulse;
+} course;
+
+static int ticks_until(course *c, double low, double high, int period)
+{
+    return 1 + (int)(uniform(&c->seed, low, high) * period);
+}
+
+/* A part of the goal, or the shape of voltages up to twice the limits. */
+static void set_target(course *c, const modal_structure *s)
+{
+    const double factor = uniform(&c->seed, -1, 1);
+    const bool is_shape = uniform(&c->seed, 0, 1) < 0.3;
+    for (size_t i = 0; i < s->outputs; i++)
+        c->wanted[i] = is_shape ? 0 : factor * s->goal[i];
+    for (size_t j = 0; j < s->inputs && is_shape; j++) {
+        const double voltage = uniform(&c->seed, -2 * s->limit, 2 * s->limit);
+        for (size_t i = 0; i < s->outputs; i++)
+            c->wanted[i] += s->influence[i * s->inputs + j] * voltage;
+    }
+}
+
+/* Load factor whose effect is the largest sudden load that the supervisor tolerates. */
+static double largest_load(const damped_loop *d)
+{
+    double squares = 0;
+    for (size_t i = 0; i < d->structure->outputs; i++)
+        squares += pow(d->structure->load_shape[i], 2) / (double)d->structure->outputs;
+    return (double)d->supervision.load / sqrt(squares);
+}
+
+/* Strike the structure, so that its first mode vibrates with up to the largest sudden load. */
+static void strike(course *c, damped_loop *d)
+{
+    d->velocity[0] += uniform(&c->seed, -1, 1) * (double)d->supervision.load;
+}
+
+/* Let target, load and velocities jump when their time has come. */
+static void disturb(course *c, damped_loop *d, int tick, int period)
+{
+    if (tick >= c->next_target) {
+        set_target(c, d->structure);
+        c->next_target = tick + ticks_until(c, 0.2, 6, period);
+    }
+    if (tick >= c->next_load) {
+        d->load = uniform(&c->seed, -0.5, 0.5) * largest_load(d);
+        c->next_load = tick + ticks_until(c, 1, 6, period);
+    }
+    if (tick >= c->next_impulse) {
+        strike(c, d);
+        c->next_impulse = tick + ticks_until(c, 2, 8, period);
+    }
+}
+
+/* A plant in the box of the certificate, with hysteresis of up to 30 %. */
+static plant_error random_plant(course *c, int delay)
+{
+    return (plant_error){uniform(&c->seed, 0.8, 1.33),
+                         uniform(&c->seed, 0.9, 1.1),
+                         1,
+                         delay,
+                         uniform(&c->seed, 0, 1) < 0.3 ? 0.3 : uniform(&c->seed, 0, 0.3),
+                         0,
+                         1e-4};
+}
+
+/* Run a healthy loop. Returns the tick of an alarm, or 0. */
+static int run_healthy(damped_loop *d, unsigned seed, int delay)
+{
+    const modal_structure *s = d->structure;
+    course c = {.seed = seed, .wanted = calloc(s->outputs, sizeof(double))};
+    assert_non_null(c.wanted);
+    damped_loop_reset(d, random_plant(&c, delay));
+    const int fails = uniform(&c.seed, 0, 1) < 0.5 ? RUN_TICKS / 2 : RUN_TICKS;
+    const int which = (int)uniform(&c.seed, 0, (double)s->inputs),
+              period = d->supervision.alarm_ticks;
+    int alarm = 0;
+    for (int tick = 0; tick < RUN_TICKS && alarm == 0; tick++) {
+        disturb(&c, d, tick, period);
+        d->stuck_input = tick < fails ? -1 : which;
+        (void)damped_loop_tick(d, c.wanted);
+        alarm = is_stopped(d) ? tick + 1 : 0;
+    }
+    free(c.wanted);
+    return alarm;
+}
+
+/*
+ * Law: no alarm comes on structures in the box of the certificate (gain 0.8 to 1.33, frequencies
+ * 0.9 to 1.1 of the model), with 0 to 30 % hysteresis, targets that jump beyond the limits, loads
+ * and impulses as large as the supervisor tolerates, and in half of the runs a stuck electrode.
+ */
+static void healthy_loops_raise_no_alarm(void **state)
+{
+    static const int delays[] = {0, 1, 3};
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        long alarms = 0;
+        open_structure(&s, &structures[k]);
+        for (int i = 0; i < 6; i++) {
+            damped_loop d;
+            damped_loop_open(&d, &s, structures[k].interval, s.limit / (i % 2 ? 60 : 15),
+                             delays[i / 2], NULL, 0, &settings);
+            damped_loop_supervise(&d);
+            for (unsigned run = 0; run < HEALTHY_RUNS / 6; run++)
+                alarms += run_healthy(&d, 1 + run * 6 + (unsigned)i, delays[i / 2]) > 0;
+            damped_loop_close(&d);
+        }
+        print_message("%s: %ld alarms in %d runs of %d ticks\n", structures[k].name, alarms,
+                      HEALTHY_RUNS / 6 * 6, RUN_TICKS);
+        assert_int_equal(alarms, 0);
+        structure_close(&s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_polarity_is_found),
+                                       cmocka_unit_test(healthy_loops_raise_no_alarm)};
+    return cmocka_run_group_tests_name("polarity", tests, NULL, NULL);
+}
