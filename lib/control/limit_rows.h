@@ -100,20 +100,23 @@ struct pzs_limit_row_calls {
 struct pzs_absolute_row_calls {
     /*
      * Choose for each input in a limited sum of absolute values of voltages the sign of its present
-     * voltage, and adapt the bounds and the matrix of the optimiser to a changed choice.
+     * voltage: |voltage| = sign * voltage. If a sign changes, adapt the bounds and the tableau
+     * (matrix) of the optimiser.
      */
     void (*follow_signs)(pzs_control *control);
     /*
-     * Return the largest violation of the optimality (KKT) conditions (m2/V) by an input at 0 V in
-     * a limited sum of absolute values: how fast the objective falls if its voltage gets the other
-     * sign. Adds a bound of this fall to the duality gap solver->gap (m2).
+     * Return the largest violation of the optimality (KKT) conditions (m2/V) by inputs at 0 V that
+     * belong to a limited sum of absolute values. The violation is the rate at which half the
+     * objective falls if the voltage leaves 0 V to the side that its chosen sign excludes. The
+     * function adds bounds of these decreases to the duality gap solver->gap (m2).
      *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);
     /*
-     * If the work limit stopped the last iterations, continue with the signs that they had chosen:
-     * adapt the bounds and the matrix of the optimiser, the values of the limited sums with these
-     * signs, and the gradient minus the contributions of the active limits of sums.
+     * If the work limit stopped the iterations of the last tick, continue with the signs that they
+     * had chosen for the voltages in limited sums of absolute values. The bounds and the tableau
+     * (matrix) of the optimiser are adapted to these signs. The limited sums, and the gradient
+     * minus the contributions of their active limits, are computed anew.
      */
     void (*resume)(pzs_control *control);
     /*

@@ -108,9 +108,9 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute the derivative, by the displacement of one node, of the sum over the corners of an
- * element of b . w, with vectors b and the derivative w of the displacement in the direction
- * `direction`. The node contributes at its own and at one other corner.
+ * Compute a derivative by the displacement of one node of an element: that of the sum over all
+ * corners of b . w. Here w is the derivative of the displacement at the corner in the direction
+ * `direction`, and b a given vector there. The node contributes at its own and at one other corner.
  *   own   [3] in   vector b at the corner of the node
  *   other [3] in   vector b at the neighbouring corner in this direction
  *   row   [3] out  derivative of the sum
@@ -360,8 +360,8 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 
 /*
  * Write one column of stress_row_of [22][COLUMNS]: the stress resultants that a unit displacement
- * of one degree of freedom of `node` causes in the four strain modes, without the sign of the mode
- * at the node, by which modes_to_nodes multiplies.
+ * of one degree of freedom of `node` causes in the four strain modes. Each is divided by the value
+ * (1 or -1) of its mode at the node, by which modes_to_nodes multiplies.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
