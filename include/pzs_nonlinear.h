@@ -358,7 +358,8 @@ pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
  * Compute the charges of all electrodes at the equilibrium of a solver. The tables must have been
  * checked by pzs_attach_circuit or pzs_electric_init.
  *   charge [count] out  charges of the electrodes (C)
- * Errors: PZS_E_ARGUMENT (also for a solver without prescribed resultants).
+ * Errors: PZS_E_ARGUMENT (also for a solver whose tables prescribe no stress resultants for the
+ * voltages).
  */
 pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables, pzs_real *charge);
 

@@ -1175,9 +1175,10 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * Return the larger of the fractions of an element that the plies of two fields cover; 1 for a
- * temperature of all plies. Reason: the product of the mean effects of two fields has both
- * fractions as factors, and the caller of laminate_capacitance multiplies by the smaller one.
+ * Two electric fields or temperatures act on plies that each cover a fraction of an element. Return
+ * the larger fraction; 1 for a temperature of all plies. Reason: the product of the mean effects of
+ * both has both fractions as factors, and the caller of laminate_capacitance multiplies by the
+ * smaller one.
  */
 static double larger_cover(const laminate_place *place, const laminate_field *first,
                            const laminate_field *second)

@@ -45,9 +45,10 @@ typedef struct height_ply {
 } height_ply;
 
 /*
- * Compute the straight line a + b z/thickness that replaces z^2 in each of the strains 11, 22 and
- * 12 (member `line`), as the element option `quadratic: on` asks. The members `middle` and
- * `thickness` must be set. Without plies `line` does not change.
+ * The strains 11, 22 and 12 have a part proportional to the square of the height z. Compute for
+ * each of them the straight line a + b z/thickness that comes closest to z^2 over the plies,
+ * weighted by their stiffness (member `line`; element option `quadratic: on`). The members `middle`
+ * and `thickness` must be set. Without plies `line` does not change.
  */
 void height_fit_lines(const height_ply *ply, int plies, laminate_heights *heights);
 

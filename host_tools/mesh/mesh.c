@@ -51,8 +51,10 @@ expr_point mesh_place(const mesh *mesh, int node)
 }
 
 /*
- * Return the text that describes a place on a mesh from a file; `label` is the number of the node
- * or element in the file, or 0 if there is no number.
+ * Return the text by which messages name a node or an element of a free mesh: its position, and its
+ * number in the mesh file.
+ *   what  in  the word for it: node or element
+ *   label in  number in the mesh file; 0: the mesh was made without a file
  */
 static mesh_text place_text(const double position[3], const char *what, long long label)
 {

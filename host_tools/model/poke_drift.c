@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Estimates of drift and memory from pokes (poke_drift.h). */
+/* Estimates of drift and of the effect of earlier voltages from measured shapes (poke_drift.h). */
 #include "poke_drift.h"
 #include <float.h>
 #include <math.h>
@@ -184,8 +184,10 @@ static int find(poke_drift *drift, const poke_reduction *reduction, const pokes 
 }
 
 /*
- * Estimate drift and memory from pokes, with a least-squares influence matrix [outputs][actuators]
- * of them. Returns 0, or -1 where memory runs out.
+ * Estimate drift and the effect of earlier voltages (hysteresis, creep) from what the least-squares
+ * influence matrix leaves unexplained of the measured shapes.
+ *   influence [outputs][actuators] in  this matrix
+ * Returns 0, or -1 where memory runs out.
  */
 static int find_reduced(poke_drift *drift, const pokes *pokes, const double *influence)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Reduction of many pokes by Householder reflections (poke_reduction.h). */
+/* Reduction of many measured shapes to as many as there are actuators, by Householder reflections
+ * (poke_reduction.h). */
 #include "poke_reduction.h"
 #include <math.h>
 #include <stdlib.h>
@@ -7,8 +8,9 @@
 
 /*
  * Apply the reflection I - 2 w w'/(w'w) to the columns of a matrix from row `first` on.
- *   w     [rows]          in      vector of the reflection, of which the part from `first` on
- * counts value [rows][columns] in/out  matrix sum   [columns]       out     work array
+ *   w     [rows]          in      vector of the reflection; rows before `first` are not used
+ *   value [rows][columns] in/out  matrix
+ *   sum   [columns]       out     work array
  */
 static void reflect(const double *w, double square, size_t first, size_t rows, double *value,
                     size_t columns, double *sum)

@@ -12,8 +12,8 @@ typedef struct pokes {
                               under known voltages (V) */
     const double *shape; /* [count][outputs] measured shape of each poke (a measurement of the shape
                             under known voltages), in the unit of the outputs */
-    size_t trends; /* number of functions of time, as an offset and a drift, that were fitted to the
-                      shapes of each output and taken out of them */
+    size_t trends; /* number of functions of time (such as a constant and a linear drift) that were
+                      fitted to the readings of each output and subtracted from them */
 } pokes;
 
 #endif

@@ -531,7 +531,8 @@ static double make_trust_region_step(analysis *analysis, common_limits common, n
                      promise = predicted_objective(analysis, newton, result);
         const int reached = evaluate(analysis, result, 1, error) == 0;
         const double kept = (before - objective(analysis, result)) / (before - promise);
-        /* The radius follows the ratio of actual to predicted decrease of the objective. */
+        /* The trust radius grows where the objective has decreased as predicted, and shrinks
+         * where it has not. */
         if (!reached || !(kept > 0.75))
             newton->trust_radius = change / (kept > 0.25 && reached ? 1 : 4);
         else if (change >= 0.99 * newton->trust_radius)

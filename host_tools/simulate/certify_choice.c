@@ -191,8 +191,8 @@ static int try_older(trial *trial, int choice, bool *tolerates, char *error)
  * Test one row of the table `choices` of damper settings, and keep it if it is better than the best
  * one so far.
  *   load_step in      time in which the loop compensates a load step with these settings (periods)
- *   fastest   in/out  mean number of ticks of a storm (fast jumps of the target) with the first
- *                     settings that pass
+ *   fastest   in/out  ticks until the shape settles after a storm (fast jumps of the target), mean
+ *                     of all storms, with the first settings that pass; 0 before there are any
  * Returns 0, or -1 with error filled.
  */
 static int compare_choice(trial *trial, int choice, double load_step, double *fastest, char *error)

@@ -20,7 +20,8 @@ double imperfections_hysteresis(const design *design);
 int imperfections_check(const design *design, char *error);
 
 /*
- * Return the constants of the imperfections of a scene. The arrays in the constants belong to
+ * Return the constants of the simulated imperfections of amplifiers, cables, ceramic and sensors
+ * that a scene describes. The arrays in the constants belong to
  * `design`, which must remain valid as long as the constants are used.
  */
 imperfection_tables imperfections_of_scene(const design *design);

@@ -200,8 +200,8 @@ static pzs_status size_load(load_step *step, load_shape shape, double *size)
                                     load_left * small * storm->rig->scale)
         return status;
     /*
-     * Without voltage limits, the load displaces the targets by load_share times the unit of shape
-     * errors.
+     * The size of the load: without voltage limits, it displaces the target nodes by load_share
+     * times the length by which shape errors are divided.
      */
     scale_load(step, load_share / (change > 0 ? change : small));
     *size = storm_distance(storm, storm->load, NULL);

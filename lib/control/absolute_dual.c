@@ -36,7 +36,8 @@
  */
 typedef enum {
     INPUT_FREE,     /* the voltage is kept neither at a bound nor at 0 V */
-    INPUT_AT_BOUND, /* a multiplier of one sign keeps the voltage at its lower or upper bound */
+    INPUT_AT_BOUND, /* the voltage is kept at its lower or upper bound by a multiplier that must not
+                       change its sign */
     INPUT_AT_ZERO /* the voltage is kept at 0 V by a multiplier from 0 to 2f, where f is the sum of
                      (weight * multiplier) over the limited sums that contain the voltage */
 } input_state;
@@ -62,8 +63,9 @@ static input_state state_of(const rows_run *run, uint32_t i)
 }
 
 /*
- * Whether the limited sum of tableau row `row` is free (not kept at its limit) but still has a
- * multiplier. This happens after the chosen sign of a voltage in the sum was reversed.
+ * Tableau row `row` belongs to a limited sum of absolute voltages. Return whether this sum is free
+ * (not kept at its limit) but still has a multiplier, as after a voltage of the sum was given the
+ * other sign.
  */
 static bool is_pending(const rows_run *run, uint32_t row)
 {
@@ -133,7 +135,8 @@ static void follow_unconstrained(const rows_run *run)
 }
 
 /*
- * Reverse the chosen sign of each input that is kept at 0 V by a multiplier m > 2f. Here f is the
+ * The sum of absolute voltages counts each voltage with a chosen sign, 1 or -1. Reverse this sign
+ * for each input that is kept at 0 V by a multiplier m > 2f. Here f is the
  * sum of (weight * multiplier) over the limited sums that contain the voltage. With the opposite
  * sign the multiplier is 2f - m < 0: it has the wrong sign, so that the input becomes free next.
  *   rounding in  an excess of m over 2f up to this size does not count (m2/V)

@@ -659,9 +659,9 @@ static pzs_real scale_force(const pzs_model *model, pzs_real *force)
 
 /*
  * Solve for the displacement under the force in the first row of the work array of the model. If
- * the structure contains element types, the solution is refined by iterations with residuals that
- * are computed from the strains of the elements.
- *   displacement [free_dof] out  solution
+ * the structure has stored element matrices (element types), the solution is refined by iterations
+ * with residuals that are computed from the strains of the elements. displacement [free_dof] out
+ * solution
  */
 static void solve_scaled(pzs_model *model, pzs_real *displacement)
 {

@@ -418,10 +418,10 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
-    // Each pair of rows is replaced by first + s_p s_r second: row `first` with s_p = -1, row
-    // `second` with s_p = 1. In the columns of node r, row `first` thus becomes the sum of both if
-    // s_r = -1, and their difference if s_r = 1, where s_r is the value of the pair's linear mode
-    // there.
+    // A pair holds the rows of one stress in two modes, the second of which has the value 1 at half
+    // of the nodes and -1 at the others. Both rows are replaced by first + s_p s_r second, where
+    // s_r is the value of this mode at node r: row `first` with s_p = -1, row `second` with s_p =
+    // 1.
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = stress_row_of[row_pairs[i].first],
                  *second = stress_row_of[row_pairs[i].second];
