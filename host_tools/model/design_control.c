@@ -258,34 +258,53 @@ static int check_park_rows(const design *design, char *error)
         return 0;
     design_row_name(design, violated, name, sizeof name);
     design_row_range(design, violated, range, sizeof range);
+    if (design->scene->safety.park_is_common)
+        return scene_fault(design->scene->safety.at, error,
+                           "park: with all amplifiers at %g V, %s leaves its limits, %s; write "
+                           "another voltage, or leave park out",
+                           design->scene->safety.park[0], name, range);
     return scene_fault(design->scene->safety.at, error,
-                       "park: with all amplifiers at %g V, %s leaves its limits, %s; write "
-                       "another voltage, or leave park out",
-                       design->scene->safety.park, name, range);
+                       "park: with the park voltages of all amplifiers, %s leaves its limits, %s; "
+                       "write other voltages of its amplifiers, or leave park out",
+                       name, range);
 }
 
 /*
- * Compute the park voltages, to which the supervisor returns after a fault: that of the scene for
- * all amplifiers, or those nearest to 0 within each amplifier's limits. Returns 0, or -1 with error
- * filled if the park voltage of the scene violates limits.
+ * Check the park voltage that the scene gives for amplifier k. A park voltage for all amplifiers
+ * does not concern one that is held at a voltage. Returns 0, or -1 with error filled.
+ */
+static int check_park(const design *design, size_t k, char *error)
+{
+    const scene_safety *safety = &design->scene->safety;
+    const double lower = design->lower[k], upper = design->upper[k], park = safety->park[k];
+    const bool is_exempt = safety->park_is_common && lower >= upper;
+    if (isnan(park) || is_exempt || (park >= lower && park <= upper))
+        return 0;
+    return scene_fault(safety->at, error, "park: %g V is outside the limits of %s, %g to %g; %s",
+                       park, design->amplifier_name[k], lower, upper,
+                       safety->park_is_common
+                           ? "write a voltage inside the limits of all amplifiers, or leave park "
+                             "out, with which each parks at the allowed voltage nearest to 0"
+                           : "write a voltage inside them, or leave its name out, with which it "
+                             "parks at the allowed voltage nearest to 0");
+}
+
+/*
+ * Compute the park voltages, to which the supervisor returns after a fault: those of the scene, or,
+ * where it gives none, those nearest to 0 within each amplifier's limits. Returns 0, or -1 with
+ * error filled if a park voltage of the scene violates limits.
  */
 static int build_park(design *design, char *error)
 {
-    const scene_safety *safety = &design->scene->safety;
-    const bool is_given = !isnan(safety->park);
+    const double *given = design->scene->safety.park;
     const size_t amplifiers = (size_t)design->amplifiers;
     for (size_t k = 0; k < amplifiers; k++) {
-        const double lower = design->lower[k], upper = design->upper[k],
-                     wanted = is_given ? safety->park : 0;
-        if (is_given && lower < upper && (wanted < lower || wanted > upper))
-            return scene_fault(safety->at, error,
-                               "park: %g V is outside the limits of %s, %g to %g; write a voltage "
-                               "inside the limits of all amplifiers, or leave park out, with which "
-                               "each parks at the allowed voltage nearest to 0",
-                               wanted, design->amplifier_name[k], lower, upper);
-        design->park[k] = fmin(fmax(wanted, lower), upper);
+        if (given && check_park(design, k, error) < 0)
+            return -1;
+        const double wanted = given && !isnan(given[k]) ? given[k] : 0;
+        design->park[k] = fmin(fmax(wanted, design->lower[k]), design->upper[k]);
     }
-    if (is_given)
+    if (given)
         return check_park_rows(design, error);
     /* Voltages near 0 that violate limits between amplifiers are replaced by ones that obey all. */
     if (design_rows_violated(design, design->park) >= 0)

@@ -135,6 +135,7 @@ void scene_free(scene *scene)
     }
     free(scene->limits.row);
     free(scene->dynamics.damping_of_mode);
+    free(scene->safety.park);
     free(scene->compare);
     free(scene->estimate.reading);
     for (int i = 0; i < scene->influence.modes && scene->influence.mode; i++) {

@@ -964,9 +964,12 @@ typedef struct scene_safety {
     bool given;    /* true: the scene asks for a supervisor by the section `safety` */
     bool left_out; /* true: the scene says `safety: none`; otherwise a loop that damps vibration has
                       a supervisor even if the scene does not ask for it */
-    double park;   /* park voltage of all amplifiers: voltage of rest, to which they are ramped when
-                      control is lost (V); NAN: the scene file gives none */
-    scene_at at;   /* position of the section `safety` in the scene file, for error messages */
+    double *park;  /* [amplifiers] park voltages: voltages of rest, to which the amplifiers are
+                      ramped when control is lost (V); NAN where the scene file gives none for an
+                      amplifier, NULL where it gives none at all */
+    bool park_is_common; /* true: the scene file gives one park voltage for all amplifiers; false:
+                            voltages of amplifiers by name, or none */
+    scene_at at; /* position of the section `safety` in the scene file, for error messages */
     int timeout; /* number of ticks without usable readings after which the supervisor takes control
                     away; 0: never */
     int ramp_ticks; /* shortest duration of the ramp to the park voltages (voltages of rest when

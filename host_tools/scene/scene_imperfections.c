@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Lists of amplifier names in the section `simulate` of a scene file, and the amplifiers whose
- * wires are reversed or swapped.
+ * Lists of amplifier names and numbers of amplifiers in a scene file, and, of the section
+ * `simulate`, the amplifiers whose wires are reversed or swapped.
  */
 #include "scene_parts.h"
 
@@ -50,6 +50,45 @@ int read_amplifier_names(reader *reader, int node, int **list, int *count)
         for (k = 0; k < found; k++)
             (*list)[(*count)++] = first + k;
     }
+    return 0;
+}
+
+static const form named_numbers_form = {.type = FORM_NAMED, .item = &number_form};
+static const form *const amplifier_numbers_forms[] = {&number_form, &named_numbers_form, NULL};
+const form amplifier_numbers_form = {.type = FORM_ANY, .any = amplifier_numbers_forms};
+
+/*
+ * Read the number of the amplifiers that an item of a mapping names. Returns 0, or -1 after writing
+ * an error message about the scene file.
+ */
+static int read_named_number(reader *reader, int item, double *value)
+{
+    const tree *tree = reader->t;
+    int first, count;
+    double number;
+    if (!scene_find_amplifier(reader->s, tree->node[item].key, &first, &count))
+        return refuse_amplifier(reader, tree->node[item].key_at, tree->node[item].key);
+    if (read_real(reader, item, &number, NULL) != 0)
+        return -1;
+    for (int k = first; k < first + count; k++)
+        value[k] = number;
+    return 0;
+}
+
+int read_amplifier_numbers(reader *reader, int node, double absent, double **value)
+{
+    const bool is_map = reader->t->node[node].kind == TREE_MAP;
+    double all = absent;
+    *value = malloc(((size_t)reader->s->amplifiers + 1) * sizeof **value);
+    if (!*value)
+        return tree_fault(reader->t, node, "out of memory");
+    if (!is_map && read_real(reader, node, &all, NULL) != 0)
+        return -1;
+    for (int k = 0; k < reader->s->amplifiers; k++)
+        (*value)[k] = all;
+    for (int i = is_map ? reader->t->node[node].first : 0; i; i = reader->t->node[i].next)
+        if (read_named_number(reader, i, *value) != 0)
+            return -1;
     return 0;
 }
 

@@ -198,6 +198,16 @@ field_read read_reversed, read_swapped;
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
 /*
+ * Read numbers of the amplifiers: one number for all, or a mapping of names of actuators or single
+ * amplifiers to numbers, of which the last one applies to an amplifier that several names comprise.
+ *   absent  in                number of an amplifier that the mapping does not name
+ *   value   [amplifiers] out  allocated numbers, also where the function fails; NULL without memory
+ * Returns 0, or -1 after writing an error message about the scene file.
+ */
+int read_amplifier_numbers(reader *reader, int node, double absent, double **value);
+extern const form amplifier_numbers_form;
+
+/*
  * Functions that read limits of several voltages together (scene_rows.c): of a difference of two
  * voltages, of a weighted sum, and of a sum of absolute values. The objects of type `form` describe
  * the keys of each limit for the JSON schema and the help.

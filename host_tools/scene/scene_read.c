@@ -291,7 +291,6 @@ static void set_defaults(scene *scene)
     scene->reference_is_middle = true;
     scene->dynamics.damping = 0.005;
     scene->dynamics.modes = 30;
-    scene->safety.park = (double)NAN;
     scene->safety.timeout = 100;
     scene->safety.ramp_ticks = 50;
     scene->limits.lower = -HUGE_VAL;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Section `safety` of a scene file: self-test and supervisor of the control loop. */
+#include <math.h>
 #include "scene_parts.h"
 
 static const choice arming[] = {{"automatic", 0}, {"command", 1}, {NULL, 0}};
@@ -44,11 +45,18 @@ static int read_arming(reader *reader, int node, void *to, const void *rule)
     return read_either(reader, node, &safety->waits, arming);
 }
 
+static int read_park(reader *reader, int node, void *to, const void *rule)
+{
+    scene_safety *safety = to;
+    (void)rule;
+    safety->park_is_common = reader->t->node[node].kind != TREE_MAP;
+    return read_amplifier_numbers(reader, node, (double)NAN, &safety->park);
+}
+
 static const field safety_fields[] = {
-    {"park", read_real, offsetof(scene_safety, park), NULL, .of = OF_VOLTAGE,
-     .help =
-         "Park voltage of all amplifiers, inside the limits of each; default the voltage nearest "
-         "to 0 that the limits of each allow."},
+    {"park", read_park, .of = OF_VOLTAGE, .form = &amplifier_numbers_form,
+     .help = "Park voltage of all amplifiers, or of some actuators or amplifiers by name, inside "
+             "the limits of each; default the voltage nearest to 0 that the limits of each allow."},
     {"timeout", read_int, offsetof(scene_safety, timeout), &waited, .of = OF_NUMBER,
      .form = &waited_form,
      .help = "Ticks without usable readings after which control is taken away; 0: never; default "

@@ -156,43 +156,20 @@ static const field plant_fields[] = {
              "mode which the controller can follow takes 12 steps a period or more."},
     {.key = NULL}};
 
-/*
- * Read factors of the columns of a measured influence matrix: one for all columns, or a mapping of
- * actuator names to their factors.
- */
+/* Read factors of the columns of a measured influence matrix; a column without a factor has 1. */
 static int read_gain(reader *reader, int node, void *to, const void *rule)
 {
-    const scene *scene = reader->s;
-    double **gain = to, all = 1;
-    const int is_map = reader->t->node[node].kind == TREE_MAP;
-    int first, count;
     (void)rule;
-    if (!is_map && read_real(reader, node, &all, NULL) != 0)
-        return -1;
-    *gain = malloc(((size_t)scene->amplifiers + 1) * sizeof **gain);
-    if (!*gain)
-        return tree_fault(reader->t, node, "out of memory");
-    for (int k = 0; k < scene->amplifiers; k++)
-        (*gain)[k] = all;
-    for (int i = is_map ? reader->t->node[node].first : 0; i; i = reader->t->node[i].next) {
-        if (!scene_find_amplifier(scene, reader->t->node[i].key, &first, &count))
-            return refuse_amplifier(reader, reader->t->node[i].key_at, reader->t->node[i].key);
-        if (read_real(reader, i, *gain + first, NULL) != 0)
-            return -1;
-    }
-    return 0;
+    return read_amplifier_numbers(reader, node, 1, to);
 }
-
-static const form gains_form = {.type = FORM_NAMED, .item = &number_form};
-static const form *const gain_forms[] = {&number_form, &gains_form, NULL};
-static const form gain_form = {.type = FORM_ANY, .any = gain_forms};
 
 /*
  * Keys of the simulated plant in a scene file with a measured influence matrix. The response of the
  * plant is this matrix with errors in its entries.
  */
 static const field measured_plant_fields[] = {
-    {"gain", read_gain, offsetof(scene_simulate, gain), .of = OF_NUMBER, .form = &gain_form,
+    {"gain", read_gain, offsetof(scene_simulate, gain), .of = OF_NUMBER,
+     .form = &amplifier_numbers_form,
      .help = "Measured matrix: factor of its columns in the plant, of all or of some actuators by "
              "name."},
     {"scatter", read_real, offsetof(scene_simulate, scatter), &share, .of = OF_NUMBER,

@@ -618,6 +618,23 @@ run 2 check plate-closed-loop --set 'safety={timeout: -1}' && grep -q 'must be f
 run 2 check plate-closed-loop --set 'safety={park: 400}' && says 'park: 400 V is outside the limits of v_1_1, -300 to 300; write' &&
     run 2 tables plate-closed-loop $quick --set 'safety={park: 100}' --set 'limits.sum={voltage: [-500, 500]}' -o "$dir/park.h" && says 'with all amplifiers at 100 V, v_1_1 + v_1_2 + v_1_3 + ... + v_5_5 leaves its limits, from -500 to 500' && [ ! -f "$dir/park.h" ]
 check 'safety: park voltages outside the limits are refused' $?
+parked() { awk '/safe_park\[/ {on = 1; next} /};/ {on = 0} on' "$dir/safe.h" | grep -oE 'PZS_R\([^)]*|[-0-9.e+]+,' | sed 's/PZS_R(//; s/,//' | tr '\n' ' '; }
+run 0 tables plate-closed-loop --quasi-static --set 'safety={park: {v: 20 V, v_1_2: -3.5, v_5_5: 0}, arm: command}' --prefix safe -o "$dir/safe.h" &&
+    [ "$(parked | awk '{for (i = 1; i <= NF; i++) print $i + 0}' | tr '\n' ' ')" = "20 -3.5 $(printf '20 %.0s' $(seq 22))0 " ]
+check 'safety: park voltages of actuators and amplifiers by name' $?
+run 0 tables plate-closed-loop --quasi-static --set 'limits={voltage: [10, 300]}' --set 'safety={park: {v_1_2: 30}, arm: command}' --prefix safe -o "$dir/safe.h" &&
+    [ "$(parked | awk '{for (i = 1; i <= NF; i++) print $i + 0}' | tr '\n' ' ')" = "10 30 $(printf '10 %.0s' $(seq 23))" ]
+check 'safety: an amplifier without a park voltage parks nearest to 0' $?
+run 2 check plate-closed-loop --set 'safety={park: {v_2_3: 400}}' && says 'park: 400 V is outside the limits of v_2_3, -300 to 300; write a voltage inside them, or leave its name out' &&
+    run 2 check plate-closed-loop --set 'safety={park: {w: 1}}' && says "there is no actuator 'w'; the first one is 'v_1_1'" &&
+    run 2 check plate-closed-loop --set 'safety={park: {v_1_1: high}}' && says 'high' &&
+    run 2 check plate-closed-loop --set 'limits.each=[{actuator: v_1_1, hold: 5}]' --set 'safety={park: {v_1_1: 4}}' && says 'park: 4 V is outside the limits of v_1_1, 5 to 5' &&
+    run 2 tables plate-closed-loop $quick --set 'safety={park: {v_1_1: 300, v_1_2: 290}}' --set 'limits.sum={voltage: [-500, 500]}' -o "$dir/park.h" &&
+    says 'park: with the park voltages of all amplifiers, v_1_1 + v_1_2 + v_1_3 + ... + v_5_5 leaves its limits, from -500 to 500' && [ ! -f "$dir/park.h" ]
+check 'safety: park voltages by name outside the limits are refused with the name' $?
+run 1 simulate plate-closed-loop $quick --set 'safety={park: {v_1_1: 7.5, v_5_5: -2}}' --set 'simulate.amplifiers={reversed: [v]}' --set simulate.ticks=300 --csv "$dir/parked.csv" && grep -q 'control was taken away' "$dir/err" &&
+    tail -n 2 "$dir/parked.csv" | awk -F, 'NR == 1 {split($0, before)} END {for (k = 9; k <= NF; k++) {park = k == 9 ? 7.5 : k == NF ? -2 : 0; off = 2 * $k - before[k] - park; if (off * off > 1e-18) bad = 1} exit bad || NF != 33}'
+check 'safety: the ramp of simulate ends at park voltages by name' $?
 run 0 tables plate-50-patches --quasi-static --set 'safety={arm: command}' --set 'limits={voltage: [20, 60], sum: {voltage: [600, 700]}}' --prefix high -o "$dir/high.h" &&
     awk '/high_park\[/ {on = 1; next} /};/ {on = 0} on' "$dir/high.h" | grep -o '(.*)' | tr -d '(),' | tr -s ' ' '\n' | sed 's/PZS_R//' | awk '$1 < 20 || $1 > 60 {bad = 1} {sum += $1} END {exit bad || sum < 600 || sum > 700}'
 check 'safety: without a park voltage the amplifiers park inside all limits' $?

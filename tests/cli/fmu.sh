@@ -59,10 +59,10 @@ check 'a quasi-static plant, few sensors, a known load' $?
 check 'a measured mirror with limits of differences and of a sum of absolute values' $?
 loop faults "$dir/vibrating-plant.fmu" "$dir/vibrating-controller.fmu"
 check 'order of calls, states, instances, bad input' $?
-"$PZS" fmu "$dir/measured.yaml" --controller --build --set simulate.sensors.delay=1 --set 'safety={park: -5, ramp_ticks: 20}' -o "$dir/late.fmu" >"$dir/said" 2>&1 &&
+"$PZS" fmu "$dir/measured.yaml" --controller --build --set simulate.sensors.delay=1 --set 'safety={park: {e1: -5, e4: 3 V}, ramp_ticks: 20}' -o "$dir/late.fmu" >"$dir/said" 2>&1 &&
     "$PZS" fmu "$dir/measured.yaml" --plant --build --set 'simulate.plant={gain: 1.2, hysteresis: 0}' --set simulate.sensors.noise=0 -o "$dir/calm.fmu" >"$dir/said" 2>&1 &&
     "$PZS" fmu "$dir/measured.yaml" --controller --build --set safety=none -o "$dir/punctual.fmu" >"$dir/said" 2>&1 &&
-    loop together "$dir/calm.fmu" "$dir/late.fmu" "$dir/punctual.fmu" -5
+    loop together "$dir/calm.fmu" "$dir/late.fmu" "$dir/punctual.fmu" 0 -5 0 0 3 0 0
 check 'both at once: the controller knows of the late tick; commands to the supervisor' $?
 
 # ---- the archive -----------------------------------------------------------

@@ -290,7 +290,7 @@ def together(plant_path, late_path, punctual_path, park):
     assert max(changes) > 1 and max(changes[-5:]) == 0 and c.integer("mode") == 2, (changes[-9:], c.integer("mode"))
     assert c.transfer("fmi2SetInteger", ["command"], (ctypes.c_int * 1)(5)) == OK
     step_together(p, c, 200, 80)
-    assert c.integer("mode") == 7 and c.get(late.names("voltage")) == [park] * len(late.names("voltage"))
+    assert c.integer("mode") == 7 and c.get(late.names("voltage")) == park
     p.close(), c.close()
     p, c = Instance(plant).open(), Instance(punctual).open()
     assert min(step_together(p, c, 0, 200)[-20:]) > 0.1
@@ -311,6 +311,6 @@ if __name__ == "__main__":
         import yaml
         coupled(*sys.argv[2:5], yaml.safe_load(sys.argv[5]), int(sys.argv[6]))
     elif sys.argv[1] == "together":
-        together(*sys.argv[2:5], float(sys.argv[5]))
+        together(*sys.argv[2:5], [float(voltage) for voltage in sys.argv[5:]])
     else:
         faults(*sys.argv[2:4])

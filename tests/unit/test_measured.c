@@ -263,6 +263,32 @@ static void test_held(void **state)
     scene_run_close(&m);
 }
 
+/*
+ * Law: an amplifier parks at the voltage that the scene gives for its name, otherwise at the
+ * allowed voltage nearest to 0; one voltage for all does not concern an amplifier that is held.
+ */
+static void test_park(void **state)
+{
+    (void)state;
+    static const char *const park[] = {"{v1: -2, v3: 9}", "5", "{}"};
+    static const double expected[][3] = {{-2, 3, 9}, {5, 3, 5}, {0, 3, 1}};
+    write_text("matrix.csv", "1 0.2 0\n0.1 1 0\n0 0.1 1\n");
+    for (int which = 0; which < 3; which++) {
+        scene_run m;
+        write_text("scene.yaml",
+                   "name: m\ninfluence: {file: matrix.csv}\nlimits: {voltage: [-9, 9], each: "
+                   "[{actuator: v2, hold: 3}, {actuator: v3, voltage: [1, 9]}]}\n"
+                   "target: {value: [1, 2, 3]}\nsafety: {park: %s}\n",
+                   park[which]);
+        open_measured(&m, "");
+        if (design_control(&m.analysis.design, m.analysis.influence, m.error) < 0)
+            fail_msg("%s", m.error);
+        for (int k = 0; k < 3; k++)
+            assert_true(m.analysis.design.park[k] == expected[which][k]);
+        scene_run_close(&m);
+    }
+}
+
 /* Law: the bytes of the matrix are part of the scene's hash, so that stale tables do not pass. */
 static void test_hash(void **state)
 {
@@ -916,6 +942,7 @@ int main(void)
         cmocka_unit_test(test_dead_actuators), cmocka_unit_test(test_without_structure),
         cmocka_unit_test(test_dependent),      cmocka_unit_test(test_units_of_columns),
         cmocka_unit_test(test_dropped),        cmocka_unit_test(test_nothing_dropped),
+        cmocka_unit_test(test_park),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
