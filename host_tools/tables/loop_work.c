@@ -63,7 +63,7 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 {
     const double blocks = 150 * (double)of->blocks;
     const double rows = 60 * (double)of->rows + 120 * (double)of->row_entries;
-    return loops(of, on, 0, 210, 3260) + on->other * (blocks + rows);
+    return loops(of, on, 0, 210, 3320) + on->other * (blocks + rows);
 }
 
 /*
@@ -214,6 +214,6 @@ double loop_work_pulse_detector(const block_counts *of, const loop_processor *on
 
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
-    return of->is_damped ? loops(of, on, 14, 45, 890) + second_prediction(of, on)
+    return of->is_damped ? loops(of, on, 14, 45, 830) + second_prediction(of, on)
                          : loops(of, on, 45, 60, 1200) + second_prediction(of, on);
 }
