@@ -68,6 +68,23 @@ static void print_dropped(const design *design)
     putchar('\n');
 }
 
+/* Print the groups of actuators that one amplifier drives, each with the actuators of the file. */
+static void print_tied(const scene_influence *influence, const design *design)
+{
+    for (int k = 0; k < design->amplifiers && influence->tied > 0; k++) {
+        const char *separator = "= ";
+        if (scene_tied_count(influence, k) < 2)
+            continue;
+        printf("  tied: %s ", design->amplifier_name[k]);
+        for (int i = 0; i < influence->tied; i++)
+            if (influence->amplifier_of[i] == k) {
+                printf("%s%s", separator, influence->tied_name[i]);
+                separator = " + ";
+            }
+        putchar('\n');
+    }
+}
+
 void print_matrix(const analysis *analysis)
 {
     const design *design = &analysis->design;
@@ -80,6 +97,7 @@ void print_matrix(const analysis *analysis)
         printf("; %d of %d rows ignored", influence->file_outputs - influence->outputs,
                influence->file_outputs);
     putchar('\n');
+    print_tied(influence, design);
     if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;
     words_unit(&design->units, QUANTITY_INFLUENCE, unit);

@@ -99,27 +99,17 @@ static void narrow_by_fields(const limits *limits)
     }
 }
 
+/*
+ * Give every amplifier the limits that it has of its own in the scene file, otherwise common limits
+ * (V).
+ */
 static void set_all(const limits *limits, double lower, double upper)
 {
     for (int k = 0; k < limits->scene->amplifiers; k++) {
         limits->lower[k] = lower;
         limits->upper[k] = upper;
+        scene_own_limits(limits->scene, k, &limits->lower[k], &limits->upper[k]);
     }
-}
-
-/*
- * Replace the common voltage limits of amplifiers that have own limits in the scene file. Where
- * several entries of the scene name an amplifier, the last one applies.
- */
-static void apply_own_limits(const limits *limits)
-{
-    const scene_limits *from = &limits->scene->limits;
-    for (int i = 0; i < from->each_count; i++)
-        for (int k = from->each[i].first;
-             from->each[i].has_voltage && k < from->each[i].first + from->each[i].count; k++) {
-            limits->lower[k] = from->each[i].lower;
-            limits->upper[k] = from->each[i].upper;
-        }
 }
 
 /*
@@ -154,9 +144,11 @@ static int check_limits(const limits *bounds, const char *which, char *error)
             scene_amplifier_name(bounds->scene, k, name);
             return scene_fault(
                 bounds->scene->limits.at, error,
-                "%s has no voltage left between %g and %g: %sits own limits and the material's "
-                "field_limit do not overlap; widen one of them",
-                name, bounds->lower[k], bounds->upper[k], which);
+                "%s has no voltage left between %g and %g: %sits own limits and %s do not overlap; "
+                "widen one of them",
+                name, bounds->lower[k], bounds->upper[k], which,
+                bounds->scene->influence.tied > 0 ? "those of the actuators tied to it"
+                                                  : "the material's field_limit");
         }
     return 0;
 }
@@ -184,7 +176,6 @@ static int build_limits(const design *design, char *error)
 {
     const limits limits = {design->scene, design->lower, design->upper};
     set_all(&limits, design->scene->limits.lower, design->scene->limits.upper);
-    apply_own_limits(&limits);
     narrow_by_fields(&limits);
     build_step_limits(design);
     return check_limits(&limits, "", error);
@@ -202,7 +193,6 @@ int design_limits(const design *design, common_limits common, double *lower, dou
     if (common.source != LIMITS_GIVEN)
         return 0;
     set_all(&bounds, -HUGE_VAL, HUGE_VAL);
-    apply_own_limits(&bounds);
     narrow_by_fields(&bounds);
     narrow_by_common(&bounds, common.lower, common.upper);
     return check_limits(&bounds, "the limits asked for, ", error);

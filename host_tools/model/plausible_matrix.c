@@ -65,13 +65,9 @@ int measure_matrix_shape(const subject *of, int k, measured *found)
  */
 static int is_held(const scene *scene, int k)
 {
-    int held = 0;
-    for (int i = 0; i < scene->limits.each_count; i++) {
-        const scene_limit *limit = &scene->limits.each[i];
-        if (limit->has_voltage && k >= limit->first && k < limit->first + limit->count)
-            held = limit->lower == limit->upper;
-    }
-    return held;
+    double lower = -HUGE_VAL, upper = HUGE_VAL;
+    scene_own_limits(scene, k, &lower, &upper);
+    return lower == upper;
 }
 
 /*

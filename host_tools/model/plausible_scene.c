@@ -40,13 +40,9 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
  */
 static double allowed(const scene *scene, int amplifier)
 {
-    double most = fmax(fabs(scene->limits.lower), fabs(scene->limits.upper));
-    for (int i = 0; i < scene->limits.each_count; i++) {
-        const scene_limit *own = &scene->limits.each[i];
-        if (own->has_voltage && amplifier >= own->first && amplifier < own->first + own->count)
-            most = fmax(fabs(own->lower), fabs(own->upper));
-    }
-    return most;
+    double lower = scene->limits.lower, upper = scene->limits.upper;
+    scene_own_limits(scene, amplifier, &lower, &upper);
+    return fmax(fabs(lower), fabs(upper));
 }
 
 /*

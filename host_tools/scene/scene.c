@@ -147,6 +147,8 @@ void scene_free(scene *scene)
     free(scene->influence.matrix);
     free(scene->influence.place);
     free(scene->influence.output_name);
+    free(scene->influence.amplifier_of);
+    free(scene->influence.tied_name);
     memset(scene, 0, sizeof *scene);
 }
 

@@ -659,6 +659,9 @@ typedef struct scene_compare {
  */
 typedef struct scene_limit {
     int first, count;
+    bool is_tied; /* true: the limits are those of one of the actuators which the amplifier drives
+                     together; the narrowest limits of these actuators apply to the amplifier */
+    int tied;     /* index of this actuator in the file of the influence matrix */
     bool has_voltage;    /* whether the amplifiers from `first` on, `count` in number, have voltage
                             limits of their own; otherwise the limits of all amplifiers apply to
                             them */
@@ -918,7 +921,12 @@ typedef struct scene_influence {
                            file gives none */
     char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's
                                         file, or NULL where it has no names */
-    int modes;                       /* number of measured vibration modes that the scene gives */
+    int tied; /* number of actuators in the file of the influence matrix if the scene ties some of
+                 them to one amplifier; 0: each actuator has an amplifier of its own */
+    int *amplifier_of; /* [tied] amplifier that drives each actuator of the file; of two amplifiers,
+                          that whose first actuator comes first has the lower number */
+    char (*tied_name)[SCENE_NAME]; /* [tied] names of the actuators of the file */
+    int modes;                     /* number of measured vibration modes that the scene gives */
     scene_measured_mode *mode; /* [modes] measured vibration modes in the order of their frequencies
                                 */
     scene_at at;
@@ -1121,6 +1129,38 @@ void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL]);
  * *first to *first + *count - 1. Returns 1 if there are any, else 0.
  */
 int scene_find_amplifier(const scene *scene, const char *name, int *first, int *count);
+
+/*
+ * Return the amplifier that drives an actuator of the file of a measured influence matrix
+ * (scene_tied.c).
+ */
+int scene_tied_amplifier(const scene_influence *influence, int actuator);
+
+/*
+ * Return the number of actuators that an amplifier drives, in a scene that ties some of them to one
+ * amplifier; 0 where no actuators are tied.
+ */
+int scene_tied_count(const scene_influence *influence, int amplifier);
+
+/*
+ * Return the index in the file of the influence matrix of an actuator, in a scene that ties some of
+ * its actuators to one amplifier; -1 for other names, and where no actuators are tied.
+ */
+int scene_find_tied(const scene_influence *influence, const char *name);
+
+/*
+ * Add up the values of the actuators that an amplifier drives.
+ *   value [actuators of the file] in/out  value of each actuator; afterwards the first ones are the
+ *       sums for the amplifiers
+ */
+void scene_tied_sum(const scene_influence *influence, double *value);
+
+/*
+ * Replace voltage limits by those that an amplifier has of its own (limits.each). Of several
+ * entries the last one applies; of several actuators that it drives together, the narrowest limits.
+ *   lower, upper  in/out  limits of an amplifier that has none of its own; limits of this one
+ */
+void scene_own_limits(const scene *scene, int amplifier, double *lower, double *upper);
 
 /*
  * Find the electrodes that belong to the name of a sensor or of a single electrode: numbers *first

@@ -13,6 +13,12 @@ int refuse_amplifier(reader *reader, scene_at at, const char *name)
     if (reader->s->amplifiers == 0)
         return tree_fault_at(reader->t, at, "there is no actuator '%.60s'; add actuators first",
                              name);
+    const int tied = scene_find_tied(&reader->s->influence, name);
+    if (tied >= 0) {
+        scene_amplifier_name(reader->s, reader->s->influence.amplifier_of[tied], first);
+        return tree_fault_at(reader->t, at, "'%.60s' is tied to others; write the group, '%s'",
+                             name, first);
+    }
     scene_amplifier_name(reader->s, 0, first);
     return tree_fault_at(reader->t, at, "there is no actuator '%.60s'; the first one is '%s'%s%s",
                          name, first,

@@ -20,7 +20,7 @@ enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
  * file.
  */
 typedef struct influence_text {
-    int file, coordinates, actuators, outputs, ignore, mask,
+    int file, coordinates, actuators, outputs, ignore, mask, tied,
         modes; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
     bool rows_are_actuators;
     double scale, drop_below;
@@ -391,27 +391,44 @@ static int take_coordinates(reader *reader, const influence_text *text)
 
 /* ---- matrix ----------------------------------------------------------- */
 
+/* Return the name of an actuator of the file of the measured influence matrix. */
+static const char *actuator_name(const scene *scene, int k)
+{
+    return scene->influence.tied > 0 ? scene->influence.tied_name[k] : scene->actuator[k].name;
+}
+
+/* Multiply the influence matrix by the factor `scale` of the scene file. */
+static void scale_matrix(const scene *scene, double scale)
+{
+    const size_t entries = (size_t)scene->influence.outputs * (size_t)scene->amplifiers;
+    for (size_t i = 0; i < entries; i++)
+        scene->influence.matrix[i] *= scale;
+}
+
+/* Copy the measured influence matrix; the columns of tied actuators are added. */
 static int copy_matrix(reader *reader, const influence_text *text)
 {
     scene_influence *influence = &reader->s->influence;
-    const int actuators = actuators_of(text);
+    const size_t amplifiers = (size_t)reader->s->amplifiers;
     char place[NUMBER_NAME];
     double largest = 0;
-    influence->matrix = calloc((size_t)influence->outputs * (size_t)actuators, sizeof(double));
+    influence->matrix = calloc((size_t)influence->outputs * amplifiers, sizeof(double));
     if (!influence->matrix)
         return tree_fault(reader->t, text->file, "out of memory");
     for (int i = 0; i < influence->outputs; i++)
-        for (int k = 0; k < actuators; k++) {
+        for (int k = 0; k < actuators_of(text); k++) {
             const double value = entry(text, influence->row[i], k, place);
+            const size_t amplifier = (size_t)scene_tied_amplifier(influence, k);
             if (!isfinite(value))
                 return tree_fault(reader->t, text->file,
                                   "%.80s: %s, actuator '%s', is %g; measure it again, or ignore "
                                   "this output (ignore, mask)",
-                                  node_text(reader, text->file), place, reader->s->actuator[k].name,
+                                  node_text(reader, text->file), place, actuator_name(reader->s, k),
                                   value);
-            influence->matrix[(size_t)i * (size_t)actuators + (size_t)k] = text->scale * value;
+            influence->matrix[(size_t)i * amplifiers + amplifier] += value;
             largest = fmax(largest, fabs(value));
         }
+    scale_matrix(reader->s, text->scale);
     if (largest > 0)
         return 0;
     return tree_fault(reader->t, text->file, "%.80s: every entry is 0; no voltage moves an output",
@@ -430,7 +447,7 @@ static int build(reader *reader, influence_text *text)
     if (make_actuators(reader, text) != 0 || name_outputs(reader, text) != 0 ||
         list_rows(reader, text) != 0 || take_coordinates(reader, text) != 0)
         return -1;
-    if (copy_matrix(reader, text) != 0)
+    if ((text->tied && scene_tie(reader, text->tied) != 0) || copy_matrix(reader, text) != 0)
         return -1;
     return text->modes ? read_measured_modes(reader, text->modes, reader->s, NULL) : 0;
 }
@@ -454,6 +471,10 @@ static const field influence_fields[] = {
     {"actuators", read_node, offsetof(influence_text, actuators), .form = &labels_form,
      .help = "Names of the actuators in the order of the file; default those of the file, or v1, "
              "v2 ..."},
+    {"tied", read_node, offsetof(influence_text, tied), .form = &tied_form,
+     .help = "Groups of actuators that one amplifier drives, as {left: [a1, a2], right: [a3, a4]}: "
+             "their columns are added, and the group is an actuator with the narrowest limits of "
+             "its members."},
     {"outputs", read_node, offsetof(influence_text, outputs), .form = &labels_form,
      .help = "Names of the outputs in the order of the file."},
     {"coordinates", read_node, offsetof(influence_text, coordinates), .of = OF_LENGTH,

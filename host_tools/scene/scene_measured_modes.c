@@ -114,8 +114,12 @@ static int read_mode(reader *reader, int node, void *item)
                           "or none to have them fitted to the matrix");
     if (!text.response)
         return 0;
-    mode->response = read_numbers(reader, text.response, scene->amplifiers, "actuators");
-    return mode->response ? 0 : -1;
+    const int actuators = influence->tied > 0 ? influence->tied : scene->amplifiers;
+    mode->response = read_numbers(reader, text.response, actuators, "actuators");
+    if (!mode->response)
+        return -1;
+    scene_tied_sum(influence, mode->response);
+    return 0;
 }
 
 int read_measured_modes(reader *reader, int node, void *to, const void *rule)

@@ -133,6 +133,14 @@ field_read read_supports, read_loads, read_contact;
 field_read read_influence;
 
 /*
+ * Read the groups of actuators that one amplifier drives (key `tied`), and replace the actuators of
+ * each group by one (scene_tied.c). Returns 0, or -1 after writing an error message about the scene
+ * file.
+ */
+int scene_tie(reader *reader, int node);
+extern const form tied_form;
+
+/*
  * Function that reads the vibration modes of a scene with a measured influence matrix into the
  * scene, to which its argument `to` points (scene_measured_modes.c). It must be called after the
  * influence matrix is read.

@@ -343,7 +343,14 @@ static int read_amplifier(reader *reader, int node, void *to, const void *rule)
         return read_name(reader, node, name, rule);
     if (scene_find_amplifier(reader->s, node_text(reader, node), &limit->first, &limit->count))
         return 0;
-    return refuse_amplifier(reader, node_at(reader, node), node_text(reader, node));
+    const scene_influence *influence = &reader->s->influence;
+    limit->tied = scene_find_tied(influence, node_text(reader, node));
+    limit->is_tied = limit->tied >= 0;
+    if (!limit->is_tied)
+        return refuse_amplifier(reader, node_at(reader, node), node_text(reader, node));
+    limit->first = influence->amplifier_of[limit->tied];
+    limit->count = 1;
+    return 0;
 }
 
 /*
@@ -393,7 +400,8 @@ static const form voltage_range_form = {
 
 static const field each_fields[] = {
     {"actuator", read_amplifier, offsetof(each_text, limit), .required = 1, .form = &label_form,
-     .help = "Name of an amplifier, such as v_1_2, or of an actuator for all its amplifiers."},
+     .help = "Name of an amplifier, such as v_1_2, of an actuator for all its amplifiers, or of an "
+             "actuator that is tied to others (influence.tied)."},
     {"voltage", read_voltage, offsetof(each_text, voltage), .of = OF_LIMIT,
      .form = &voltage_range_form, .help = "Voltage limits [lowest, highest]."},
     {"hold", read_real, offsetof(each_text, hold), .of = OF_LIMIT,

@@ -128,6 +128,14 @@ run 0 check "$dir/measured.yaml" --set influence.drop_below=0.2 && grep -qF 'ent
     grep -qE 'they move output .* by [0-9.e-]+ mm, [0-9.]+ of the target' "$dir/out" && run 0 check "$dir/measured.yaml" --set influence.drop_below=0.2 --json && json "j['dropped_error'] > 0" &&
     run 2 check "$dir/measured.yaml" --set influence.drop_below=0.7 && says 'must be from 0 to 0.5'
 check 'drop_below leaves out small entries with the largest error, and is refused above 0.5' $?
+run 0 check "$dir/measured.yaml" --set 'influence.tied={pair: [e4, e1], rest: [e5, e6]}' --set simulate.events=[] && grep -qF '19 outputs, 5 actuators' "$dir/out" &&
+    grep -qx '  tied: pair = e1 + e4' "$dir/out" && grep -qx '  tied: rest = e5 + e6' "$dir/out" &&
+    run 0 shape "$dir/measured.yaml" --set 'influence.tied={pair: [e1, e4]}' --set 'limits.each=[{actuator: e4, voltage: [-3, 2]}]' --limit 60 --json &&
+    json "j['voltages']['pair'] == 2 and j['narrower'] == 1 and j['amplifiers'] == 6" &&
+    run 2 check "$dir/measured.yaml" --set 'influence.tied={pair: [e1, e4], other: [e4]}' && says "'e4' is in the groups 'pair' and 'other'" &&
+    run 2 simulate "$dir/measured.yaml" --set 'influence.tied={pair: [e1, e2]}' && says "'e2' is tied to others; write the group, 'pair'" &&
+    run 0 tables "$dir/measured.yaml" --set 'influence.tied={pair: [e1, e4]}' --set 'safety={park: {pair: 5}}' --prefix tied -o "$dir/tied.h" && grep -q 'tied_park\[6\]' "$dir/tied.h"
+check 'tied actuators are one amplifier, with the narrowest limits' $?
 run 2 solve "$dir/measured.yaml" && says 'needs a structure'; check 'solve of a measured matrix is refused by name' $?
 run 2 modes "$dir/measured.yaml" && says 'need a structure'; check 'modes of a measured matrix are refused by name' $?
 for image in linear nonlinear; do

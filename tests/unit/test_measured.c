@@ -289,6 +289,116 @@ static void test_park(void **state)
     }
 }
 
+/* ---- tied actuators ------------------------------------------------------ */
+
+enum { TIED_OUTPUTS = 9, TIED_ACTUATORS = 5, TIED_GROUPS = 3 };
+
+/* Group that each actuator of the file belongs to, in the scenes of the test of tied actuators. */
+static const int tied_group[TIED_ACTUATORS] = {0, 1, 0, 2, 1};
+
+/* Write a matrix of numbers without pattern, or with the columns of each group summed. */
+static void write_tied_matrix(const char *name, bool is_summed)
+{
+    FILE *file = fopen(path_of(name), "w");
+    uint32_t state = 1;
+    assert_non_null(file);
+    fputs(is_summed ? "left,right,a4\n" : "a1,a2,a3,a4,a5\n", file);
+    for (int i = 0; i < TIED_OUTPUTS; i++) {
+        double sum[TIED_GROUPS] = {0, 0, 0};
+        for (int k = 0; k < TIED_ACTUATORS; k++) {
+            state = state * 1664525U + 1013904223U;
+            const double value = (double)state / 3e9 - 0.7;
+            sum[tied_group[k]] += value;
+            if (!is_summed)
+                fprintf(file, "%.17g%s", value, k + 1 < TIED_ACTUATORS ? "," : "\n");
+        }
+        if (is_summed)
+            fprintf(file, "%.17g,%.17g,%.17g\n", sum[0], sum[1], sum[2]);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+#define TIED_SCENE                                                                                 \
+    "name: m\ncontrol: {rate: 1000}\ninfluence: {file: %s, scale: 0.3, %s modes: [{frequency: 9, " \
+    "shape: [1, 2, 3, 4, 5, 6, 7, 8, 9], response: %s}]}\n"                                        \
+    "limits: {voltage: [-2, 2], step_limit: 0.9, each: %s}\n"                                      \
+    "target: {value: [1, -2, 3, 1, -1, 2, 2, 0, -1]}\n"
+
+/*
+ * Law: actuators that one amplifier drives are one actuator whose column is the sum of theirs: the
+ * voltages are those of a matrix with summed columns, to the last bit. Its limits and its step
+ * limit are the narrowest of its actuators, its response in a mode is the sum of theirs.
+ */
+static void test_tied(void **state)
+{
+    (void)state;
+    scene_run tied, summed;
+    voltages a, b;
+    write_tied_matrix("matrix.csv", false);
+    write_tied_matrix("plain.csv", true);
+    write_text("scene.yaml", TIED_SCENE, "matrix.csv", "tied: {right: [a5, a2], left: [a1, a3]},",
+               "[0.1, 0.2, 0.3, 0.4, 0.5]",
+               "[{actuator: a1, voltage: [-5, 0.3]}, {actuator: a3, voltage: [-0.4, 5], "
+               "step_limit: 0.5}, {actuator: a5, voltage: [-9, 9]}, {actuator: a4, hold: 0.1}]");
+    open_measured(&tied, "");
+    write_text("scene.yaml", TIED_SCENE, "plain.csv", "", "[0, 0, 0]",
+               "[{actuator: left, voltage: [-0.4, 0.3], step_limit: 0.5}, "
+               "{actuator: a4, hold: 0.1}]");
+    open_measured(&summed, "");
+    optimum(&tied, 100, &a);
+    optimum(&summed, 100, &b);
+    assert_int_equal(a.amplifiers, TIED_GROUPS);
+    assert_int_equal(b.amplifiers, TIED_GROUPS);
+    assert_memory_equal(a.voltage, b.voltage, TIED_GROUPS * sizeof *a.voltage);
+    const design *d = &tied.analysis.design, *other = &summed.analysis.design;
+    assert_memory_equal(d->lower, other->lower, TIED_GROUPS * sizeof *d->lower);
+    assert_memory_equal(d->upper, other->upper, TIED_GROUPS * sizeof *d->upper);
+    assert_memory_equal(d->step_limit, other->step_limit, TIED_GROUPS * sizeof *d->step_limit);
+    assert_true(d->lower[0] == -0.4 && d->upper[0] == 0.3 && d->upper[1] == 2);
+    assert_true(d->upper[2] == 0.1 && d->step_limit[0] == 0.5);
+    for (int k = 0; k < TIED_GROUPS; k++)
+        assert_string_equal(d->amplifier_name[k], other->amplifier_name[k]);
+    const double *response = tied.scene.influence.mode[0].response;
+    const double expected[TIED_GROUPS] = {0.1 + 0.3, 0.2 + 0.5, 0.4};
+    assert_memory_equal(response, expected, sizeof expected);
+    voltages_free(&a);
+    voltages_free(&b);
+    scene_run_close(&tied);
+    scene_run_close(&summed);
+}
+
+/* Law: groups that make no sense are refused with their name and the cure. */
+static void test_tied_refused(void **state)
+{
+    static const refusal bad[] = {
+        {"influence.tied={left: [a1, b9]}", "there is no actuator 'b9'; the first one is 'a1'"},
+        {"influence.tied={left: [a1, a2, a1]}", "'a1' is named twice in 'left'; name it once"},
+        {"influence.tied={left: [a1, a2], right: [a2]}",
+         "'a2' is in the groups 'left' and 'right'; an actuator has one amplifier"},
+        {"influence.tied={left: []}", "the group 'left' is empty; name the actuators"},
+        {"influence.tied={a5: [a1, a2]}",
+         "'a5' is also the name of an actuator outside the group; rename the group"},
+        {"influence.tied={left: a1}", "left"},
+        {"simulate={ticks: 5, plant: {gain: {a3: 2}}}",
+         "'a3' is tied to others; write the group, 'left'"},
+        {"limits.each=[{actuator: a1, hold: 1}, {actuator: a3, hold: 0}]",
+         "left has no voltage left between 1 and 0: its own limits and those of the actuators "
+         "tied to it do not overlap"},
+    };
+    (void)state;
+    write_tied_matrix("matrix.csv", false);
+    write_text("scene.yaml", TIED_SCENE, "matrix.csv", "tied: {left: [a1, a3]},", "[1, 2, 3, 4, 5]",
+               "[]");
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        scene_run m;
+        assert_true(scene_run_open(&m, path_of("scene.yaml"), bad[i].set) < 0 ||
+                    analysis_influence(&m.analysis, m.error) < 0);
+        if (!strstr(m.error, bad[i].expected))
+            fail_msg("%s: '%s' is missing in '%s'", bad[i].set, bad[i].expected, m.error);
+        scene_run_close(&m);
+    }
+}
+
 /* Law: the bytes of the matrix are part of the scene's hash, so that stale tables do not pass. */
 static void test_hash(void **state)
 {
@@ -942,6 +1052,7 @@ int main(void)
         cmocka_unit_test(test_dead_actuators), cmocka_unit_test(test_without_structure),
         cmocka_unit_test(test_dependent),      cmocka_unit_test(test_units_of_columns),
         cmocka_unit_test(test_dropped),        cmocka_unit_test(test_nothing_dropped),
+        cmocka_unit_test(test_tied),           cmocka_unit_test(test_tied_refused),
         cmocka_unit_test(test_park),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
