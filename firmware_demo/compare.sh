@@ -11,13 +11,13 @@ failed=0
 # field FILE LINE NAME: the value of " NAME=" in the first line that starts with LINE
 field() { sed -n "/^$2 /{s/.* $3=\([^ ]*\).*/\1/p;q;}" "$1"; }
 
-printf '%-22s %-10s %-10s %6s %6s %9s %9s %9s %6s\n' image volts host active passes mean worst warm stack
+printf '%-22s %-10s %-10s %6s %10s %9s %9s %9s %6s\n' image voltages host active iterations mean worst warm stack
 for pair in "$@"; do
     target=$dir/${pair%%:*}.out
     host=$dir/${pair##*:}.out
     grep -q '^cost tick' "$target" || continue # no control loop: its lines follow below
-    printf '%-22s %-10s %-10s %6s %6s %9s %9s %9s %6s\n' "${pair%%:*}" "$(field "$target" result volts)" \
-        "$(field "$host" result volts)" "$(field "$target" result active)" "$(field "$target" result passes)" \
+    printf '%-22s %-10s %-10s %6s %10s %9s %9s %9s %6s\n' "${pair%%:*}" "$(field "$target" result voltages)" \
+        "$(field "$host" result voltages)" "$(field "$target" result active)" "$(field "$target" result iterations)" \
         "$(field "$target" 'cost tick' mean)" "$(field "$target" 'cost tick' worst)" "$(field "$target" 'cost tick' warm)" "$(field "$target" 'cost stack' used)"
 done
 printf '(mean, worst, warm - a slowly moving target: instructions of one control tick as QEMU executes them, not cycles; stack: bytes)\n\n'
