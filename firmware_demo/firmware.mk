@@ -48,6 +48,14 @@ $(eval $(call fw_tables,plate_nonlinear,plate-50-patches --set kinematics=nonlin
 $(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --image nonlinear))
 $(eval $(call fw_tables,wing_linear,wing-panel --image linear --compact))
 $(eval $(call fw_tables,wing_nonlinear,wing-panel --set kinematics=nonlinear --image nonlinear --compact))
+# Meshes of Gmsh from the tests: an off-axis dish with 19 actuators, a box beam with sharp edges, a wing skin with a
+# cut-out and eight patches.
+$(eval $(call fw_tables,dish_control,tests/rigs/scenes/dish.yaml --image control))
+$(eval $(call fw_tables,box_beam_linear,tests/rigs/scenes/box-beam-patches.yaml --image linear --compact))
+$(eval $(call fw_tables,wing_skin_linear,tests/rigs/scenes/wing-skin.yaml --image linear --compact))
+$(T)/dish_control.h: $(wildcard tests/rigs/scenes/dish.*)
+$(T)/box_beam_linear.h: $(wildcard tests/rigs/scenes/box-beam*)
+$(T)/wing_skin_linear.h: $(wildcard tests/rigs/scenes/wing-skin.*)
 tables: $(FW_TABLES)
 
 # fw_library: processor or host, choice, compiler, archiver, flags, sources. One static library for each choice,
@@ -100,6 +108,9 @@ $(eval $(call fw_host,32,control,plate_control))
 $(eval $(call fw_host,32,linear,plate5_linear))
 $(eval $(call fw_host,64,linear,plate_linear))
 $(eval $(call fw_host,32,linear,wing_linear))
+$(eval $(call fw_host,32,control,dish_control))
+$(eval $(call fw_host,32,linear,box_beam_linear))
+$(eval $(call fw_host,32,linear,wing_skin_linear))
 $(eval $(call fw_host,32-nonlinear,loads,hemisphere4_nonlinear))
 $(eval $(call fw_host,64-nonlinear,loads,hemisphere4_nonlinear))
 $(eval $(call fw_host,64-nonlinear,reshape,plate_nonlinear))
@@ -129,6 +140,9 @@ $(eval $(call fw_image,mps2-an386-hemisphere4,mps2-an386,mps2_an386,board_mps2,1
 $(eval $(call fw_image,mps2-an500-hemisphere4,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,loads,hemisphere4_nonlinear,$(FW_M7)))
 $(eval $(call fw_image,mps2-an500-reshape,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,reshape,plate_nonlinear,$(FW_M7)))
 $(eval $(call fw_image,mps2-an386-wing,mps2-an386,mps2_an386,board_mps2,10,m4,32,linear,wing_linear,$(FW_M4)))
+$(eval $(call fw_image,mps2-an386-dish,mps2-an386,mps2_an386,board_mps2,10,m4,32,control,dish_control,$(FW_M4)))
+$(eval $(call fw_image,mps2-an386-box-beam,mps2-an386,mps2_an386,board_mps2,10,m4,32,linear,box_beam_linear,$(FW_M4)))
+$(eval $(call fw_image,mps2-an386-wing-skin,mps2-an386,mps2_an386,board_mps2,10,m4,32,linear,wing_skin_linear,$(FW_M4)))
 $(eval $(call fw_image,mps2-an500-wing,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,loads,wing_nonlinear,$(FW_M7)))
 
 # For `pzs simulate --device`: the controller with the tables in LOOP, a header, and its plant at the other end of a stream.
