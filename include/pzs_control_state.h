@@ -994,6 +994,11 @@ typedef struct pzs_loop_state {
     uint16_t scrubbed_number; /* number of the table that is compared with its checksum at present,
                                  among the tables of its block (stage of the control tick) */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
+    /*
+     * whether a heartbeat waits for pzs_loop_take_heartbeat; one of two words that differ in many
+     * bits, so that a flipped bit makes no heartbeat. After any third word no heartbeat follows.
+     */
+    volatile uint32_t heartbeat;
 } pzs_loop_state;
 
 #endif

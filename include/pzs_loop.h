@@ -273,6 +273,41 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
 /*
+ * Take the heartbeat of a control loop, with which a program kicks a hardware watchdog. A tick that
+ * has published voltages and is in order makes one heartbeat; the function returns true once for
+ * it, and false until the next such tick. The program calls the function after the amplifiers have
+ * the voltages, so that a hang of their driver counts, too, and kicks the watchdog nowhere else:
+ *
+ *     status = pzs_loop_tick(&loop, wanted, readings);
+ *     write_amplifiers(loop.info.voltage);
+ *     if (pzs_loop_take_heartbeat(&loop))
+ *         kick_watchdog();
+ *
+ * No heartbeat:
+ *   - before the first tick, and after a refused pzs_loop_init;
+ *   - a hang, a crash, or a tick that takes longer than the time-out of the watchdog;
+ *   - a tick that returns an error, also PZS_E_LATCHED;
+ *   - a tick that returns PZS_W_OUTPUT: the last gate had to correct a voltage;
+ *   - after damaged tables were found, also during the ramp of a supervisor that follows, and also
+ *     if the tables read well again: none until pzs_loop_init, which checks all tables;
+ *   - without a supervisor: a tick without a usable reading or with a target that is not finite
+ *     (PZS_W_HELD). The time-out of the watchdog is then the only one. A tick without readings
+ *     (NULL) is in order there: such a loop may have no sensors.
+ * A heartbeat all the same:
+ *   - parked voltages, a self-test, and the way to the park voltages (PZS_W_PARKED, PZS_W_SELFTEST,
+ *     PZS_W_RAMP): these ticks work as intended, and a reset on the way would let voltages jump. A
+ *     ramp after an error or an alarm ends in PZS_E_LATCHED, after at most
+ *     pzs_supervisor_longest_ramp ticks without missed ones; from then on there is no heartbeat;
+ *   - with a supervisor: ticks without usable readings, until its time-out starts that ramp. With a
+ *     time-out of 0 ticks they last for ever.
+ * A time-out of the watchdog of several tick periods tolerates single ticks that are not in order.
+ * A reset by the watchdog starts the program anew: only with pzs_supervision.waits = 1 the loop
+ * then stays parked until a command. The loop has one heartbeat, so only one place in a program may
+ * take it. That place may be an interrupt, which then does not cover the driver of the amplifiers.
+ */
+bool pzs_loop_take_heartbeat(pzs_loop *loop);
+
+/*
  * Copy the voltages that the last tick of a control loop has computed; all belong to one tick. The
  * function is for a part of the program that may interrupt a tick. On a processor that reorders
  * writes, or with DMA, place its memory barrier after the tick.

@@ -496,6 +496,36 @@ static bool is_supervised(const pzs_loop_core *core)
     return core->blocks[core->count - 1u].type->phase == PZS_PHASE_SUPERVISE;
 }
 
+/*
+ * Values of the member `heartbeat` of the loop's state. Any other value than the first two means
+ * the third.
+ */
+#define NO_HEARTBEAT 0u
+#define HEARTBEAT 0x5AC369A5u
+#define NEVER_AGAIN 0xA53C965Au
+
+/*
+ * Withdraw the heartbeat of the last tick, so that a tick that hangs leaves none, and forbid
+ * further ones if the tables are damaged.
+ */
+static void withdraw_heartbeat(pzs_loop *loop, bool is_intact)
+{
+    const uint32_t word = loop->state.heartbeat;
+    const bool is_known = word == NO_HEARTBEAT || word == HEARTBEAT;
+    loop->state.heartbeat = is_known && is_intact ? NO_HEARTBEAT : NEVER_AGAIN;
+}
+
+/*
+ * Whether a tick that ends with `status` is in order. Without a supervisor nothing else ends the
+ * control by a loop whose readings or target are never usable.
+ */
+static bool is_in_order(const pzs_loop_core *core, const pzs_loop_signals *signals,
+                        pzs_status status)
+{
+    const bool is_held = (signals->warnings >> PZS_W_HELD & 1u) != 0;
+    return !PZS_IS_ERROR(status) && status != PZS_W_OUTPUT && (!is_held || is_supervised(core));
+}
+
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings)
 {
     if (loop == NULL || wanted == NULL)
@@ -509,6 +539,7 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
     const uint32_t missed = loop->state.missed;
     loop->state.missed = 0;
     const pzs_status intact = scrub_tables(loop, core, problem) ? PZS_OK : PZS_E_CRC;
+    withdraw_heartbeat(loop, intact == PZS_OK);
     pzs_loop_signals signals = {.control = core->control,
                                 .wanted = wanted,
                                 .readings = readings,
@@ -519,12 +550,23 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
                                 .deviation = -1,
                                 .missed = missed < PZS_MISSED_LIMIT ? missed : PZS_MISSED_LIMIT,
                                 .sensors = core->sensors};
-    const pzs_status status = run(loop, core, &signals, intact);
+    pzs_status status = run(loop, core, &signals, intact);
     loop->info.measured = signals.measured;
     loop->info.electrode = signals.electrode;
     if (PZS_IS_ERROR(status) && !is_supervised(core))
         return status;
-    return give_out(loop, core, status);
+    status = give_out(loop, core, status);
+    if (is_in_order(core, &signals, status) && loop->state.heartbeat == NO_HEARTBEAT)
+        loop->state.heartbeat = HEARTBEAT;
+    return status;
+}
+
+bool pzs_loop_take_heartbeat(pzs_loop *loop)
+{
+    if (loop == NULL || loop->state.heartbeat != HEARTBEAT)
+        return false;
+    loop->state.heartbeat = NO_HEARTBEAT;
+    return true;
 }
 
 /* ---- for the program ---------------------------------------------------- */
