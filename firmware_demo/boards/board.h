@@ -32,6 +32,12 @@ uint32_t board_stack_used(void); /* largest stack use so far (bytes); 0 on the h
 uint32_t board_instructions(uint32_t from, uint32_t to);
 
 /*
+ * Restart the hardware watchdog, if the board has one, when is_alive is not 0. The first restart
+ * starts the watchdog, so that start-up may take as long as needed. Returns is_alive.
+ */
+int board_kick(int is_alive);
+
+/*
  * Exchange bytes with the computer that runs or debugs the board, by semihosting or by standard
  * input and output. Both functions return whether all bytes were transferred; 0 means the end of
  * the stream.

@@ -40,3 +40,9 @@ uint32_t board_instructions(uint32_t from, uint32_t to)
 {
     return (uint32_t)((uint64_t)(to - from) * 125u / 128u);
 }
+
+/* The watchdog of this board is left off. */
+int board_kick(int is_alive)
+{
+    return is_alive;
+}

@@ -42,7 +42,7 @@ static void print(const char *text)
 
 int main(void)
 {
-    int inside = 1;
+    int inside = 1, kicks = 0;
     board_start();
     pzs_status status = pzs_loop_init(&loop, plate_blocks, PLATE_BLOCKS, NULL, work, sizeof work);
     for (int tick = 0; tick < 100 && !PZS_IS_ERROR(status); tick++) {
@@ -50,10 +50,11 @@ int main(void)
         read_sensors();
         status = pzs_loop_tick(&loop, wanted, readings);
         inside &= write_amplifiers(loop.info.voltage);
+        kicks += board_kick(pzs_loop_take_heartbeat(&loop)); /* the hardware watchdog */
     }
     print(loop.info.block ? loop.info.block->name : "loop");
     print(": ");
     print(pzs_status_text(status));
     print(inside ? ", every voltage inside its limits\n" : ", a voltage OUTSIDE its limits\n");
-    return PZS_IS_ERROR(status) || !inside;
+    return PZS_IS_ERROR(status) || !inside || kicks != 100;
 }

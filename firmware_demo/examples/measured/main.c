@@ -8,10 +8,8 @@ static pzs_real work[MIRROR_LOOP_BYTES / sizeof(pzs_real) + 1];
 static pzs_real readings[MIRROR_READINGS];
 static pzs_loop loop;
 
-/*
- * Simulate the sensors of a mirror that responds a tenth less than its measured matrix says.
- * Returns the sum of the squares of target minus reading.
- */
+/* Simulate the sensors of a mirror that responds a tenth less than its measured matrix says.
+ * Returns the sum of the squares of target minus reading. */
 static pzs_real read_sensors(void)
 {
     pzs_real misfit = 0;
@@ -40,7 +38,7 @@ static int is_allowed(const pzs_real *before, const pzs_real *voltage)
 int main(void)
 {
     pzs_real before[MIRROR_INPUTS], misfit = 0, at_start = 0;
-    int allowed = 1;
+    int allowed = 1, kicks = 0;
     board_start();
     pzs_status status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
     for (int tick = 0; tick < 100 && !PZS_IS_ERROR(status); tick++) {
@@ -50,11 +48,12 @@ int main(void)
         at_start = tick == 0 ? misfit : at_start;
         status = pzs_loop_tick(&loop, mirror_target, readings);
         allowed &= is_allowed(before, loop.info.voltage);
+        kicks += board_kick(pzs_loop_take_heartbeat(&loop)); /* the hardware watchdog */
     }
     const int improved = misfit < at_start / 2;
     const char *text = improved ? pzs_status_text(status) : "the misfit did not fall below half";
     for (text = allowed ? text : "a voltage left its limits"; *text; text++)
         board_put(*text);
     board_put('\n');
-    return status != PZS_OK || !allowed || !improved;
+    return status != PZS_OK || !allowed || !improved || kicks != 100;
 }
