@@ -246,6 +246,7 @@ static void json_stability(json *json, const certificate *certificate)
                     loop->target.is_made ? loop->target.newer : (double)NAN);
         json_number(json, "modes_observed", loop->observed);
         json_number(json, "load_step_periods", loop->load_step);
+        json_number(json, "residual_periods", loop->residual);
         json_bool(json, "load_step_longer", loop->load_step >= CERTIFICATE_LOAD_MOST);
         json_number(json, "readings_older", loop->older);
         json_number(json, "readings_newer", loop->newer);

@@ -408,6 +408,20 @@ static void load_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 }
 
 /*
+ * Append the sentence that says how fast the control loop follows what the observed modes do not
+ * explain.
+ */
+static void residual_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    if (loop->observed > 0 && loop->residual > 0)
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nWhat the observed modes do not explain (loads that only faster modes show, "
+                    "static errors of the\nmodel): 5 %% of it are left in the estimate after %.3g "
+                    "periods.",
+                    loop->residual);
+}
+
+/*
  * Append the sentences that say by how many ticks the sensor readings may be older or newer than
  * the scene file states while the control loop stays stable.
  */
@@ -519,6 +533,7 @@ static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         loop->modes, loop->radius, loop->at_gain, loop->at_frequency);
     storm_text(loop, text);
     load_text(loop, text);
+    residual_text(loop, text);
     target_text(&loop->target, text);
     if (loop->is_stable)
         age_text(loop, text);

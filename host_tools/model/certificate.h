@@ -117,6 +117,9 @@ typedef struct certificate_loop {
                          no mode is observed, or no load can be compensated */
     double angle; /* angle by which the phase of the first observed vibration mode advances in one
                      tick (rad): angular frequency times tick interval; 0: no mode is observed */
+    double residual; /* time until the loop has followed 95 % of what the observed modes do not
+                        explain, such as static errors of the model (periods of the first observed
+                        mode); NAN: no mode is observed */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */

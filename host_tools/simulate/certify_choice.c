@@ -38,6 +38,21 @@ enum { CHOICES = sizeof choices / sizeof *choices };
 static const double slowest = 1.25;
 
 /*
+ * Gains of the low-pass filter of the residual readings (damper_settings.slow) that are tried after
+ * the choice of a row, the fastest first, divided by the phase angle of the first observed mode in
+ * a tick. The first of them leaves 5 % of a residual after 3.2 periods of this mode.
+ */
+static const double residual_part[] = {0.15, 0.075, 0.0375};
+static const double residual_limit = 0.15; /* largest of these gains */
+
+/*
+ * Static response of the structure to voltages, relative to the model, at which small vibrations
+ * must still decay with a faster filter: more than the 1.33 of the other tests, because the filter
+ * must not use up the margin of the loop.
+ */
+static const double residual_margin = 1.6;
+
+/*
  * Angle by which the phase of the first vibration mode that the loop observes advances in one tick
  * (rad): angular frequency times tick interval. 0 where the loop observes no mode.
  */
@@ -84,6 +99,17 @@ static int measure_load_step(trial *trial, int choice, double *periods, char *er
 }
 
 /*
+ * Time after which the low-pass filter of the residual readings leaves 5 % of a sudden residual
+ * (periods of the first observed mode).
+ *   angle in  phase angle of this mode in a tick (rad); 0: no mode is observed, and the time NAN
+ *   gain  in  gain of the filter
+ */
+static double residual_periods(double angle, double gain)
+{
+    return angle > 0 ? log(0.05) / log1p(-gain) * angle / two_pi : (double)NAN;
+}
+
+/*
  * Number of storms (simulations with fast jumps of the target) that may fail to settle with the
  * next choice of settings until it is known to be no better than the best one so far.
  */
@@ -96,19 +122,18 @@ static int enough_failures(const certificate_loop *best)
 }
 
 /*
- * Test the stability of the control loop with one choice of settings of the vibration damper by
+ * Test the stability of the control loop with given settings of the vibration damper by
  * simulations, which end where the loop is no better than the best one so far.
- *   older   in   1: the loop is known to tolerate readings that are one tick older; otherwise 0
- *   options out  options of the vibration damper with these settings
+ *   options in  options of the vibration damper with these settings
+ *   older   in  1: the loop is known to tolerate readings that are one tick older; otherwise 0
  * Returns 0, or -1 with error filled.
  */
-static int try_choice(trial *trial, int choice, int older, damper_options *options,
-                      certificate_loop *loop, char *error)
+static int try_settings(trial *trial, const damper_options *options, int older,
+                        certificate_loop *loop, char *error)
 {
     const int enough = enough_failures(&trial->analysis->certificate.loop);
     bool is_stable;
     memset(loop, 0, sizeof *loop);
-    set_options(trial, choice, options);
     if (trial_use(trial, options, error) < 0 ||
         trial_measure_growth(&trial->rig, loop, &is_stable, error) < 0 ||
         (is_stable && trial_run_storms(&trial->rig, STORMS, enough, loop, error) < 0))
@@ -129,6 +154,7 @@ static int try_choice(trial *trial, int choice, int older, damper_options *optio
     loop->bandwidth = trial->analysis->design.simulate.imperfections.bandwidth;
     loop->older = older;
     loop->angle = first_angle(trial);
+    loop->residual = residual_periods(loop->angle, trial->damper.tables.slow);
     loop->less_hysteresis = trial->blocks.compensation.is_used ? TRIAL_LESS_HYSTERESIS : 0;
     return loop->is_stable ? trial_try_neighbouring_ages(trial, loop, error) : 0;
 }
@@ -210,7 +236,8 @@ static int compare_choice(trial *trial, int choice, double load_step, double *fa
         return -1;
     if (!tolerates)
         return 0;
-    if (try_choice(trial, choice, has_stable, &options, &loop, error) < 0)
+    set_options(trial, choice, &options);
+    if (try_settings(trial, &options, has_stable, &loop, error) < 0)
         return -1;
     loop.load_step = load_step;
     if (!is_better(&loop, &certificate->loop, *fastest))
@@ -260,7 +287,78 @@ static int consider(trial *trial, int choice, bool only_fast, candidate *candida
     return compare_choice(trial, choice, candidate->load_step, fastest, error);
 }
 
-int trial_choose(trial *trial, char *error)
+/*
+ * Determine whether the loop with its present tables keeps its margin: small vibrations decay at
+ * the static response `residual_margin`. Returns 0, or -1 with error filled.
+ */
+static int keeps_margin(const trial *trial, bool *keeps, char *error)
+{
+    const storm_task task = trial_growth_task(&trial->rig, residual_margin, 1, 0);
+    *keeps = true;
+    return storm_batch_run(&trial->rig, &task, 1, trial_visit_pass, keeps, error);
+}
+
+/*
+ * Test the chosen settings with another gain of the low-pass filter of the residual readings, and
+ * keep it if the loop passes all tests that it has passed before: growth, storms, load steps and
+ * readings one tick older or newer.
+ *   is_kept out  whether the gain is kept
+ * Returns 0, or -1 with error filled.
+ */
+static int try_residual(trial *trial, double gain, bool *is_kept, char *error)
+{
+    certificate *certificate = &trial->analysis->certificate;
+    const certificate_loop *best = &certificate->loop;
+    damper_options options = damper_options_of(trial->analysis);
+    certificate_loop loop;
+    double load_step;
+    bool keeps;
+    options.settings.slow = gain;
+    *is_kept = false;
+    if (trial_use(trial, &options, error) < 0 || keeps_margin(trial, &keeps, error) < 0)
+        return -1;
+    if (!keeps)
+        return 0;
+    if (load_step_periods(&trial->rig, trial->damper.frequency[0], &load_step, error) < 0)
+        return -1;
+    if (load_step > fmax(best->load_step, CERTIFICATE_LOAD_STEP))
+        return 0;
+    if (try_settings(trial, &options, 0, &loop, error) < 0)
+        return -1;
+    *is_kept = loop.is_stable && certificate_older(&loop) >= certificate_older(best) &&
+               certificate_newer(&loop) >= certificate_newer(best);
+    if (!*is_kept)
+        return 0;
+    loop.load_step = load_step;
+    certificate->loop = loop;
+    certificate->settings = options.settings;
+    return 0;
+}
+
+/*
+ * Make the low-pass filter of the residual readings as fast, relative to the first observed mode,
+ * as the tests of the chosen loop permit. The fixed gain of the default settings would take many
+ * periods where a period has few ticks. Returns 0, or -1 with error filled.
+ */
+static int choose_residual(trial *trial, char *error)
+{
+    const certificate *certificate = &trial->analysis->certificate;
+    const size_t parts = sizeof residual_part / sizeof *residual_part;
+    bool is_kept = false;
+    for (size_t i = 0; i < parts && certificate->loop.angle > 0 && !is_kept; i++) {
+        const double gain = fmin(residual_part[i] * certificate->loop.angle, residual_limit);
+        if (gain <= certificate->settings.slow)
+            return 0;
+        if (try_residual(trial, gain, &is_kept, error) < 0)
+            return -1;
+    }
+    return 0;
+}
+
+/*
+ * Choose a row of the table `choices`, as trial_choose does. Returns 0, or -1 with error filled.
+ */
+static int choose_row(trial *trial, char *error)
 {
     const certificate_loop *best = &trial->analysis->certificate.loop;
     const scene_control *control = &trial->analysis->design.control;
@@ -289,4 +387,11 @@ int trial_choose(trial *trial, char *error)
                            "delay_margin 1: no settings of the loop stay stable with readings one "
                            "tick older; write the largest age as simulate.sensors.delay");
     return 0;
+}
+
+int trial_choose(trial *trial, char *error)
+{
+    if (choose_row(trial, error) < 0)
+        return -1;
+    return trial->analysis->certificate.loop.is_stable ? choose_residual(trial, error) : 0;
 }

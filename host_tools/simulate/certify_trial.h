@@ -156,7 +156,8 @@ int trial_try_neighbouring_ages(const trial *trial, certificate_loop *loop, char
 /*
  * Choose the settings of the vibration damper from the table `choices`: preferably ones that pass
  * all tests and compensate a load step fast enough. If the scene file requires delay_margin, they
- * must also pass with readings one tick older. Returns 0, or -1 with error filled.
+ * must also pass with readings one tick older. Then the low-pass filter of the residual readings is
+ * made as fast as the same tests permit. Returns 0, or -1 with error filled.
  */
 int trial_choose(trial *trial, char *error);
 
