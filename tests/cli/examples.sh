@@ -1,13 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-2-Clause
-# Every example of `pzs --help`, of the help of each command, of README.md and of the guide (host_tools/README.md) runs. The
-# commands and programs are taken from the texts, so that a new example is tested as soon as it is written.
+# Every example of `pzs --help`, of the help of each command, of README.md, of the guide (host_tools/README.md) and of the
+# reference (host_tools/REFERENCE.md) runs. The commands and programs are taken from the texts, so that a new example is
+# tested as soon as it is written.
 #   EXAMPLE_SECONDS  time limit of one example
 set -u
 cd "$(dirname "$0")/../.."
 . tests/cli/common.sh
 seconds=${EXAMPLE_SECONDS:-300}
 guide=host_tools/README.md
+reference=host_tools/REFERENCE.md
 
 # Lines of a help text below `Examples:` (or `Example:`) that call pzs.
 help_examples() {
@@ -127,7 +129,7 @@ done <"$dir/commands"
 # ---- the guide: its lines in their order, in one folder ------------------
 
 named_blocks "$guide" "$dir/guide"
-shell_lines "$guide" | grep -v '^make [^-]' >"$dir/guided"
+for text in "$guide" "$reference"; do shell_lines "$text"; done | grep -v '^make [^-]' >"$dir/guided"
 [ "$(wc -l <"$dir/guided")" -ge 20 ]; check 'the guide has examples' $?
 while read -r command; do
     # What was run above is not run again.
@@ -139,8 +141,10 @@ done <"$dir/guided"
 
 {
     grep '^make \|^sh \|^build/test/' "$dir/readme"
-    shell_lines "$guide" | grep '^make [^-]'
-    quoted_commands "$guide"
+    for text in "$guide" "$reference"; do
+        shell_lines "$text" | grep '^make [^-]'
+        quoted_commands "$text"
+    done
     for text in tests/bench/README.md CONTRIBUTING.md; do
         [ ! -f "$text" ] || { shell_lines "$text"; quoted_commands "$text"; }
     done
@@ -150,7 +154,7 @@ while read -r command; do
 done <"$dir/others"
 # Commands of pzs in other texts: the command and its scene exist.
 : >"$dir/checked"
-for text in "$guide" tests/bench/README.md CONTRIBUTING.md; do
+for text in "$guide" "$reference" tests/bench/README.md CONTRIBUTING.md; do
     [ ! -f "$text" ] || quoted_commands "$text"
 done | sed 's/^build\///' | grep '^pzs ' | sort -u >"$dir/mentioned"
 while read -r command; do
@@ -166,7 +170,7 @@ while read -r command; do
     check "exists: $command" $?
 done <"$dir/mentioned"
 # Links between the texts.
-for text in README.md CHANGELOG.md CONTRIBUTING.md "$guide" tests/bench/README.md lib/model/THEORY.md; do
+for text in README.md CHANGELOG.md CONTRIBUTING.md "$guide" "$reference" tests/bench/README.md lib/model/THEORY.md; do
     [ -f "$text" ] || continue
     grep -o '](\([^)#:]*\)[^):]*)' "$text" | sed 's/](\([^)#]*\).*/\1/' | while read -r link; do
         [ -e "$(dirname "$text")/$link" ] || echo "$text: $link"
