@@ -31,9 +31,9 @@
 /* Largest penalty stiffness of a contact, relative to the stiffness of the shell at the node. */
 #define LARGEST_STIFFNESS ((pzs_real)100)
 /*
- * Bound for changes of the set of nodes in contact. A load step begins with the set of the last
- * equilibrium. It keeps this set while the last increment of the displacement is above this bound,
- * relative to the displacement of the load step.
+ * While Newton's method iterates in a load step, the set of nodes in contact stays that of the last
+ * equilibrium until the increment of the displacement has fallen below this fraction of the
+ * displacement of the load step.
  */
 #define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 
@@ -108,9 +108,9 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
 /* ---- one node of the face ---------------------------------------------- */
 
 /*
- * Position of a node relative to the contact body: gap (m), gradient of the gap in global axes
- * (global) and in the frame of the node (normal) (1), and second derivatives of the gap in the
- * frame of the node (1/m).
+ * Position of a node relative to the contact body: gap (m), gradient of the gap (dimensionless) in
+ * global axes (member global) and in the frame of the node (member normal), and second derivatives
+ * of the gap in the frame of the node (1/m).
  */
 typedef struct contact_point {
     pzs_real gap, global[3], normal[3], hessian[3][3];
@@ -560,8 +560,8 @@ static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
                          structure->node_dof[(size_t)node * structure->dof_per_node + (size_t)k]))
                 add_support(contact, solver, face_height(contact, solver), node, k, gram);
     for (int i = 0; i < 6; i++)
-        // Limit up to which a pivot counts as zero: 1e-6 plus a bound of the rounding error of the
-        // pivot.
+        // A pivot of the Gram matrix up to this limit counts as zero: 1e-6 plus a bound of the
+        // rounding error of the pivot.
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int pivot = 0; pivot < 6; pivot++) {
         if (!(gram[pivot][pivot] > least[pivot]))

@@ -234,7 +234,8 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 
 /*
  * Return the depth (m) to which a point of a facet may lie in the contact body although the nodes
- * of the facet lie outside. A flat facet whose corners touch a body of radius R enters it by about
+ * of the facet lie outside: twice the depth to which a flat facet enters a body of radius R that
+ * its corners touch, which is about
  *   sum over the corners of N d^2 / (2 R)
  *   d  distance from the point to the corner
  *   N  shape function of the corner at the point
@@ -245,8 +246,9 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
     const pzs_real weight[4] = {(1 - along) * (1 - across), along * (1 - across), along * across,
                                 (1 - along) * across};
     const pzs_real(*corner)[3] = search->corner[1];
-    // Twice the depth that the function comment states is allowed, because a body's gap function
-    // may exceed the true distance from the body. curvature_along returns about d^2 / R.
+    // The result is the sum of N d^2 / R, twice the depth to which the flat facet is expected to
+    // enter the body, because a body's gap function may exceed the true distance from the body.
+    // curvature_along returns about d^2 / R.
     pzs_real sag = 0, diagonal = 0;
     for (int index = 0; index < 4; index++) {
         const pzs_real offset[3] = {corner[index][0] - position[0], corner[index][1] - position[1],

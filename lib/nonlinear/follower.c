@@ -107,9 +107,9 @@ static void set_base(const pzs_element_type *type, pzs_real height, unsigned cor
 /* Element on which a follower pressure acts, at its present displacement. */
 typedef struct pressed_element {
     const pzs_element_type *type;
-    const pzs_real (*lean)[2]; /* [4] components of the base vectors of the element along the
-                                  director at each corner, from pzs_follower.lean; NULL: not taken
-                                  into account */
+    const pzs_real (*lean)[2]; /* [4] for each corner of the element: components of its two base
+                                  vectors along the director, from pzs_follower.lean; NULL: not
+                                  taken into account */
     pzs_real height;           /* height of the loaded face above the middle of the shell (m) */
     pzs_real displacement[SHELL_NODES][3]; /* displacement of the loaded face at the corners (m) */
 } pressed_element;

@@ -539,8 +539,8 @@ static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
     const pzs_real least = PZS_BY_BITS((pzs_real)1e-2, (pzs_real)1e-6),
                    limit2 = solver->settings.tolerance * solver->settings.tolerance;
-    // The first linear solves raise the input values in equal parts, because a displacement far
-    // beyond linear kinematics would cost more solves.
+    // The first linear solves raise the input values in equal parts. Applied at once, a load whose
+    // displacement is far beyond linear kinematics would cost more solves.
     const uint32_t ramp = solver->settings.ramp_solves;
     pzs_real *du = solver->state.model->state.work;
     uint32_t divergence_count = 0;
@@ -732,9 +732,10 @@ static uint32_t next_step_units(const pzs_solver *solver, load_progress *progres
 }
 
 /*
- * Run all load steps. One that does not converge is halved; after one that converges, the next
- * length is doubled, up to that of the first. The way is counted in equal units, so that the last
- * load step ends exactly at the input values. The first load step has 2^STEP_HALVINGS units.
+ * Run all load steps. A load step that does not converge is halved. After a load step that
+ * converges, the length of the next one is doubled, up to that of the first. Lengths are counted in
+ * equal units, so that the last load step ends exactly at the input values. The first load step has
+ * 2^STEP_HALVINGS units.
  */
 static pzs_status run_load_steps(pzs_solver *solver, const pzs_real *value)
 {

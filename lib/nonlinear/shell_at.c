@@ -27,8 +27,9 @@ enum { NODE_DOF = 6, HALF = 12, FIRST_Q = 24, COLUMNS = 28 };
 
 /*
  * Order of the ten strains in the rows of the array of nodal strains (strains per unit of each
- * nodal degree of freedom). Mean displacements of the two faces of the shell do not contribute to
- * the first two strains. The suffix M stands for the mean of the two faces, D for their difference.
+ * nodal degree of freedom). 33 is the change of thickness, 13 and 23 are the transverse shear
+ * strains, 11, 22 and 12 the in-plane strains. The suffix M stands for the mean of the two faces, D
+ * for their difference. Mean displacements of the two faces do not contribute to A33M and A33D.
  */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
 enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
@@ -65,20 +66,20 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Two rows of stress_row_of (stresses per unit of each nodal degree of freedom) that modes_to_nodes
- * combines. Both hold the stress of the same strain. Row `first` holds the part in one or two of
- * the strain modes 00, 01, 10 and 11. Row `second` holds the part in these modes times the linear
- * mode `mode`. In the columns of node r, both parts of the stress at node p together are
- *   first + s_p s_r second
- *   s_p, s_r  value (1 or -1) of `mode` at nodes p and r
- * Row `first` receives this sum for the nodes p with s_p = -1, row `second` for the other nodes,
- * with s_p = 1.
+ * One step of modes_to_nodes, which turns the stresses of an element in its strain modes into the
+ * stresses at its nodes by a fast Walsh-Hadamard transform. A step replaces two rows of
+ * stress_row_of that belong to the same strain by a sum and a difference. In the columns of node r,
+ *   row `second` becomes  first + s_r second  (part of the stress at the nodes where `mode` is 1)
+ *   row `first`  becomes  first - s_r second  (part of the stress at the nodes where `mode` is -1)
+ *   mode  index (0 to 3) of a strain mode in mode_sign
+ *   s_r   value (1 or -1) of this strain mode at node r
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
 } row_pair;
-// Only the first PAIRS_WITH_Q pairs are needed in the columns of q, the seventh degree of freedom
-// of a node: the strains 11 and 22 of the other pairs do not depend on q.
+// Number of steps of modes_to_nodes, and number of steps that are also made in the columns of q,
+// the seventh degree of freedom of a node. The last four steps combine stresses for the strains 11
+// and 22, which do not depend on q.
 enum { PAIRS = 14, PAIRS_WITH_Q = 10 };
 static const row_pair row_pairs[PAIRS] = {
     {A33M, 10, 1}, {A33D, 11, 1}, {A13, 12, 1},  {15, 20, 1},   {16, 21, 1},
@@ -87,9 +88,9 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: row of stress_row_of [22][COLUMNS] that holds, after modes_to_nodes, the stress
- * at node p for strain k, per unit of each nodal degree of freedom. Strains k: 33 mean, 33
- * difference, 13, 23, then 11, 22 and 12, each mean and difference of the two faces.
+ * stress_row[p][k]: where the stress at node p for strain k is found after modes_to_nodes, as the
+ * index of a row of stress_row_of [22][COLUMNS]. Strains k: 33 mean, 33 difference, 13, 23, then
+ * 11, 22 and 12, each mean and difference of the two faces.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -108,9 +109,10 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute a derivative by the displacement of one node of an element: that of the sum over all
- * corners of b . w. Here w is the derivative of the displacement at the corner in the direction
- * `direction`, and b a given vector there. The node contributes at its own and at one other corner.
+ * Compute the derivative of a sum with respect to the displacement of one node of an element. The
+ * sum is that of b . w over all corners of the element, with a given vector b at each corner and
+ * the derivative w of the displacement there in the direction `direction`. The node contributes to
+ * w at its own corner and at the neighbouring corner in this direction.
  *   own   [3] in   vector b at the corner of the node
  *   other [3] in   vector b at the neighbouring corner in this direction
  *   row   [3] out  derivative of the sum
@@ -218,7 +220,8 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 /*
  * Correct the mean strain 12 of one node for the warp of the element, its distance from a plane, in
  * the array of nodal strains (strains per unit of each nodal degree of freedom). Five other strains
- * of the node, each times a factor, are added: 13, 23, and the differences of 12, 11 and 22.
+ * of the node are added, each times a factor that follows from the shape of the element
+ * (type->warp): 13, 23, and the differences of 12, 11 and 22.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -248,10 +251,10 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
 /* ---- material part ---------------------------------------------------- */
 
 /*
- * Innermost loop of the tangent stiffness: set the 12 numbers of `to` to the sum of factor[i
- * stride] times the numbers of row[i], from index `column` on, over all rows i. The list of rows
- * ends with NULL: with a known number of rows, gcc would vectorise over the rows, with slow gather
- * instructions.
+ * Compute 12 entries of a linear combination of rows: `to` receives the sum over i of factor[i *
+ * stride] times row[i], from index `column` on. This is the innermost loop of the tangent
+ * stiffness. The list of rows ends with NULL because gcc would vectorise a known number of rows
+ * with slow gather instructions.
  */
 static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                      const pzs_real *const *restrict row, int column)
@@ -360,8 +363,8 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 
 /*
  * Write one column of stress_row_of [22][COLUMNS]: the stress resultants that a unit displacement
- * of one degree of freedom of `node` causes in the four strain modes. Each is divided by the value
- * (1 or -1) of its mode at the node, by which modes_to_nodes multiplies.
+ * of one degree of freedom of `node` causes in the four strain modes. Each resultant is divided by
+ * the value (1 or -1) of its mode at the node, because modes_to_nodes multiplies it by this value.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
@@ -406,8 +409,9 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 }
 
 /*
- * Turn the stresses of an element in its four strain modes, in place, into the stresses at its four
- * nodes, all per unit of each of the 28 nodal degrees of freedom. In the columns of node r,
+ * Turn the stresses of an element in its four strain modes into the stresses at its four nodes, in
+ * place, by a fast Walsh-Hadamard transform. All are stresses per unit of each of the 28 nodal
+ * degrees of freedom. In the columns of node r,
  *   stress at node p = sum over m of s_m(p) s_m(r) (row of mode m)
  *   m       strain mode ab = 00, 01, 10 or 11, which varies over the element as xi1^a xi2^b
  *   s_m(p)  value (1 or -1) of mode m at node p
@@ -418,10 +422,8 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
-    // A pair holds the rows of one stress in two modes, the second of which has the value 1 at half
-    // of the nodes and -1 at the others. Both rows are replaced by first + s_p s_r second, where
-    // s_r is the value of this mode at node r: row `first` with s_p = -1, row `second` with s_p =
-    // 1.
+    // Each step replaces two rows by their sum and their difference, with the sign s_r of the
+    // column (row_pair).
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = stress_row_of[row_pairs[i].first],
                  *second = stress_row_of[row_pairs[i].second];
@@ -452,9 +454,9 @@ typedef struct block {
 } block;
 
 /*
- * Factors with which one in-plane stress at a corner enters the geometric stiffness. Its strain
- * contains a product of two displacement derivatives, each with a mean over both faces and a
- * difference divided by the thickness.
+ * Factors with which one in-plane stress at a corner enters the geometric stiffness. The nonlinear
+ * part of the corresponding strain is a product of two displacement derivatives. Each derivative
+ * has a mean over both faces and a difference, which is divided by the thickness.
  *   mean   factor of mean times mean (N m)
  *   cross  factor of mean times difference (N m2)
  *   diff   factor of difference times difference (N m3)
@@ -476,8 +478,7 @@ static int pair_of(int node, int other)
  * Add the contribution of one in-plane stress at a corner (11, 22 or 12) to the geometric stiffness
  * between two nodes of an element. The strain that belongs to this stress contains the scalar
  * product of two derivatives of the displacement. The matrix left_map^T right_map [3][3] is added
- * to all three matrices of the pair of nodes, each time with the factor in the member of `stress`
- * that has the same name.
+ * to pair->mean, pair->cross and pair->diff, times stress.mean, stress.cross and stress.diff.
  *   left_map, right_map [3][3] in  for each of the two nodes: matrix that turns the displacement of
  *                                  the node into its contribution to one of these derivatives
  */
