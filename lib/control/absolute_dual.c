@@ -18,9 +18,10 @@
  */
 #define ROUNDING_FACTOR 64
 /*
- * Number of times that a round (sequence of iterations) examines ignored voltages and limited sums
- * again. They were ignored because rounding errors explained why they were outside their bounds.
- * They are examined again only if an earlier round of the same tick did not lower the objective.
+ * Number of times that ignored voltages and limited sums are examined again. The iterations ignore
+ * those that are outside their bounds only by an amount that rounding errors explain. Examining
+ * them again is useful only if an earlier round (sequence of iterations) of the same tick did not
+ * lower the objective.
  */
 #define REPEATS 2u
 
@@ -49,10 +50,10 @@ typedef enum {
 typedef enum {
     PULL_FAILED, /* the iterations must end: no change of the entering quantity's multiplier brings
                     this quantity to its bound */
-    PULL_CONTINUES, /* another voltage or limited sum has become free; the next iteration has the
-                       same entering quantity */
+    PULL_CONTINUES, /* another voltage or limited sum has become free; the next iteration changes
+                       the multiplier of the same quantity */
     PULL_ENDED /* the entering quantity is kept at its bound or may stay free; the next iteration
-                  has another one */
+                  changes the multiplier of another quantity */
 } pull_end;
 
 static input_state state_of(const rows_run *run, uint32_t i)
@@ -379,9 +380,9 @@ static bool pull_all(const rows_run *run, uint32_t most)
 
 /*
  * Examine again the voltages and limited sums that the iterations have ignored, because rounding
- * errors explained why they were outside their bounds. Those kept at a bound are first moved
- * exactly to their bounds, so that rounding errors explain less. Returns false if the iterations
- * ended early (pull_all).
+ * errors explained why they were outside their bounds. Voltages and sums that are kept at a bound
+ * are first moved exactly to it, which removes rounding errors. Returns false if the iterations end
+ * while a voltage or sum is still outside its bounds (pull_all).
  */
 static bool pull_ignored(const rows_run *run, uint32_t most)
 {
@@ -401,8 +402,8 @@ static bool pull_ignored(const rows_run *run, uint32_t most)
 
 /*
  * Start a round (sequence of iterations): make free all voltages and limited sums that are kept at
- * a bound or at 0 V by multipliers outside the limits of these multipliers. Returns the largest
- * number of iterations that the optimiser may have made when the round ends.
+ * a bound or at 0 V by multipliers outside the limits of these multipliers. Returns the number of
+ * iterations at which the round must end; the iterations of earlier rounds count, too.
  */
 static uint32_t begin(const rows_run *run, pzs_real rounding)
 {

@@ -158,7 +158,8 @@ static void follow_signs(pzs_control *control)
         has_changed = true;
     }
     for (uint32_t row = absolute_first(&run); row < run.count; row++)
-        // The sums are never negative here; a finite lower bound keeps the duality gap finite.
+        // Sums of absolute values are never negative. Their lower bound is set to a negative number
+        // that is finite, so that the duality gap stays finite.
         run.tableau->lower[row] = -run.tableau->upper[row];
     if (has_changed)
         pzs_absolute_renew(&run);

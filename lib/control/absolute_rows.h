@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits of weighted sums of absolute values of voltages: what the choice of signs
- * (absolute_rows.c) and the iterations of the optimiser (absolute_dual.c) share.
+ * Functions for limits of weighted sums of absolute values of voltages that both the choice of
+ * signs (absolute_rows.c) and the iterations of the optimiser (absolute_dual.c) use.
  */
 #ifndef PZS_LIB_ABSOLUTE_ROWS_H
 #define PZS_LIB_ABSOLUTE_ROWS_H
@@ -58,7 +58,12 @@ void pzs_absolute_renew(const rows_run *run);
  */
 uint64_t pzs_absolute_renew_work(const rows_run *run);
 
-/* Iterations of the dual active-set method (absolute_dual.c); see pzs_absolute_row_calls. */
+/*
+ * Make the iterations of the dual active-set method where sums of absolute values of voltages are
+ * limited (absolute_dual.c). Returns false if they end before all voltages and sums are inside
+ * their bounds.
+ *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
+ */
 bool pzs_iterate_absolute(pzs_control *control, pzs_real rounding);
 
 #endif

@@ -297,8 +297,9 @@ static pzs_real largest_active_violation(const pzs_optimiser *optimiser, const p
 
 /*
  * Whether the voltages are optimal: no violation of the KKT conditions exceeds its rounding-error
- * bound. It may exceed the bound a little if only free inputs violate the conditions, the objective
- * hardly rises by it, and it is too small to change the sign of a multiplier.
+ * bound. A violation somewhat above the bound is accepted on three conditions: only free inputs
+ * violate the KKT conditions, the violation hardly raises the objective, and it is too small to
+ * change the sign of a multiplier.
  */
 static bool is_converged(pzs_optimiser *optimiser)
 {
@@ -458,10 +459,10 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 
 /*
  * Update the search direction of the free inputs and the gradient of the active inputs, whose
- * voltages are kept, after the free voltages have made a part of the step, at whose end one input
- * has reached a bound and become active.
+ * voltages are kept. The free voltages have made a part of the step; one input has then reached a
+ * bound and become active.
  *   row [width] in  row of this input in the tableau (pivoted Hessian)
- *   rest        in  rest of the step, as a fraction of the whole step (dimensionless)
+ *   rest        in  part of the step that is left, as a fraction of the whole step (dimensionless)
  *   remaining   in  part of the step of this input that its bound prevents (V)
  */
 static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
@@ -694,9 +695,9 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 
 /*
  * Iterate, after a bound has blocked the full step along the search direction, until no voltage
- * violates the optimality (KKT) conditions: descent iterations until no bound blocks the free
- * voltages, then releases of active inputs (whose voltages were kept). Pivot exchanges may stay
- * collected: only the next product with the tableau (pivoted Hessian) needs them.
+ * violates the optimality (KKT) conditions. Descent iterations come first, until no bound blocks
+ * the free voltages; then active inputs, whose voltages were kept, are released. The collected
+ * pivot exchanges need not be applied to the tableau (pivoted Hessian) here.
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -828,8 +829,8 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
                    sure = -change / SIGNIFICANT;
     const pzs_real far =
         PZS_SQRT(pzs_product_dot(optimiser->scratch, optimiser->scratch, optimiser->width));
-    // `change` is the change of the objective, computed with rounding errors. These must be far
-    // below the change, or below the scale of the objective.
+    // `change` is the change of the objective, computed with rounding errors. The rounding errors
+    // must be far below the change, or below the scale of the objective.
     return change < 0 && far * optimiser->model_rounding <
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }

@@ -113,7 +113,8 @@ bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
 /*
  * Iterate the dual active-set method as pzs_iterate_dual does, where no sums of voltages are
  * limited. If much of the active set is still wrong after a few iterations, as after a jump of the
- * target, it is estimated as a whole from the Hessian, which takes less work.
+ * target, a new active set is estimated from the Hessian, which takes less work than further
+ * iterations.
  */
 bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding);
 

@@ -322,8 +322,8 @@ static bool apply_wide(pzs_optimiser *optimiser)
         return false;
     pzs_real *groups = optimiser->factor + optimiser->pending_most * width;
     pzs_real *factors = groups + optimiser->pending_most * (width + WIDE_BLOCK);
-    // Copies of the vectors by groups of WIDE_BLOCK entries, as they are and multiplied by their
-    // signs.
+    // Copy the update vectors of the collected exchanges in groups of WIDE_BLOCK entries, once
+    // unchanged and once multiplied by their signs.
     pzs_wide_group(groups, factors, optimiser->pending, width, &optimiser->exchange->sign,
                    sizeof *optimiser->exchange / sizeof(pzs_real), count, optimiser->inputs);
     for (size_t i = 0; i < optimiser->inputs; i += WIDE_BLOCK) {

@@ -56,8 +56,9 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 void pzs_tableau_apply(pzs_optimiser *optimiser);
 
 /*
- * Do as pzs_tableau_apply. Where usually no pivot exchange is collected, as at the start and the
- * end of a tick, this takes fewer instructions than the call.
+ * Apply the collected pivot exchanges to the tableau (pivoted Hessian), as pzs_tableau_apply does.
+ * At the start and the end of a tick usually no exchange is collected; this function then avoids a
+ * call.
  */
 static inline void tableau_apply_collected(pzs_optimiser *optimiser)
 {

@@ -351,8 +351,9 @@ static void clear_open_rows(pzs_calibration *calibration)
 }
 
 /*
- * Forgetting of old records is directional: a direction without new voltages loses nothing. A
- * record with the voltages v changes the information matrix I, the sum of v v' over the records, to
+ * Forgetting of old records is directional: a new record replaces information only about the
+ * direction of its voltages v; information about other directions is kept. A record changes the
+ * information matrix I, the sum of v v' over the records, to
  *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/M, |v|^4/(v'Iv))
  *   f  part of the information in the direction of v that is forgotten
  *   M  settings.memory, number of records after which older ones are forgotten

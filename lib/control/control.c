@@ -307,9 +307,10 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Change the gradient of a tick so that the tick also damps vibration: multiply it by state.share,
- * which slows the approach to the static optimum, and subtract the damping gradient. This is the
- * gradient at the base voltages; the optimiser adds the Hessian times the change of the voltages.
+ * Change the gradient of a tick so that the tick also damps vibration: multiply the gradient by
+ * state.share, which slows the approach to the static optimum, and subtract the damping gradient.
+ * The changed gradient is that at the base voltages; the optimiser adds the Hessian times the
+ * change of the voltages.
  *   damping [inputs] in  damping gradient, which takes energy out of the vibration (m2/V)
  *   missed           in  weighted squared norm of the target error (m2)
  * Returns the scale of the gradient's rounding errors, as a weighted squared norm of a shape (m2):
@@ -366,12 +367,11 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     if (damping != NULL && control->state.is_paused)
         ignore_held_moves(optimiser, control);
-    control->state.is_paused = false; /* While is_paused is set, the loop does not follow target
-                                         and loads, because the fault detector measures the
-                                         response to a test pulse. Each tick clears the flag
-                                         here, and a running detector sets it again after the
-                                         tick. The loop thus follows target and loads again if
-                                         the detector no longer runs. */
+    control->state.is_paused = false; /* While is_paused is set, the loop does not follow target and
+                                         loads, because the fault detector measures the response to
+                                         a test pulse. The flag is cleared in each tick and set
+                                         again by a running detector, so that the loop does not stay
+                                         paused when the detector stops. */
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference governor: slows a moving target shape down, so that a control tick that also damps
- * vibration, and so goes only the part `share` of its way, can follow it without lag.
+ * Reference governor: slows a moving target shape down, so that the controller can follow it
+ * without lag. A control tick that also damps vibration makes only the part `share` (0 to 1) of the
+ * change of the voltages that its target demands.
  *
  * When the target changes, the governor computes the voltages v_t that are optimal for it within
  * the limits, without disturbances. Each tick moves the reference voltages v_ref by dr towards v_t,

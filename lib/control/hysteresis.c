@@ -411,8 +411,8 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /*
  * Search for the voltage at which an electrode has a wanted effect, upwards or downwards from the
  * present voltage along the piecewise linear characteristic. Positions are relative to the middle
- * of the voltage range. Except in `play` they are multiplied by `sign`, so that the search runs
- * upwards.
+ * of the voltage range. All positions except those in `play` are multiplied by `sign`, so that
+ * every search runs towards higher positions.
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's

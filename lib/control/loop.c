@@ -224,8 +224,9 @@ static pzs_status init_others(pzs_loop *loop)
 {
     pzs_loop_core *core = loop->state.core;
     pzs_loop_signals signals = {.control = core->control, .sensors = problem_of(core)->outputs};
-    // From the last block to the first, because a block needs the number of readings of the next
-    // one. Fault detectors need that of the whole loop and come last.
+    // Blocks are initialised from the last to the first, because a block needs the number of
+    // readings of the next one. Fault detectors need the number of readings of the whole loop and
+    // are therefore initialised last.
     pzs_status status = init_phases(loop, &signals, false);
     if (status == PZS_OK)
         status = init_phases(loop, &signals, true);
@@ -497,16 +498,16 @@ static bool is_supervised(const pzs_loop_core *core)
 }
 
 /*
- * Values of the member `heartbeat` of the loop's state. Any other value than the first two means
- * the third.
+ * Values of the member `heartbeat` of the loop's state. Any other value, which only damaged memory
+ * can cause, counts as NEVER_AGAIN.
  */
 #define NO_HEARTBEAT 0u
 #define HEARTBEAT 0x5AC369A5u
 #define NEVER_AGAIN 0xA53C965Au
 
 /*
- * Withdraw the heartbeat of the last tick, so that a tick that hangs leaves none, and forbid
- * further ones if the tables are damaged.
+ * Withdraw the heartbeat of the last tick, so that a tick that hangs leaves no heartbeat. If the
+ * tables are damaged, no later tick gives a heartbeat.
  */
 static void withdraw_heartbeat(pzs_loop *loop, bool is_intact)
 {
@@ -516,8 +517,9 @@ static void withdraw_heartbeat(pzs_loop *loop, bool is_intact)
 }
 
 /*
- * Whether a tick that ends with `status` is in order. Without a supervisor nothing else ends the
- * control by a loop whose readings or target are never usable.
+ * Whether a tick that ends with `status` is in order, so that it gives a heartbeat. In a loop
+ * without a supervisor, a tick that only keeps the voltages because its readings or target are not
+ * usable is not in order: nothing but the missing heartbeat would end such an operation.
  */
 static bool is_in_order(const pzs_loop_core *core, const pzs_loop_signals *signals,
                         pzs_status status)

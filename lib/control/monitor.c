@@ -8,18 +8,16 @@
  *
  *         amplitude > 4 envelope + 6 noise + load
  *
- *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is
- *     that of the vibration which the damper estimates, and of readings that it did not predict;
- *     without a damper the RMS of the disturbance. Readings and disturbance count less their
- *     low-passed values, so that steady loads and errors of the model do not.
- *   - Without a damper, the shape does not respond: over the last moves its measured changes had
- *     less than a tenth of the predicted size in the predicted direction. Causes: a wrong polarity,
- *     an amplifier that is switched off, or vibration.
+ *     With a vibration damper, `amplitude` is that of the estimated vibration and of readings that
+ *     the estimate does not explain. Without a damper it is the RMS of measured minus predicted
+ *     shape, without the slow part of this difference. The envelope rises by the RMS of each
+ *     change of the target, and decays.
+ *   - In a loop without a damper, the shape does not respond: its measured changes have less than a
+ *     tenth of the predicted size in the predicted direction.
  *
- * In a loop with a vibration damper, shocks by loads or failing electrodes may come one after the
- * other, and the loop damps each of them. Vibration is an alarm only if its amplitude stays
- * implausible for two periods of the first mode, and its peak falls in none of the half periods
- * after the first. A wrong polarity is found earlier, by a monitor of its own (polarity.h).
+ * In a loop with a damper, one shock by a load or a failing electrode may follow another. Vibration
+ * is therefore an alarm only if its amplitude stays implausible for two periods of the first mode
+ * and does not fall from one half period to the next.
  *
  * The work of a tick is about 20 operations for each output; with a vibration damper, 7.
  */
@@ -40,7 +38,8 @@
 #define MARGIN 4
 /*
  * Factor of the RMS noise of the measured shape in the threshold of the divergence monitor: a tick
- * is implausible if the measured shape deviates from the predicted one by more than this threshold.
+ * is implausible if the measured shape deviates from the predicted one by more than the threshold
+ * (see MARGIN).
  */
 #define NOISE_MARGIN 6
 /*
@@ -67,20 +66,21 @@
 
 /*
  * Smallest ratio of the largest amplitude of vibration in a half period to that in the half period
- * before, at which the vibration counts as not falling. With the least damping for which the
- * envelope allows, by e in two periods, this ratio is exp(-1/4) = 0.78; without any damping it is
- * 1.
+ * before, at which the vibration counts as not falling. The ratio is 1 without damping. It is
+ * exp(-1/4) = 0.78 with the weakest damping that the envelope assumes, which divides the amplitude
+ * by e in two periods.
  */
 #define STEADY PZS_R(0.9)
 /*
- * Number of half periods in a row for which an implausible vibration must not fall before it is an
- * alarm, plus 1. Single shocks are damped within one or two of them.
+ * An implausible vibration is an alarm if it lasts for more than this number of half periods
+ * without falling from one half period to the next. The vibration after a single shock falls within
+ * one or two half periods.
  */
 #define LOST_HALVES 4u
 
 /*
- * Half a period of the first vibration mode in a loop with a vibration damper (ticks); alarm_ticks
- * is the whole one.
+ * Return half a period of the first vibration mode (ticks), in a loop with a vibration damper,
+ * where alarm_ticks of the tables is the whole period.
  */
 static uint32_t half_period(const pzs_supervision *tables)
 {
@@ -200,8 +200,9 @@ static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signa
         sum.deviation += part * fast * fast;
         sum.target += part * target * target;
         sum.moved += part * move * move;
-        // The measured change is that of the disturbance plus the predicted one of a tick earlier,
-        // because a measured shape is the response to the voltages of one tick earlier.
+        // The measured change is the change of the disturbance plus the change that the model
+        // predicted one tick earlier, because a measured shape is the response to the voltages of
+        // one tick earlier.
         sum.answered += part * move * (move + change);
         monitor->slow[i] += SLOW * fast;
         monitor->disturbance[i] = info->disturbance[i];
@@ -315,7 +316,7 @@ static bool judge_shape(pzs_monitor_state *monitor, const pzs_supervision *table
            is_unanswered(monitor, tables);
 }
 
-/* Number of implausible ticks after a plausible one. */
+/* Return the number of implausible ticks after it was lowered for a plausible tick. */
 static uint32_t lowered(uint32_t over)
 {
     return over > 2u ? over - 2u : 0;

@@ -1,36 +1,39 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Polarity monitor of the supervisor. Without other loads a structure moves in proportion to the
- * motion that its model predicts, with a positive factor. It moves against the prediction if, since
- * the last jump u of the target,
+ * Polarity monitor of the supervisor: detects a structure that moves against the prediction of its
+ * model, for example because amplifiers have the wrong polarity. With the last jump u of the target
+ * [outputs] and the changes of the shape since this jump, a structure moves against the prediction
+ * if
  *
- *     u . (predicted shape - predicted shape at the jump)  >   |u| least
- *     u . (measured shape - measured shape at the jump)    <  -|u| least
+ *     u . (change of the predicted shape)  >   |u| least
+ *     u . (change of the measured shape)   <  -|u| least
+ *     least = 2 load + 6 noise + shaken    (for the RMS over the outputs)
  *
- *     least = 2 load + 6 noise + shaken, for the RMS over the outputs
+ *   load    change of the shape by the largest expected sudden load
+ *   noise   noise of the measured shape
+ *   shaken  vibration that earlier jumps explain, of which a part remains in the measured shape if
+ *           the structure vibrates only roughly like its model
  *
- * `shaken` is the vibration that earlier jumps explain: where a structure vibrates like its model
- * only roughly, a part of its vibration remains in the measured shape. On a structure that responds
- * with at least half of the predicted motion, only loads of more than 3 `load` together can turn
- * the motion, and only until the loop has rejected them.
+ * If the structure responds with at least half of the predicted motion, only sudden loads of more
+ * than 3 `load` together can turn the motion, until the loop has rejected them.
  *
- * Each tick computes one of the two products, in turn. The work of a tick is 2 operations for each
- * output for some periods of the first vibration mode after a jump, and 0 later.
+ * Each tick computes one of the two scalar products, in turn. The work of a tick is 2 operations
+ * for each output for some periods of the first vibration mode after a jump, and 0 later.
  */
 #include <string.h>
 #include "polarity.h"
 #include "../core/product.h"
 
 /*
- * Factors of the effect of the largest expected sudden load, and of the noise of the measured
- * shape, in the smallest motion of the shape that the polarity monitor judges after a rest.
+ * The polarity monitor judges only motions of the shape that are larger than LOADS times the effect
+ * of the largest expected sudden load plus NOISE_MARGIN times the noise of the measured shape.
  */
 #define LOADS 2
 #define NOISE_MARGIN 6
 /*
- * Number of ticks for which the polarity monitor judges the motion after a jump of the target,
- * divided by the number of implausible ticks that raise an alarm (a period of the first vibration
- * mode). Slow loads, as by heat, may move the structure further than `least` later.
+ * The polarity monitor judges the motion for this number of periods of the first vibration mode
+ * after a jump of the target (a period has alarm_ticks ticks). Later, slow loads such as heat may
+ * have moved the structure further than the smallest motion that is judged.
  */
 #define PERIODS 4
 

@@ -23,7 +23,8 @@
 #include "../core/product.h"
 
 /*
- * A sensor reading that is larger than this counts as missing, so that no sum of squares overflows.
+ * A sensor reading whose absolute value exceeds this limit counts as missing, so that no sum of
+ * squares overflows.
  */
 #define READING_LIMIT PZS_R(1e12)
 /*
@@ -818,7 +819,8 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
         // An electrode that seems to have followed its voltage is probably healthy.
         const bool has_followed =
             2 * number_absolute(state->loss[j]) < number_absolute(state->move[j]);
-        // Errors of a much larger response would hide the smaller one.
+        // The electrodes should cause responses of similar size: errors of a much larger response
+        // would hide the smaller one.
         const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
         const pzs_real likeness = ratio > 1 ? 1 / ratio : ratio;
         const pzs_real preference = has_followed ? 100 : 1;

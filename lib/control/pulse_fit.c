@@ -99,8 +99,8 @@ static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
         fit.energy += square(measured);
     }
     fit.own = fit.matrix[SUSPECT][SUSPECT];
-    // Adds the equation that the gain of all others is 1: without it the fit is undetermined if the
-    // response to the others is a combination of the two other responses.
+    // Add the equation that the gain of all other electrodes together is 1. Without it the fit is
+    // undetermined if the response to them is a combination of the two other responses.
     fit.matrix[OTHERS][OTHERS] += EXPECTED * fit.own;
     fit.response[OTHERS] += EXPECTED * fit.own;
     fit.energy += EXPECTED * fit.own;

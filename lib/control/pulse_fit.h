@@ -10,10 +10,10 @@
 #include "pzs_loop.h"
 
 /*
- * Threshold above which the suspected and the reference electrode can be tested together; otherwise
- * is_measured is false. It applies to the part of the modelled response to the reference electrode
- * that is orthogonal to the response to the suspected one (ratio of sums of squares,
- * dimensionless).
+ * Smallest difference between the modelled responses to the suspected and to the reference
+ * electrode with which the two can be tested together; otherwise is_measured is false. The
+ * difference is the part of the response to the reference electrode that is orthogonal to the other
+ * response, divided by the whole response (ratio of sums of squares, dimensionless).
  */
 #define PZS_PULSE_DEPENDENT PZS_R(0.05)
 
@@ -38,8 +38,8 @@ static inline uint32_t tested_input(const pzs_pulse_detector_state *state, uint3
  */
 typedef struct pulse_response {
     /*
-     * gain, measured divided by modelled response to the test pulse, of the electrode suspected of
-     * a fault [0] and of the healthy one with which it is compared [1] (1)
+     * gain (measured divided by modelled response to the test pulse, dimensionless) of the
+     * electrode suspected of a fault [0] and of the healthy one with which it is compared [1]
      */
     pzs_real gain[2];
     /*

@@ -53,15 +53,15 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Size of the first shift of a Hessian that is singular or nearly so. A shift is a number added to
- * all diagonal entries; larger ones follow if iterations fail. It is stated as (regularisation
- * weight + shift) / (largest diagonal entry). A Hessian whose pivots all exceed this fraction of
- * its largest diagonal entry is not shifted.
+ * Size of the first shift of a Hessian that is singular or nearly so. A shift is a number that the
+ * optimiser adds to all diagonal entries, and raises if iterations fail. Its size is
+ * (regularisation weight + shift) / (largest diagonal entry). A Hessian whose pivots all exceed
+ * this fraction of its largest diagonal entry is not shifted.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(1e-3), PZS_R(3e-9))
 /*
- * Size of the largest shift of a Hessian that is singular or nearly so. A shift is a number added
- * to all diagonal entries, which the optimiser raises after iterations that failed. It is stated as
+ * Size of the largest shift of a Hessian that is singular or nearly so. A shift is a number that
+ * the optimiser adds to all diagonal entries, and raises if iterations fail. Its size is
  * (regularisation weight + shift) / (largest diagonal entry of the Hessian).
  */
 #define MOST_CURVATURE PZS_BY_BITS(PZS_R(3e-1), PZS_R(1e-5))
@@ -71,8 +71,9 @@
  */
 #define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
 /*
- * Factors by which the shift of the diagonal is raised after iterations that failed. With limits of
- * sums of absolute values more limits meet at the optimum, so that rounding errors matter more.
+ * Factors by which the shift of the diagonal of the Hessian is raised after iterations that failed:
+ * RAISE in general, and a factor of its own where sums of absolute values are limited, because more
+ * limits then meet at the optimum and rounding errors matter more.
  */
 #define RAISE 10
 #define ABSOLUTE_RAISE 30
@@ -451,8 +452,8 @@ static void measure_violation(const rows_run *run)
     optimiser->kkt_violation = total_violation(run, reduced);
     const pzs_real bound = ROUNDING_FACTOR * (optimiser->target_rounding +
                                               optimiser->model_rounding + 4 * PZS_EPSILON * forces);
-    // At least the bound of the first round in the tick: where the gradient is nearly zero, the
-    // bound would be too, and a violation by rounding errors alone would count.
+    // The bound is at least that of the first round in the tick. Otherwise the bound would be
+    // nearly zero where the gradient is, and a violation by rounding errors alone would count.
     run->solver->least_rounding =
         run->solver->least_rounding > 0 ? run->solver->least_rounding : bound;
     optimiser->rounding_bound =
@@ -679,12 +680,13 @@ static bool start_anew(const rows_run *run)
 {
     run->solver->failures++;
     run->solver->last_gap = (pzs_real)HUGE_VAL;
-    // At every other call: free all voltages and limited sums from their bounds.
+    // Without limits of sums of absolute values, every other call frees all voltages and limited
+    // sums from their bounds.
     if (!has_absolute(run) && run->solver->failures % 2u != 0) {
         pzs_dual_free_all(run->tableau);
         return true;
     }
-    // Otherwise compute the tableau anew with a larger shift of the diagonal of the Hessian.
+    // All other calls compute the tableau anew, with a larger shift of the diagonal of the Hessian.
     if (run->optimiser->rebuilds >= REBUILDS || remaining_work(run) < PZS_PRODUCT_WORK(run->count))
         return false;
     run->optimiser->rebuilds++;
@@ -758,8 +760,8 @@ static bool run_round(const rows_run *run)
     predict_step(run);
     /*
      * The dual active-set method subtracts from the work limit the work of two products of the
-     * matrix with a vector, for the end of its round (sequence of iterations). These are added
-     * here, because remaining_work has already subtracted the work at the end of the round.
+     * matrix with a vector, for the end of its round (sequence of iterations). The work of these
+     * two products is added here, because remaining_work has already subtracted it.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = iterate(run);
@@ -790,10 +792,10 @@ static pzs_real change_by_rounding(const rows_run *run)
 
 /*
  * Undo the last round (sequence of iterations) if it raised the objective by more than rounding
- * errors explain. If it made no progress, store its duality gap.
- *   is_whole in  whether the voltages of the round were taken as they are; where sums of absolute
- *                values are limited, progress must exceed rounding errors if they had to be moved
- *                back
+ * errors explain. If the round made no progress, store its duality gap.
+ *   is_whole in  whether the voltages reached were inside all limits. If they had to be moved back
+ *                and sums of absolute values are limited, only progress beyond rounding errors
+ *                counts
  */
 static void judge_round(const rows_run *run, bool is_whole)
 {

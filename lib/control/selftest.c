@@ -19,7 +19,8 @@
 #include "../core/numbers.h"
 
 /*
- * A sensor reading that is larger than this counts as missing, so that no sum of squares overflows.
+ * A sensor reading whose absolute value exceeds this limit counts as missing, so that no sum of
+ * squares overflows.
  */
 #define READING_LIMIT PZS_R(1e12)
 /*

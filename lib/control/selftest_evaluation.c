@@ -9,8 +9,8 @@
  *   2. Pairs of similar columns and of similar rows are compared, because exchanged cables may make
  *      neither look faulty alone.
  *   3. The column or row that differs most is reported and excluded from later comparisons, until
- *      nothing differs. One at a time: a faulty amplifier also changes the rows of sensors near it,
- *      and a faulty sensor columns likewise.
+ *      nothing differs. Only one is reported at a time, because a faulty amplifier also changes the
+ *      rows of sensors near it, and a faulty sensor the columns of amplifiers near it.
  */
 #include "selftest.h"
 #include "../core/numbers.h"
@@ -241,7 +241,8 @@ static void mark_sensors(pzs_selftest *selftest)
         sum += square(state->tables->scale[i]) * state->noise[i];
     }
     for (uint32_t i = 0; i < sensors; i++) {
-        // A vibration of high frequency looks like noise of many sensors.
+        // A vibration of high frequency looks like noise at many sensors at once; the noise of a
+        // sensor is therefore compared with the mean of all others.
         const pzs_real own = square(state->tables->scale[i]) * state->noise[i];
         const pzs_real usual = sensors > 1 ? (sum - own) / (pzs_real)(sensors - 1u) : 0;
         const bool is_usual =
@@ -736,7 +737,8 @@ static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {
     const pzs_selftest_core *core = &selftest->state.core[0];
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
-    // The fewer of both are examined first: a fault of one among few changes the others more.
+    // If there are not more amplifiers than sensors, the amplifiers are examined first, otherwise
+    // the sensors: a fault of one among few changes the responses of the others more.
     const selftest_axis few = columns.lines <= rows.lines ? columns : rows;
     const selftest_axis many = columns.lines <= rows.lines ? rows : columns;
     const bool is_few = core->pair < few.lines;

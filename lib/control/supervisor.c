@@ -252,8 +252,8 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     core->remaining -= core->remaining > 0 ? 1u : 0u;
     pzs_control_moved(signals->control);
     /*
-     * The shape is predicted already during a ramp of the voltages, so that the first tick in which
-     * the loop controls the voltages does not take longer than others.
+     * The shape is predicted in every tick of a ramp. Otherwise the first tick in which the loop
+     * controls the voltages would have to make this prediction, and would take longer than others.
      */
     pzs_control_predict(signals->control);
 }

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Slow test pulse of a voltage, and the weights with which the response of a sensor is measured:
- *   pulse        b^4 times the height
+ *   pulse        b^4 times the height, with b = 1 - s^2
  *   even weight  b^3 (1 - 9 s^2), whose sum is zero
- *   odd weight   1.5 s b^2 (3 s^2 - 1), proportional to the derivative of the even one
- *   s            time, from -1 to 1 over the duration of the pulse;  b = 1 - s^2
+ *   odd weight   1.5 s b^2 (3 s^2 - 1), proportional to the derivative of the even weight
+ *   s            time, from -1 to 1 over the duration of the pulse
  *   response     sum(readings * even weight) / sum(pulse * even weight)
  *
- * Without a pulse, even and odd sums give the amplitude of a vibration. Polynomials have the same
- * bits on all processors, trigonometric functions do not.
+ * Without a pulse, the sums with even and odd weights give the amplitude of a vibration. The
+ * functions are polynomials because polynomials, unlike trigonometric functions, have the same bits
+ * on all processors.
  */
 #ifndef PZS_LIB_TEST_PULSE_H
 #define PZS_LIB_TEST_PULSE_H

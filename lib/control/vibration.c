@@ -334,8 +334,8 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
 
 /*
  * Low-pass filter: move each number of the array `filtered` by the fraction `slow` of the way to
- * that of the array `present`. Returns the sum of the squared differences of the two arrays before
- * that, the energy of what the filter keeps out.
+ * that of the array `present`. Returns the sum of the squared differences between the two arrays
+ * before the move.
  */
 static pzs_real low_pass(pzs_real *restrict filtered, const pzs_real *restrict present,
                          pzs_real slow, size_t count)
