@@ -27,9 +27,9 @@ extern "C" {
 /* Settings of a calibration that a program may change after pzs_calibration_init. */
 typedef struct pzs_calibration_settings {
     /*
-     * number of records (voltages with their readings) that the recursive least squares remember. A
-     * new record reduces the weight of older records with voltages in the same proportions; after
-     * this number of new records such an old one hardly counts. At least 2, default infinity
+     * number of records (voltages with their readings) after which an old record hardly counts: a
+     * new record reduces the weight of older ones with proportional voltages. At least 2, default
+     * infinity
      */
     pzs_real memory;
     pzs_real amplitude; /* amplitude of the test voltages, relative to half of the voltage range of

@@ -204,9 +204,9 @@ typedef struct pzs_optimiser {
                                  without voltages */
     /*
      * violation of the optimality (KKT) conditions (m2/V), to be compared with `rounding_bound`:
-     * the largest one by an input. Where the gradient was predicted by the tableau (pivoted
-     * Hessian), only two of its entries are also computed from the Hessian in a tick. The member is
-     * then the sum of the absolute differences between predicted and computed entries
+     * the largest violation by an input. If the tableau (pivoted Hessian) has predicted the
+     * gradient, it is the sum of the absolute prediction errors of the two gradient entries that
+     * the tick also computes from the Hessian
      */
     pzs_real kkt_violation;
     pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)
@@ -723,15 +723,16 @@ typedef struct pzs_supervisor_core {
  */
 typedef struct pzs_polarity_state {
     pzs_real *direction; /* [outputs] last jump of the target shape (m) */
-    pzs_real least;      /* smallest change of the product of `direction` and a shape that is judged
-                            (m2) */
-    pzs_real before[2];  /* products of `direction` with the predicted and the measured shape at
-                            the jump (m2) */
-    pzs_real now[2];     /* the same of the last tick or the one before, because each tick computes
-                            one of the two (m2) */
-    uint32_t remaining;  /* number of ticks in which the motion will still be judged; the first two
-                            of them set `before` */
-    uint32_t first;      /* value of `remaining` at the jump */
+    pzs_real least; /* smallest size of the change of a scalar product, `direction` times shape, at
+                       which the monitor judges the direction of the motion (m2) */
+    pzs_real before[2]; /* scalar products of `direction` with the predicted shape [0] and with the
+                           measured shape [1] at the jump of the target (m2) */
+    pzs_real now[2]; /* present scalar products of `direction` with the predicted shape [0] and with
+                        the measured shape [1] (m2); each tick updates one of them, in turn */
+    uint32_t remaining; /* number of ticks in which the motion after the last jump of the target
+                           will still be judged; the first two of them set `before` */
+    uint32_t first; /* number of ticks in which the motion after a jump of the target is judged, the
+                       start value of `remaining` */
 } pzs_polarity_state;
 
 /*
@@ -761,12 +762,14 @@ typedef struct pzs_monitor_state {
      * inputs with equal lower and upper limit in the last tick), plus 1 during a test signal
      */
     uint32_t fixed;
-    pzs_real earlier;   /* with a vibration damper: largest amplitude in the half period of the
-                           first vibration mode before the present one (m) */
-    pzs_real later;     /* largest amplitude in the present half period (m) */
-    uint32_t vibrating; /* counter of ticks with an amplitude above the threshold; each other tick
-                           lowers it by two, and a half period in which the vibration has fallen
-                           sets it back to one half period */
+    pzs_real earlier; /* largest amplitude of vibration in the half period of the first vibration
+                         mode before the present one (m), in a loop with a vibration damper */
+    pzs_real later; /* largest amplitude of vibration so far in the present half period of the first
+                       vibration mode (m), in a loop with a vibration damper */
+    uint32_t vibrating; /* counter of ticks in which the amplitude of vibration is above the
+                           threshold: each other tick lowers it by two, and a half period in which
+                           the vibration has fallen sets it to the number of ticks of a half period
+                         */
     pzs_polarity_state polarity;
     bool is_opposed; /* whether the last tick found the structure moved against its prediction */
     bool is_first;   /* whether the last tick was the first one of a loop with a vibration damper */

@@ -291,8 +291,8 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
  *   - after damaged tables were found, also during the ramp of a supervisor that follows, and also
  *     if the tables read well again: none until pzs_loop_init, which checks all tables;
  *   - without a supervisor: a tick without a usable reading or with a target that is not finite
- *     (PZS_W_HELD). The time-out of the watchdog is then the only one. A tick without readings
- *     (NULL) is in order there: such a loop may have no sensors.
+ *     (PZS_W_HELD), because only the watchdog then limits how long this lasts. A tick without
+ *     readings (NULL) is in order there: such a loop may have no sensors.
  * A heartbeat all the same:
  *   - parked voltages, a self-test, and the way to the park voltages (PZS_W_PARKED, PZS_W_SELFTEST,
  *     PZS_W_RAMP): these ticks work as intended, and a reset on the way would let voltages jump. A
@@ -558,8 +558,9 @@ typedef struct pzs_supervision {
     /*
      * alarm threshold of the counter of implausible shapes: a tick with an implausible measured
      * shape raises this counter by one, any other tick lowers it by two; above this value the
-     * supervisor gives an alarm. With a vibration damper it is a period of the first vibration
-     * mode; vibration gives an alarm above twice this value, if it does not fall meanwhile
+     * supervisor gives an alarm. With a vibration damper the value is a period of the first
+     * vibration mode (ticks); a vibration that is implausible for two periods without falling also
+     * gives an alarm
      */
     uint16_t alarm_ticks;
     uint16_t waits;       /* 1: the loop begins to control the voltages only after the command
@@ -1013,8 +1014,9 @@ typedef struct pzs_hysteresis {
                                    each creep term moves in a tick */
     /*
      * Measured hysteresis model of the electrodes (`identified_...`), which the fault detector
-     * uses; NULL where it equals the model without this prefix. The compensation uses that model,
-     * which may have less hysteresis than the ceramic, so that its inverse is robust.
+     * uses; NULL where it equals the model of the members without this prefix. The compensation
+     * uses the members without the prefix; their model may have less hysteresis than the ceramic,
+     * so that its inverse is robust.
      */
     const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
                                           constant part of the effect of an electrode (V): the

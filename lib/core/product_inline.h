@@ -50,7 +50,10 @@ PRODUCT_SUM_OF(product_dot, PRODUCT_TERM)
 PRODUCT_SUM_OF(product_dot_size, PRODUCT_SIZE_TERM)
 PRODUCT_SUM_OF(product_energy, PRODUCT_SQUARE_TERM)
 
-/* The function pzs_product_weigh (product.h). */
+/*
+ * Inline form of pzs_product_weigh (product.h): compute the differences of two vectors times
+ * squared weights, and return their weighted sum of squares.
+ */
 static inline pzs_real product_weigh(pzs_real *restrict weighted_difference,
                                      const pzs_real *restrict weight, const pzs_real *restrict left,
                                      const pzs_real *restrict right, size_t count)
@@ -74,7 +77,10 @@ static inline pzs_real product_weigh(pzs_real *restrict weighted_difference,
     return PRODUCT_ADD_LANES(sum);
 }
 
-/* The function pzs_product_largest (product.h). */
+/*
+ * Inline form of pzs_product_largest (product.h): return the largest entry of a vector, at least
+ * zero.
+ */
 static inline pzs_real product_largest(const pzs_real *vector, size_t count)
 {
     pzs_real s0 = 0, s1 = 0, s2 = 0, s3 = 0;

@@ -397,15 +397,15 @@ AVX512 static void update_eight_rows(pzs_real *block, size_t stride, const pzs_r
     UNROLLED
     for (unsigned line = 0; line < WIDE_BLOCK; line++) {
         sum[line] = *(const widest_vector *)(block + line * stride);
-        // Fetches the block to the right of the next one into the cache.
+        // Fetch the block to the right of the next block into the cache.
         __builtin_prefetch(block + line * stride + 2 * WIDE_BLOCK, 1);
     }
     for (size_t k = 0; k < count; k++, column += WIDE_BLOCK, row += WIDE_BLOCK) {
         const widest_vector entries = *(const widest_vector *)row;
         UNROLLED
         for (unsigned line = 0; line < WIDE_BLOCK; line++) {
-            // Keeps the compiler from joining multiplication and subtraction, which would round
-            // only once.
+            // The product is stored in a variable of its own, so that the compiler does not join
+            // multiplication and subtraction, which would round only once.
             widest_vector product = column[line] * entries;
             __asm__("" : "+v"(product));
             sum[line] -= product;

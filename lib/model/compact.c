@@ -32,9 +32,10 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node, pzs
     for (unsigned corner = 0; corner < 4; corner++)
         for (unsigned direction = 0; direction < 2; direction++) {
             /*
-             * The neighbour of a corner along theta1 (theta2) lies towards larger theta1 (theta2)
-             * if the element coordinate xi1 (xi2) is negative at the corner; mode_sign[2]
-             * (mode_sign[1]) holds the sign of xi1 (xi2) there.
+             * Sign of the step from the corner to its neighbour in this direction. The neighbour
+             * along theta1 lies towards larger theta1 if the element coordinate xi1 is negative at
+             * the corner; the same holds for theta2 and xi2. mode_sign[2] holds the sign of xi1 at
+             * each corner, mode_sign[1] that of xi2.
              */
             const pzs_real sign = -mode_sign[2 - direction][corner];
             const unsigned other = neighbour[corner][direction];

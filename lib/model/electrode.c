@@ -276,9 +276,10 @@ pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
         pzs_real *row = influence + (size_t)i * inputs;
         for (uint32_t open = 0; open < electric->state.open.n; open++)
             per_charge[open] = row[pzs_electrode_open_input(electric->state.tables, open)];
-        // Converts the entries per volt on the open electrodes to entries per unit of their charge.
+        // Convert the entries per volt on the open electrodes to entries per unit of their charge.
         pzs_linalg_solve(&electric->state.open, per_charge);
-        // Subtracts what the charges that input j causes on the open electrodes would contribute.
+        // Input j at prescribed charges: subtract the outputs per unit of charge, times the charges
+        // that input j would cause on the open electrodes if their voltages were kept.
         for (uint32_t open = 0; open < electric->state.open.n; open++)
             for (uint32_t j = 0; j < inputs; j++)
                 row[j] -=

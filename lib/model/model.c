@@ -574,8 +574,8 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     memcpy(p, z, n * sizeof *p);
     memset(u, 0, n * sizeof *u);
     pzs_real residual_energy = pzs_linalg_inner(r, z, n);
-    // Ends when the squared error in the energy norm is below the rounding error of the energy of
-    // u.
+    // The iterations end when the squared error in the energy norm is below the rounding error of
+    // the energy of u.
     for (model->info.refinements = 0; model->info.refinements < REFINEMENT_LIMIT &&
                                       residual_energy > energy * PZS_EPSILON * PZS_EPSILON;) {
         memset(kp, 0, n * sizeof *kp);

@@ -117,7 +117,9 @@ static void corner_strains(const shape *base, const shell_corner *change,
     // the base vectors (g + l) and of their changes (dl). Subtracting the nearly equal strains of
     // both faces would lose digits.
     for (int direction = 0; direction < 2; direction++) {
-        // Quadratic in the height: enters mean and difference with the factors of height_squared.
+        // Part of the strain that is quadratic in the height above the middle of the shell. It
+        // enters the mean and the difference of both faces with the factors of
+        // pzs_element_type.height_squared.
         const pzs_real quadratic = vector3_dot(base->diff[direction], change->diff[direction]);
         strain[2 * direction] = vector3_dot(base->mean[direction], change->mean[direction]) +
                                 square[direction] * quadratic;

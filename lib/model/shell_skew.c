@@ -8,7 +8,7 @@
 
 /*
  * Correct the in-plane strains of an element for its skew a1, a2 and its length ratio r
- * (pzs_element_type.skew). Let eM_ij be strain ij in strain mode M = 00, 01 or 10. With
+ * (pzs_element_type.skew). Below, e10_22 is strain 22 in strain mode 10, and so on. With
  *   b = r (e10_22 - a2 e00_22) - a1 e00_12
  *   c = (a1 (e01_11 - a1 e00_11) + a2 r b) / (1 - a1^2 - a2^2)
  * first c is subtracted from e00_11 and c/r^2 from e00_22, then

@@ -5,8 +5,9 @@
 #include "../core/linalg.h"
 
 /*
- * Whether the stiffness entry that couples two degrees of freedom of a spring is among the stored
- * entries (the envelope) of the stiffness matrix, or above its diagonal.
+ * Whether the product of two entries of a spring's row has a place in the stored lower triangle
+ * (the envelope) of the stiffness matrix. `own` and `other` are the indices of these entries; the
+ * function is called for both orders of a pair.
  */
 static bool in_envelope(const pzs_structure *structure, uint32_t own, uint32_t other)
 {
