@@ -456,8 +456,8 @@ int analysis_find_reactions(analysis *analysis, const double *displacement, char
 
 /*
  * Compute what follows from a displacement: the reactions, and the strains and stresses that the
- * scene names as outputs; nothing after a failure, unless load steps ended at an equilibrium below
- * the full load.
+ * scene names as outputs. If the computation of the displacement has failed, nothing is computed,
+ * unless its load steps ended at an equilibrium below the full load.
  *   failed in  return value of the computation of the displacement
  * Returns `failed`, or -1 with error filled.
  */

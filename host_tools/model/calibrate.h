@@ -102,19 +102,21 @@ void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, do
 /* Cross-talk: the voltage of one amplifier also acts on the electrode of another one. */
 typedef struct crosstalk {
     size_t actuator, other; /* amplifier, and the amplifier on whose electrode it also acts */
-    double part, error; /* part of the voltage that acts on that electrode, and its standard error
-                         */
+    double part, error;     /* part of the amplifier's voltage that acts on the other amplifier's
+                               electrode (dimensionless), and its standard error */
 } crosstalk;
 
 /*
  * Find cross-talk by fitting each column of the computed influence matrix by its own column of the
  * model and the one other column that fits best.
  *   found        out  cross-talk found, at most one for each amplifier
- *   size         in   numbers of actuators and outputs
+ *   size         in   pokes (shapes measured under known voltages), from which only the numbers of
+ *                     actuators and outputs are used
  *   model [outputs][actuators] in  influence matrix of the model, of the amplifiers as wired
- * An other column counts if it explains CROSSTALK_SHARE of the squares that the own column leaves,
- * with a part of at least CROSSTALK_PART, which is five times its standard error or more. Returns
- * the number found; 0 where the noise or some actuator is not determined by the pokes.
+ * Cross-talk counts on three conditions: the other column explains at least CROSSTALK_SHARE of the
+ * sum of squares that the own column leaves unexplained; its factor is at least CROSSTALK_PART; and
+ * this factor is at least five times its standard error. Returns the number found; 0 where the
+ * pokes (measured shapes) do not determine the noise or an actuator.
  */
 #define CROSSTALK_PART 0.03
 #define CROSSTALK_SHARE 0.8

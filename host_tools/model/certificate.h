@@ -2,8 +2,8 @@
 /*
  * Certificate of stability: whether the control loop, whose step treats each shape as an
  * equilibrium, is stable on a structure with mass. The plant has the lowest vibration modes and the
- * static response of the others. The controller is pzs_tick without limits, which only slow the
- * growth of vibration:
+ * static response of the others. The controller is pzs_tick without voltage limits, because limits
+ * only slow the growth of a vibration:
  *   v' = -F (q - g v),  F = (B'W^2 B + regularisation)^-1 B'W^2 C.
  *   v, v'  voltages before and after the tick
  *   q, g   modal coordinates measured `delay` ticks before, and their static response per volt

@@ -301,7 +301,8 @@ static void fill_precision(builder *builder)
  * Compute three products of the observed vibration modes.
  *   overlap [modes][modes]   readings of two modes, summed over the sensors with their weights
  *   square  [modes]          squared mode shape, summed over the targets with squared weights
- *   lift    [inputs][modes]  influence matrix times mode shape, summed over the targets likewise
+ *   lift    [inputs][modes] product of influence matrix and mode shape, summed over the targets
+ *           with squared weights
  */
 static void fill_products(builder *builder)
 {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tables of the control tick that damps vibration (pzs_vibration): observed modes, their shapes at
- * sensors and outputs, and gains (damper_gains.h). Observed are the lowest modes that move the
- * outputs and advance by at most 2 rad a tick: fewer than sensors, at most as many as amplifiers
- * with free voltage. A unit modal coordinate moves the outputs by a root mean square of 1.
+ * sensors and outputs, and gains (damper_gains.h). The observed modes are the lowest ones that move
+ * the outputs and whose phase advances by at most 2 rad in a tick. Their number is smaller than
+ * that of the sensors, and at most that of the amplifiers whose voltage can change. A unit modal
+ * coordinate moves the outputs by a root mean square of 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H

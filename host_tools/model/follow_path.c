@@ -68,7 +68,11 @@ static double locate_critical_point(arc_search *arc_search, double *arc, signatu
     return load_factor;
 }
 
-/* Append the critical point of one type within a step of length `arc` to the path. */
+/*
+ * Locate the critical point of a given type (limit point or bifurcation) within the last step of
+ * length `arc`, and append it to the list of critical points of the load path. `before` is the
+ * signature at the start of the step.
+ */
 static void add_event(arc_search *arc_search, analysis *analysis, load_path *path, double arc,
                       signature before, load_path_event_type type)
 {
@@ -228,9 +232,9 @@ static bool has_returned(const arc_search *arc_search, const load_path *path, do
 
 /*
  * Make all steps of the load path. The first step is as long as the linear displacement under a
- * twentieth of the load, and no step is longer than four times that, but on a branch. A step that
- * fails is halved. The path ends where a branch returns to its bifurcation, and below LOWEST times
- * the full load.
+ * twentieth of the load. No step on the path is longer than four times the first one; a branch has
+ * a limit of its own. A step that fails is halved. The path ends at the full load, where a branch
+ * returns to its bifurcation, or where the load factor falls below LOWEST.
  *   branch in  number of the bifurcation at which to leave the path; 0: none
  */
 static void take_steps(arc_search *arc_search, analysis *analysis, load_path *path, int branch)

@@ -65,7 +65,8 @@ typedef struct load_path {
     int outputs;      /* number of outputs of the scene */
     double *value;    /* [points][outputs] first value of each output of the scene at each point of
                          the load path; not filled for outputs of strains and stresses */
-    double *event_value; /* [events][outputs] the same at each critical point */
+    double *event_value; /* [events][outputs] first value of each output of the scene at each
+                            critical point (limit point or bifurcation) of the load path */
     double *row;       /* work array for the values of all outputs at one point of the load path */
     pzs_status status; /* status of the last load step of a path in equal load steps */
     bool is_complete;  /* whether the load path has reached the full load */

@@ -30,9 +30,9 @@ static double remaining_error(double last, double ratio)
 }
 
 /*
- * Return the error of the extrapolated value where the results turn (first rise, then fall with
- * finer meshes, or the reverse): they behave as limit + a h - b h^2 with element size h and a, b of
- * the same sign, and second-order extrapolation leaves 2/3 a h.
+ * Return the error of the extrapolated value of results that first rise and then fall with finer
+ * meshes, or the reverse. Such results behave as limit + a h - b h^2 with element size h and a, b
+ * of the same sign. Second-order extrapolation then has the error 2/3 a h.
  *   last   in  difference between the results on the two finest meshes
  *   before in  difference between the results on the second and the third finest mesh
  */

@@ -5,7 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest entry of the mode, in size, among the displacements of both faces' mean. */
+/*
+ * Return the entry of a bifurcation mode that has the largest absolute value among the mean
+ * displacements of both faces, with its sign.
+ */
 static double largest_displacement(const arc_search *arc_search, const double *mode)
 {
     double largest = 0;
@@ -15,7 +18,10 @@ static double largest_displacement(const arc_search *arc_search, const double *m
     return largest;
 }
 
-/* Scale the mode so that its largest displacement is 1. Returns false if that is impossible. */
+/*
+ * Scale the mode of a bifurcation so that its largest displacement is 1. Returns false if all its
+ * displacements are 0 or one is not finite.
+ */
 static bool normalise(const arc_search *arc_search, double *mode)
 {
     const double largest = largest_displacement(arc_search, mode);
@@ -25,9 +31,10 @@ static bool normalise(const arc_search *arc_search, double *mode)
 }
 
 /*
- * Find the mode of a bifurcation by inverse iteration with the tangent stiffness of the present
- * point, which has been factored. The first vector of the iteration has pseudorandom entries, so
- * that no symmetry hides the mode from it.
+ * Find the mode of a bifurcation, the displacement with the smallest eigenvalue of the tangent
+ * stiffness, by inverse iteration. The tangent stiffness at the present point has been factored.
+ * The iteration starts with pseudorandom numbers: a symmetric start vector could be orthogonal to
+ * the mode.
  */
 static bool find_mode(arc_search *arc_search, double *mode)
 {
@@ -55,10 +62,12 @@ static double mesh_size(const mesh *mesh)
 }
 
 /*
- * Make a first step along the mode, at first with the load factor of the bifurcation.
+ * Make a first step from a bifurcation along its mode. Its first increment keeps the load factor of
+ * the bifurcation.
  *   amplitude in  largest displacement of the first increment (m), negative against the mode
- * Returns whether an equilibrium was found whose increment is within 45 degrees of the mode: the
- * path before the bifurcation, which also leads through it, is further away.
+ * Returns whether an equilibrium was found on the branch. It lies on the branch if its displacement
+ * from the bifurcation encloses less than 45 degrees with the mode; the original path leaves the
+ * bifurcation at a larger angle.
  */
 static bool try_amplitude(arc_search *arc_search, const double *mode, double amplitude)
 {

@@ -54,9 +54,10 @@ int measure_stack_stroke(const subject *of, int k, measured *found)
 }
 
 /*
- * Measure the stiffness of a stack times the square of its stroke per volt (F): the capacitance of
- * the free minus that of the clamped stack. Over that of the free stack it is the squared coupling
- * factor of the ceramic, which has an upper limit.
+ * Measure the stiffness of a stack times the square of its stroke per volt (F). This is the
+ * difference between the capacitances of the free and of the clamped stack. Divided by the
+ * capacitance of the free stack it is the squared coupling factor of the ceramic, which has an
+ * upper limit.
  */
 int measure_stack_energy(const subject *of, int k, measured *found)
 {

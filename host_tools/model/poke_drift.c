@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Estimates of drift and of the effect of earlier voltages from measured shapes (poke_drift.h). */
+/* Estimation of drift and of the effect of earlier voltages from measured shapes (poke_drift.h). */
 #include "poke_drift.h"
 #include <float.h>
 #include <math.h>
@@ -7,32 +7,46 @@
 #include <string.h>
 #include "poke_reduction.h"
 
-/* The first two regressors: constant, and number of the poke. The voltages before follow. */
+/*
+ * Number of trends that are fitted to the measured shapes: a constant offset and a drift that is
+ * linear in the number of the measurement. In the matrix of regressors their two columns come
+ * first; the voltages of the preceding measurement follow.
+ */
 enum { TRENDS = 2 };
 
 /*
- * Rounds of the estimate: the second one has an influence matrix of shapes without offset and
- * drift, which the first one found.
+ * Number of estimates. The second estimate uses an influence matrix computed from shapes from which
+ * the offset and the drift of the first estimate were subtracted.
  */
 enum { ROUNDS = 2 };
 
 /*
- * Arrays of one estimate, in one allocation that begins at `trend`. Rows are those of the reduced
- * pokes that no influence matrix explains.
+ * Arrays of one estimate of offset, drift and memory (poke_drift.h), in one allocation that begins
+ * at `trend`. `rows` is the number of rows of the reduced measurements that no influence matrix
+ * explains (poke_reduction.rest).
  */
 typedef struct estimate {
     size_t rows, outputs;
-    double *trend; /* [TRENDS][rows] orthonormal vectors of constant and drift; zeros where the
-                      voltages explain them */
-    double scale[TRENDS]; /* part of each regressor along its own vector; 0: not determined */
-    double mixed;         /* part of the number of the poke along the vector of the constant */
-    double *before;       /* [rows][outputs] shapes of the voltages before, without trends */
-    double *rest;         /* [rows][outputs] shapes that are left, without trends */
-    double *part[TRENDS]; /* [outputs] parts of the shapes along the trends */
-    double *part_before[TRENDS]; /* [outputs] parts of the shapes of the voltages before */
+    /* [TRENDS][rows] orthonormal vectors of constant and drift; zeros where voltages explain them
+     */
+    double *trend;
+    double scale[TRENDS]; /* component of each trend (constant, number of the measurement) along its
+                             own vector in `trend`; 0: the measurements do not determine it */
+    double mixed; /* component of the second trend, the number of the measurement, along the vector
+                     of the constant */
+    double *before; /* [rows][outputs] shapes that the influence matrix predicts for the voltages of
+                       the preceding measurements, without their components along the trends */
+    double *rest;   /* [rows][outputs] measured shapes that no influence matrix explains, without
+                       their components along the trends */
+    double *part[TRENDS];        /* [outputs] components of the measured shapes along each trend */
+    double *part_before[TRENDS]; /* [outputs] components, along each trend, of the shapes predicted
+                                    for the preceding voltages */
 } estimate;
 
-/* Fill the regressors [pokes][TRENDS + actuators]: 1, the number k of the poke, and v_(k-1). */
+/*
+ * Fill the regressors of all measurements, [pokes][TRENDS + actuators]: in the row of measurement k
+ * the number 1, the number k, and the voltages of measurement k - 1, which are 0 for k = 0.
+ */
 static void fill_regressors(const pokes *pokes, double *regressor)
 {
     const size_t actuators = pokes->actuators;
@@ -54,8 +68,9 @@ static double product(const double *x, const double *y, size_t count)
 }
 
 /*
- * Make the vectors of the trends orthonormal. What rounding leaves of a regressor that the voltages
- * or the constant explain counts as zero.
+ * Compute the orthonormal vectors of the two trends, constant and linear drift, by Gram-Schmidt
+ * orthogonalisation. A trend that the voltages or the other trend explain up to rounding errors
+ * gets the vector 0.
  */
 static void fill_trends(estimate *e, const poke_reduction *reduction, size_t pokes, size_t extras)
 {
@@ -77,7 +92,8 @@ static void fill_trends(estimate *e, const poke_reduction *reduction, size_t pok
 }
 
 /*
- * Split a matrix [rows][outputs] into its parts along the trends and the rest, which replaces it.
+ * Compute the components of the columns of a matrix [rows][outputs] along the two trends (constant
+ * and drift), add them to part [TRENDS][outputs], and subtract them from the matrix.
  */
 static void split(const estimate *e, double *value, double *const part[TRENDS])
 {
@@ -108,7 +124,10 @@ static int estimate_open(estimate *e, size_t rows, size_t outputs)
     return e->trend ? 0 : -1;
 }
 
-/* Compute the shapes that the voltages before cause, by the reduced regressors. */
+/*
+ * Compute the shapes that an influence matrix predicts for the voltages of the preceding
+ * measurements, in the reduced rows of the estimate.
+ */
 static void fill_before(estimate *e, const poke_reduction *reduction, const double *influence)
 {
     const size_t actuators = reduction->pokes.actuators, extras = TRENDS + actuators;
@@ -119,8 +138,10 @@ static void fill_before(estimate *e, const poke_reduction *reduction, const doub
 }
 
 /*
- * Compute memory, noise, and with them offset and drift.
- *   size in  sum of the squares of the shapes that the voltages before cause in all pokes
+ * Compute the memory (the fraction of the preceding voltages that still acts), the noise, the
+ * offset and the drift from the arrays of the estimate.
+ *   size in  sum of squares of the shapes predicted for all measurements, for a test of rounding
+ *            errors
  */
 static void solve(poke_drift *drift, const estimate *e, double size)
 {
@@ -156,7 +177,10 @@ static void solve(poke_drift *drift, const estimate *e, double size)
     }
 }
 
-/* Sum of the squares of the shapes that an influence matrix predicts for all pokes. */
+/*
+ * Return the sum of the squares of the shapes that an influence matrix predicts for the voltages of
+ * all measurements.
+ */
 static double size_of(const pokes *pokes, const double *influence)
 {
     double sum = 0;
@@ -166,7 +190,10 @@ static double size_of(const pokes *pokes, const double *influence)
     return sum;
 }
 
-/* Fill the estimate from reduced pokes and solve it. Returns 0, or -1 where memory runs out. */
+/*
+ * Estimate offset, drift and memory from reduced measurements and an influence matrix. Returns 0,
+ * or -1 where memory runs out.
+ */
 static int find(poke_drift *drift, const poke_reduction *reduction, const pokes *pokes,
                 const double *influence)
 {
@@ -184,9 +211,11 @@ static int find(poke_drift *drift, const poke_reduction *reduction, const pokes 
 }
 
 /*
- * Estimate drift and the effect of earlier voltages (hysteresis, creep) from what the least-squares
- * influence matrix leaves unexplained of the measured shapes.
- *   influence [outputs][actuators] in  this matrix
+ * Reduce the measurements (poke_reduction.h), and estimate offset, drift and the effect of earlier
+ * voltages (hysteresis, creep) from the part of the measured shapes that no influence matrix
+ * explains. Nothing is estimated if too few measurements exist.
+ *   influence [outputs][actuators] in  influence matrix fitted to the measured shapes by least
+ *                                      squares
  * Returns 0, or -1 where memory runs out.
  */
 static int find_reduced(poke_drift *drift, const pokes *pokes, const double *influence)
@@ -206,7 +235,7 @@ static int find_reduced(poke_drift *drift, const pokes *pokes, const double *inf
     return failed;
 }
 
-/* Subtract offset and drift, if they count, from the measured shapes. */
+/* Copy the measured shapes to `shape`, without offset and drift if these exceed the noise. */
 static void subtract(const poke_drift *drift, const pokes *pokes, double *shape)
 {
     memcpy(shape, pokes->shape, pokes->count * pokes->outputs * sizeof *shape);

@@ -477,8 +477,9 @@ void stress_shear_strains(const stress_field *field, int element, int layer, int
 }
 
 /*
- * Add the strain of bent cross-sections to the strain of a layer, with the thickness strain 33 that
- * it causes without a normal stress 33; the stress in the plane is that of the sample.
+ * Add the in-plane strains of bent cross-sections (stress_warp.h) to the strains of a layer, and
+ * the thickness strain 33 that they cause while the normal stress 33 stays the same. The in-plane
+ * stresses become those of the sample.
  */
 static void add_warp(const laminate_ply *ply, const stress_sample *sample, double strain[6],
                      double stress[6])

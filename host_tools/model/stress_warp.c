@@ -14,8 +14,9 @@ typedef double bend[STENCIL_SAMPLES][2];
 /* ---- bent cross-sections --------------------------------------------------------- */
 
 /*
- * Compute the displacement of the cross-section of an element: the integral of its shear strains
- * from the inner face. On a curved shell, w_a/c_a is the integral of g_a3/c_a.
+ * Compute the displacement w of the bent cross-section of an element from its transverse shear
+ * strains. With c_a, the length along direction a at a height relative to that in the reference
+ * surface, w_a/c_a is the integral of (shear strain a3)/c_a over the height, from the inner face.
  */
 static void fill_bend(const stress_field *field, const stencil *stencil, bend out)
 {
@@ -120,8 +121,9 @@ static void warp_strains(const stress_field *field, int element, bend *all, doub
 /* ---- corrections ------------------------------------------------------------------ */
 
 /*
- * Replace the strain of bent cross-sections at one sample of an element, and change its in-plane
- * stresses by what this causes. Returns the square of the change of the stresses.
+ * Replace the in-plane strains of bent cross-sections at one sample (height of a layer) of an
+ * element, and add the in-plane stresses of their change. Returns the sum of the squares of these
+ * added stresses.
  */
 static double replace_strain(const stress_field *field, int element, int sample,
                              const double strain[3])

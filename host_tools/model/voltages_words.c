@@ -45,8 +45,8 @@ static void append_fixed(const design *design, const voltages *result, char text
 }
 
 /*
- * Append the names of the free functions (shapes that may be added to the target at no cost), and
- * how far the nodes are from the points of a target that points give.
+ * Append the names of the free functions (shapes that may be added to the target at no cost). For a
+ * target that scattered points give, also append how far the target nodes are from these points.
  */
 static void append_target(const design *design, char text[VOLTAGES_TEXT])
 {

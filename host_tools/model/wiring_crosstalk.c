@@ -4,7 +4,10 @@
 #include <math.h>
 #include "calibrate.h"
 
-/* Sum of the products of two columns of matrices [outputs][actuators]. */
+/*
+ * Return the scalar product of column k of matrix x and column `other` of matrix y, both
+ * [outputs][actuators].
+ */
 static double columns(const pokes *size, const double *x, size_t k, const double *y, size_t other)
 {
     double sum = 0;
@@ -14,10 +17,12 @@ static double columns(const pokes *size, const double *x, size_t k, const double
 }
 
 /*
- * Fit column k of the computed matrix by columns k and `other` of the model.
- *   part   out  factor of the other column
- *   alone  out  squared norm of the part of the other column that the own column lacks
- * Returns the squares that the other column takes from what the own column leaves.
+ * Fit column k of the computed influence matrix by two columns of the model: column k (own) and
+ * column `other`.
+ *   part   out  factor of column `other` in the fit
+ *   alone  out  squared norm of the component of column `other` that is orthogonal to column k
+ * Returns by how much the sum of squared residuals falls if column `other` is added to a fit by
+ * column k alone.
  */
 static double fit_other(const calibration *result, const pokes *size, const double *model, size_t k,
                         size_t other, double *part, double *alone)
@@ -34,7 +39,10 @@ static double fit_other(const calibration *result, const pokes *size, const doub
     return along * along / *alone;
 }
 
-/* Find the cross-talk of actuator k. Returns whether there is some. */
+/*
+ * Find the cross-talk of amplifier k, whose voltage may also act on the electrode of another
+ * amplifier. Returns whether cross-talk counts (crosstalk_find).
+ */
 static bool find_one(crosstalk *found, const calibration *result, const pokes *size,
                      const double *model, size_t k)
 {
