@@ -43,7 +43,8 @@ static const double slowest = 1.25;
  * a tick. The first of them leaves 5 % of a residual after 3.2 periods of this mode.
  */
 static const double residual_part[] = {0.15, 0.075, 0.0375};
-static const double residual_limit = 0.15; /* largest of these gains */
+static const double residual_limit = 0.15; /* largest gain of the low-pass filter of the residual
+                                              readings (dimensionless) */
 
 /*
  * Static response of the structure to voltages, relative to the model, at which small vibrations

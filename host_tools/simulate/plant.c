@@ -103,7 +103,10 @@ static bool wants_inertia(plant *plant)
     /* The modal model has no output rows for sensors of voltages or charges. */
     if (design->simulate.sight != SIGHT_MEASURED && !design_reads_displacements(design))
         why = "a sensor is an electrode";
-    /* The vibration modes depend on the nodes in contact. */
+    /*
+     * With contact, a linear model is not possible: the vibration modes depend on which nodes are
+     * in contact.
+     */
     if (design->contact.given)
         why = "the plant has a contact";
     if (!plant->analysis.source->has_structure && design->measured.modes == 0)

@@ -162,12 +162,12 @@ typedef struct simulation {
     bool has_target;  /* whether the scene's target differs from zero at some target node */
     double reference; /* denominator of all relative errors: the weighted norm of the scene's target
                          or, where the target is zero, of the shape without voltages (m) */
-    double compared_regularisation; /* in a control law for comparison (least
-                                       squares with regularisation, then clipped): regularisation
-                                       beyond that of the scene (m2/V2) */
-    double regularisation;          /* regularisation of the same control law, relative to the mean
-                                       diagonal entry of the Hessian of the voltage optimisation
-                                       problem */
+    double compared_regularisation; /* regularisation that the control law for comparison
+                                       LAW_REGULARISED (least squares, then clipped) adds to that of
+                                       the scene (m2/V2) */
+    double regularisation;     /* regularisation of the control law for comparison LAW_REGULARISED,
+                                  relative to the mean diagonal entry of the Hessian of the voltage
+                                  optimisation problem (dimensionless) */
     const device_board *board; /* microcontroller board, emulated by QEMU, that runs the controller;
                                   NULL: the controller runs on the host */
     char folder[DEVICE_PATH];  /* path of the temporary folder in which the firmware of the

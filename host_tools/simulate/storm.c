@@ -82,12 +82,13 @@ static void set_noise(storm *storm)
     storm->noise = noise_share * largest;
 }
 
-/* Times of a storm, in ticks. */
+/* Times of a storm (simulation of a control loop with fast jumps of the target), in ticks. */
 typedef struct schedule {
-    int every; /* time between two jumps of the target */
-    int jumps; /* tick of the last jump, to the target of the scene, which then stays */
-    int ticks; /* longest length of the storm */
-    int end;   /* time at the end over which the result is taken */
+    int every; /* time between two jumps of the target (ticks) */
+    int jumps; /* number of the tick in which the target jumps for the last time, to the target of
+                  the scene */
+    int ticks; /* largest number of ticks of the storm */
+    int end;   /* number of ticks at the end of the storm over which its result is taken */
 } schedule;
 
 static schedule schedule_of(const storm_rig *rig)
@@ -101,7 +102,7 @@ static schedule schedule_of(const storm_rig *rig)
                       .end = clamp_ticks(period, END_LEAST, END_MOST)};
 }
 
-/* Set the target of tick k. */
+/* Set the target of tick k of a storm (simulation with fast jumps of the target). */
 static void set_target(storm *storm, const schedule *schedule, int k)
 {
     if (k == schedule->jumps)
@@ -111,8 +112,10 @@ static void set_target(storm *storm, const schedule *schedule, int k)
 }
 
 /*
- * Compare the shape after tick k with the best one. The storm ends, by the number of its ticks,
- * where the shape has stayed near the best one for `end` ticks, or where the loop has diverged.
+ * Compare the shape after tick k of a storm (simulation with fast jumps of the target) with the
+ * best shape that the limits allow. If the shape has stayed near the best one for schedule->end
+ * ticks, result->ticks is reduced to end the storm. If the loop has diverged, result->end becomes
+ * infinite.
  *   quiet  in/out  number of ticks for which the shape has stayed near the best one
  *   result in/out  result of the storm
  */

@@ -227,8 +227,8 @@ double loop_reachable_rms(const design *design)
  *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
  *   fading       factor per tick of the tolerated effect of earlier target changes: 1/e in two
  *       periods of the first vibration mode, or in 50 ticks without a vibration model
- *   alarm_ticks  implausible ticks until an alarm: a period, at least 20 ticks (vibration: twice
- *       as many)
+ *   alarm_ticks number of implausible ticks until an alarm: a period of the first vibration mode,
+ *       at least 20 (for vibration twice as many)
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
