@@ -182,8 +182,9 @@ static int fit_alone(run *run, char *error)
 }
 
 /*
- * Find cross-talk in the computed matrix, of the amplifiers as they are wired, by the matrix of the
- * model. Returns 0, or -1 with error filled.
+ * Find cross-talk between amplifiers in the computed influence matrix, by comparison with the
+ * matrix that the model predicts for the wiring as it is, faults included. Returns 0, or -1 with
+ * error filled.
  */
 static int find_crosstalk(run *run, char *error)
 {
@@ -215,8 +216,8 @@ static int fit(run *run, char *error)
 }
 
 /*
- * Estimate the drift of the measured shapes and take it out of them. Returns 0, or -1 with error
- * filled.
+ * Estimate the drift of the measured shapes over time and subtract it from them. Returns 0, or -1
+ * with error filled.
  */
 static int remove_drift(run *run, char *error)
 {
@@ -344,7 +345,11 @@ static void print_use(const run *run, const char *path)
                path, path);
 }
 
-/* Print drift and memory of the measured shapes, where the pokes determine them. */
+/*
+ * Print what the pokes (shapes measured under known voltages) tell about two errors of the
+ * measurement: drift of the shapes over time, and memory, the effect of earlier voltages on a
+ * shape.
+ */
 static void print_drift(const run *run)
 {
     const poke_drift *drift = &run->drift;

@@ -53,7 +53,10 @@ static void print_cause(const analysis *analysis, const load_path *path)
     printf("  %s\n", cause);
 }
 
-/* Print the listed outputs at a critical point, a line for each. */
+/*
+ * Print a line for each output with a single value (except strains and stresses): its value at a
+ * critical point.
+ */
 static void print_values(const analysis *analysis, const double *value)
 {
     const design *design = &analysis->design;
@@ -63,8 +66,8 @@ static void print_values(const analysis *analysis, const double *value)
 }
 
 /*
- * List the critical points with the values of the outputs there; of a bifurcation with the option
- * that leaves the path there.
+ * Print the critical points of the load path, with the values of the outputs there. For a
+ * bifurcation, also print the command-line option with which pzs leaves the path there.
  */
 static void print_events(const analysis *analysis, const load_path *path)
 {
@@ -107,7 +110,10 @@ void print_load_path(const analysis *analysis, const load_path *path)
 
 /* ---- JSON ------------------------------------------------------------- */
 
-/* Write the listed outputs at one point of a load path. */
+/*
+ * Write the values of the outputs at one point of a load path as JSON; only of outputs with a
+ * single value, without strains and stresses.
+ */
 static void json_outputs(json *json, const analysis *analysis, const double *value)
 {
     const design *design = &analysis->design;

@@ -325,8 +325,9 @@ static void list_loose(int64_t *label, size_t count, quad_loose *loose)
 }
 
 /*
- * Copy a set of nodes; those without elements are listed apart.
- *   loose  [from->count + 1] out  work array
+ * Copy a set of nodes from the mesh file. Its nodes that belong to no element do not enter the
+ * mesh; their numbers are listed in to->loose.
+ *   loose [from->count + 1] out  work array
  */
 static void copy_nodes_of_set(const collection *collection, const quad_raw_set *from, quad_set *to,
                               int64_t *loose)
@@ -343,7 +344,10 @@ static void copy_nodes_of_set(const collection *collection, const quad_raw_set *
     list_loose(loose, count, &to->loose);
 }
 
-/* Copy a set of nodes. Returns 0, or -1 after writing an error message about the mesh file. */
+/*
+ * Copy a set of nodes from the mesh file, with work memory of its size. Returns 0, or -1 after
+ * writing an error message about the mesh file.
+ */
 static int copy_node_set(const collection *collection, const quad_raw_set *from, quad_set *to)
 {
     int64_t *loose = calloc(from->count + 1, sizeof *loose);

@@ -7,8 +7,10 @@
 
 #include "vector.h"
 
-/* Compute the unit normal of an element at one of its corners; returns its length before, 0 for a
- * corner without angle. */
+/*
+ * Compute the unit normal of an element at one of its corners, perpendicular to both sides there.
+ * Returns twice the area of the triangle that these sides span; 0 if they are parallel.
+ */
 static double normal_at(const quad_mesh *mesh, const uint32_t node[4], int corner, double normal[3])
 {
     const double *at = mesh->position[node[corner]], *next = mesh->position[node[(corner + 1) % 4]],
@@ -23,8 +25,9 @@ static double normal_at(const quad_mesh *mesh, const uint32_t node[4], int corne
 }
 
 /*
- * Return a corner of an element whose normal is more than 120 degrees off that of another corner,
- * or -1 if there is none. Of several such corners the one that is off most others is returned.
+ * Return a corner at which the normal of an element differs by more than 120 degrees from its
+ * normal at another corner, or -1 if there is none or two sides at a corner are parallel. Of
+ * several such corners, the one that differs from most others is returned.
  */
 static int folded_corner(const quad_mesh *mesh, const uint32_t node[4])
 {

@@ -132,7 +132,11 @@ static uint32_t layer_node(const panel_plan *plan, int layer, int j)
 
 /* ---- positions in the plane ------------------------------------------------- */
 
-/* Return the coordinate of a line of the grid: lines are equidistant in each of its three parts. */
+/*
+ * Return the coordinate (m) of line i of the grid along x (axis 0) or along the width (axis 1).
+ * Lines are equidistant in each of three parts: before, beside and behind the square block around
+ * the hole.
+ */
 static double line_at(const panel_plan *plan, int axis, int i)
 {
     const double extent = axis == 0 ? plan->panel->length : plan->panel->width;
@@ -211,7 +215,7 @@ static void fill_elements(const panel_plan *plan, quad_mesh *mesh)
 
 /* ---- smoothing ------------------------------------------------------------- */
 
-/* Neighbours of the nodes: at most five along element sides. */
+/* Largest number of nodes with which one node shares a side of an element. */
 enum { NEIGHBOURS = 5 };
 typedef struct panel_neighbours {
     int count;
@@ -246,7 +250,11 @@ static void find_neighbours(const panel_plan *plan, const quad_mesh *mesh, panel
             true;
 }
 
-/* Move a node towards the mean of its neighbours. Returns the distance to this mean. */
+/*
+ * Move a node towards the mean position of its neighbours. Returns the distance between the node
+ * and this mean before the move.
+ *   factor in  length of the move, as a multiple of this distance
+ */
 static double move_node(quad_mesh *mesh, const panel_neighbours *of, double *x, double factor)
 {
     double mean[2] = {0, 0};
@@ -286,10 +294,13 @@ static int smooth(const panel_plan *plan, quad_mesh *mesh)
 
 /* ---- sets ------------------------------------------------------------------ */
 
-/* Names of the edge sets. */
+/* Names of the five edge sets of a panel's mesh: its four sides and the rim of the hole. */
 static const char *const edge_names[5] = {"left", "right", "bottom", "top", "hole"};
 
-/* Mark each node on an edge: bit k is set for the edge with the name edge_names[k]. */
+/*
+ * Mark the nodes on the sides of the panel and on the rim of the hole.
+ *   mark [nodes] in/out  bit k is set for nodes on the edge with the name edge_names[k]
+ */
 static void mark_edges(const panel_plan *plan, unsigned char *mark)
 {
     for (int j = 0; j <= plan->elements[1]; j++) {
@@ -328,7 +339,10 @@ static int fill_sets(const panel_plan *plan, quad_mesh *mesh)
 
 /* ---- mesh -------------------------------------------------------------------- */
 
-/* Set position, director and first axis of a node whose position in the plane is known. */
+/*
+ * Move a node from the plane onto the cylinder, if the panel is curved, and compute its unit normal
+ * (director) and its first axis, which points along x.
+ */
 static void lift_node(const quad_panel *panel, double x[3], double director[3], double axis[3])
 {
     const double angle = panel->cylinder > 0 ? x[1] / panel->cylinder : 0;

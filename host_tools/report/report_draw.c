@@ -210,7 +210,8 @@ static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool i
 static double tick_value(const draw_axis *axis, int index)
 {
     static const double number[3] = {1, 2, 5};
-    const int numbers = axis->high / axis->low > 1e3 ? 1 : 3; /* in each power of ten */
+    const int numbers = axis->high / axis->low > 1e3 ? 1 : 3; /* number of tick marks in each power
+                                                                 of ten of a logarithmic axis */
     const double factor = axis->unit.factor;
     if (axis->is_log)
         return number[index % numbers] * pow(10, floor(log10(axis->low)) + index / numbers);

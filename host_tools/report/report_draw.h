@@ -91,11 +91,15 @@ const char *draw_tone(const draw_scale *scale, double value);
 void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y);
 void draw_legend(FILE *file, const draw_scale *scale);
 
-/* An axis of a diagram: values and pixel coordinates of its ends, and the format of its numbers. */
+/*
+ * An axis of a diagram: values (low, high) and pixel coordinates (from, to) of its two ends,
+ * whether it is logarithmic, and the format and unit of its numbers.
+ */
 typedef struct draw_axis {
     double low, high, from, to;
     bool is_log;
-    const char *format; /* with a directive of the function put */
+    const char *format; /* format of the numbers at the axis, with a directive of the function put
+                         */
     put_unit unit;
 } draw_axis;
 

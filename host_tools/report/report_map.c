@@ -10,7 +10,10 @@
 /* Height of the lines of text below a map, in pixels. */
 enum { FOOT = 25 };
 
-/* Write below a map the ranges of its coordinates, or the direction of view. */
+/*
+ * Write the ranges of both coordinates below a map; on a map that is a view from one direction,
+ * write this direction.
+ */
 static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
@@ -44,8 +47,8 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
 }
 
 /*
- * Whether patches of two actuators may overlap in a map of the surface: they are on different
- * layers, or are the same.
+ * Return whether patches of two actuators may overlap on a map of the surface: an actuator has a
+ * patch on another layer than a patch of the other actuator, or both drive the same patch.
  */
 static bool do_overlap(const design *design, const scene_actuator *one, const scene_actuator *other)
 {
@@ -74,12 +77,17 @@ void shell_find_plans(shell *map)
     }
 }
 
-/* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
+/*
+ * An electrode that is drawn on a map: a patch of whole elements, or an electrode of arbitrary
+ * outline.
+ */
 typedef struct electrode {
-    shell part; /* the drawn mesh, or of it the whole elements that the electrode covers */
+    shell part; /* picture of the elements that the electrode covers; for an electrode of arbitrary
+                   outline, of the whole mesh */
     const scene_patches *patches;
     int index; /* index of the electrode in its grid of patches or in its list of outlines */
-    double low[2], high[2], area; /* bounding box and area in pixels, known after drawing */
+    double low[2], high[2], area; /* bounding box (low, high) and area of the drawn electrode, in
+                                     pixels; known after drawing */
 } electrode;
 
 /*
@@ -191,10 +199,12 @@ bool shell_is_beyond(const design *design, const voltages *result, int amplifier
 typedef struct drawn {
     FILE *file;
     const draw_scale *scale;
-    double value;        /* voltage, or temperature of heaters */
-    const char *colour;  /* style class; "none" for a temperature beside voltages */
-    const char *outline; /* style class for a voltage within, at or beyond its limits */
-    bool is_marked;      /* whether the voltage is at or beyond a limit */
+    double value;        /* voltage of the amplifier (V), or temperature of its heaters (K) */
+    const char *colour;  /* SVG style class of the colour that shows the value; "none" if the value
+                            has another unit than the colour scale */
+    const char *outline; /* SVG style class of the outline: "patch" for a voltage within its limits,
+                            "limit" at a limit, "beyond" for one beyond its limits */
+    bool is_marked; /* whether the voltage of the amplifier is at or beyond one of its limits */
 } drawn;
 
 /* Begin the SVG group of an amplifier, whose title is the name and voltage of the amplifier. */
@@ -220,8 +230,9 @@ static drawn begin_amplifier(FILE *file, const design *design, const shell_volta
  */
 static void end_amplifier(const drawn *drawn, const text_room *room)
 {
-    const double digit = 0.6; /* width of a digit of a text relative to the font size */
-    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes (pixels) */
+    const double digit = 0.6; /* width of a digit as a fraction of the font size */
+    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes of the voltages on a map
+                                                                (pixels) */
     const double most = drawn->scale->most;
     char text[40];
     snprintf(text, sizeof text, "%.*f", (most < 100) + (most < 10), drawn->value);

@@ -19,16 +19,17 @@ typedef struct page {
     const mesh *mesh;
     const design *design;
     shell space, map;
-    design_inputs inputs;      /* words for what the amplifiers supply, and its unit */
+    design_inputs inputs;      /* name and unit of the quantity that the amplifiers supply, such as
+                                  voltage in V */
     char pressure[WORDS_UNIT]; /* unit of pressures and stresses; empty if the scene names none */
-    draw_scale scale;          /* colours on the surface in all pictures in space */
-    double *vector;            /* [nodes][3] displacements */
-    double *wanted;            /* [nodes][3] the same with the target value in the component that
-                                  the target prescribes; NAN at nodes outside the target */
-    double *value;             /* [nodes] values shown in colours; for a reached shape its misfit,
-                                  reached minus target value, NAN outside the target */
-    double *row;               /* [targets] misfit of each target row, while value is made */
-    double largest;            /* largest displacement of any node before magnification */
+    draw_scale scale; /* colour scale of the surface, which all pictures in space have in common */
+    double *vector;   /* [nodes][3] displacements of the nodes in the drawn shape */
+    double *wanted; /* [nodes][3] displacements of the nodes in which the component that the target
+                       prescribes has its target value; NAN at nodes outside the target */
+    double *value;  /* [nodes] values shown in colours; for a reached shape its misfit,
+                       reached minus target value, NAN outside the target */
+    double *row;    /* [targets] misfit of each target row; work memory for `value` */
+    double largest; /* largest displacement of any node in the drawn shape, without magnification */
 } page;
 
 /*

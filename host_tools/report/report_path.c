@@ -5,14 +5,18 @@
 #include <stdlib.h>
 #include "report_page.h"
 
-/* One diagram: the load factor over the values of one output, at the points of the path. */
+/*
+ * One diagram of a load path on a report page: a curve of the load factor over the values of one
+ * output.
+ */
 typedef struct path_chart {
     const load_path *path;
     int output;
     draw_axis x, y;
-    char unit[WORDS_UNIT];                    /* unit of the output */
-    double *value, *load, *stable, *unstable; /* [points] output, load factor; load factor where the
-                                                 equilibrium is stable, or unstable, else NAN */
+    char unit[WORDS_UNIT];                    /* unit of the output that the diagram shows */
+    double *value, *load, *stable, *unstable; /* [points] value: output; load: load factor; stable,
+                                                 unstable: load factor where the equilibrium is
+                                                 stable or unstable, NAN elsewhere */
 } path_chart;
 
 enum { WIDTH = 720, HEIGHT = 300, LEFT = 84, RIGHT = 604, TOP = 6, BOTTOM = 262 };
@@ -22,7 +26,10 @@ static double event_value(const path_chart *chart, int event)
     return chart->path->event_value[event * chart->path->outputs + chart->output];
 }
 
-/* A point belongs to the unstable part if it or a point beside it is unstable. */
+/*
+ * Return whether point i of a load path belongs to the line of unstable equilibria: it or a point
+ * beside it is unstable.
+ */
 static bool touches_unstable(const load_path *path, int i)
 {
     return path->point[i].negative_pivots > 0 ||
@@ -47,7 +54,7 @@ static void fill_chart(path_chart *chart, const scene_unit_names *units, const s
                                 words_unit(units, words_of_output(output), chart->unit));
 }
 
-/* Mark the critical points, with the load factor beside each. */
+/* Mark the critical points of a load path in the diagram, with the load factor beside each. */
 static void draw_events(const path_chart *chart, FILE *file)
 {
     static const char *const name[] = {[LOAD_PATH_LIMIT] = "limit point",

@@ -5,13 +5,17 @@
 #include "../model/voltages_words.h"
 #include "report_page.h"
 
-/* Report page of `pzs shape`. All results have one colour scale of the misfit, page.scale. */
+/*
+ * Contents of the report page of `pzs shape`. On pictures of the misfit (reached minus target
+ * value), all results have one colour scale, page.scale.
+ */
 typedef struct shape_page {
     page page;
-    const voltages *result; /* [results] one for each pair of voltage limits */
+    const voltages *result; /* [results] optimal voltages, one result for each pair of voltage
+                               limits */
     int results;
-    const voltages *best; /* the result within the limits that the scene or the first limit states
-                           */
+    const voltages *best; /* the result with the limits that the scene states, or with the first
+                             limit of the command */
     draw_scale voltage;
 } shape_page;
 

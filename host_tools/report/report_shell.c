@@ -23,7 +23,7 @@ typedef struct shell_depth {
     int cell;
 } shell_depth;
 
-/* Let the nodes and elements of the mesh be the points and cells of its picture. */
+/* Fill in points and cells of a picture of the mesh in space: its nodes and its elements. */
 static void fill_from_elements(shell *shell)
 {
     for (int n = 0; n < shell->points; n++) {
@@ -154,7 +154,7 @@ static void draw_part(const shell *shell, int cell, const double from[2], const 
     draw_polygon(shell->file, (const double(*)[2])at, 4);
 }
 
-/* Draw the outlines of `count` cells. */
+/* Draw the outlines of several cells (quadrilaterals) of a picture, from the index `first` on. */
 static void draw_cells(const shell *shell, int first, int count, const char *style)
 {
     draw_path(shell->file, style);

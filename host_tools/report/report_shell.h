@@ -69,13 +69,14 @@ typedef struct shell {
     view view;
     bool is_map;
     int points, cells, plans;
-    shell_point *point;   /* [points] */
-    int (*cell)[4];       /* [2 cells] points at the corners; the second half is work memory for
-                             the cells of one electrode */
-    int *plan;            /* [actuators] index of the map on which each actuator is drawn (several
-                             maps if patches overlap); -1: it has no patches or stacks */
-    void *work;           /* memory to sort cells or their sides */
-    const double *vector; /* [nodes][3] displacement along x, y and z; NULL: none */
+    shell_point *point; /* [points] points of the picture */
+    int (*cell)[4]; /* [2 cells] indices of the points at the corners of each cell; the second half
+                       is work memory for the cells of one electrode */
+    int *plan;  /* [actuators] index of the map on which each actuator is drawn (there are several
+                   maps if patches overlap); -1: the actuator has no patches or stacks */
+    void *work; /* work memory to sort cells or their sides */
+    const double *vector; /* [nodes][3] displacements of the nodes along x, y and z; NULL: the mesh
+                             is drawn without displacement */
     double factor;        /* factor by which the drawn displacement is magnified */
 } shell;
 
@@ -122,11 +123,14 @@ void shell_loads(const shell *shell);
 void shell_outputs(const shell *shell);
 void shell_directions(const shell *shell);
 
-/* The part of a rigid body's surface near the shell, as a net of points in space. */
+/*
+ * Net of points on the surface of a rigid body that the shell may touch, in the part near the
+ * shell; SHELL_NET is the number of points along each side of the net.
+ */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {
     bool is_given;
-    double normal[3]; /* outward unit normal of the body at the point nearest to the shell */
+    double normal[3]; /* outward unit normal of the rigid body at the point nearest to the shell */
     double place[SHELL_NET][SHELL_NET][3];
 } shell_body;
 
@@ -156,7 +160,11 @@ void shell_extend(draw_scale *scale, const design *design, const double *value);
 /* Return whether the voltage of an amplifier is beyond the voltage limits of the scene. */
 bool shell_is_beyond(const design *design, const voltages *result, int amplifier);
 
-/* Fill `plan` and `plans`, so that the patches on one map do not overlap. */
+/*
+ * Distribute the actuators over several maps of the surface, so that patches on the same map do not
+ * overlap. The results are map->plan, the index of the map of each actuator, and map->plans, the
+ * number of maps.
+ */
 void shell_find_plans(shell *map);
 
 /*

@@ -8,7 +8,7 @@ typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    draw_axis time; /* axis of the diagrams in ticks of the control loop */
+    draw_axis time; /* horizontal axis of the diagrams: time in ticks of the control loop */
 } simulate_page;
 
 static void write_verdict(const simulate_page *self)

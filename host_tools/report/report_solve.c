@@ -8,7 +8,8 @@
 typedef struct solve_page {
     page page;
     const double *output;       /* values of all outputs of the scene, output after output */
-    const stress_field *stress; /* NULL: none */
+    const stress_field *stress; /* recovered stresses that the page shows; NULL: the page shows no
+                                   stresses */
     shell_body body;
 } solve_page;
 
@@ -81,8 +82,8 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
 }
 
 /*
- * Draw all outputs along mesh lines in the direction of the surface coordinate theta1 (along = 0)
- * or theta2 (along = 1) in a diagram.
+ * Draw a diagram with a curve for each displacement output along one mesh line in the direction of
+ * the surface coordinate theta1 (along = 0) or theta2 (along = 1).
  */
 static void draw_lines(const solve_page *solve, int along)
 {
@@ -105,7 +106,8 @@ static void draw_lines(const solve_page *solve, int along)
     draw_grid(page->file, &x, &y, false);
     for (int k = 0; k < design->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
-        const int named = (4 - k % 4) * (count - 1) / 4; /* where the name is written */
+        const int named = (4 - k % 4) * (count - 1) / 4; /* index of the point of the curve at which
+                                                            the name of the output is written */
         draw_curve(page->file, &x, &y, &(draw_series){"wire", page->wanted, page->value, count});
         if (count > 0)
             draw_text(page->file, "tag", draw_on(&x, page->wanted[named]) + 4,
@@ -116,7 +118,10 @@ static void draw_lines(const solve_page *solve, int along)
                  x.unit.name);
 }
 
-/* Choose scale, magnification and view of the deformed shape; only linear ones are magnified. */
+/*
+ * Choose the colour scale, the magnification and the view for the picture of the deformed shape.
+ * Only a linear displacement is drawn magnified.
+ */
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;

@@ -9,9 +9,10 @@
 #include "report_page.h"
 
 /*
- * Write a map of the loads of the elements, averaged at the nodes; of several averages at a node,
- * as at a fold, the largest.
- *   load [5 elements] work array
+ * Write a map of the load on the material, averaged at the nodes: one over the reserve factor if
+ * the scene states strengths, otherwise the von Mises stress. Where a node has several averages, as
+ * at a fold, the map shows the largest.
+ *   load [5 elements] out  work array
  */
 static void draw_load(const page *page, const stress_field *field, const stress_points *points,
                       double *load)

@@ -4,7 +4,10 @@
 #include "../scene/outline_shares.h"
 #include "report_page.h"
 
-/* Write in how many elements a layer has smeared stiffness, if its patches ask for it. */
+/*
+ * For a layer whose patches have their stiffness smeared over cut elements, write in how many
+ * elements that is the case.
+ */
 static void write_cuts(const page *page, int layer)
 {
     const design *design = page->design;
@@ -39,7 +42,10 @@ static void write_layers(const page *page)
         write_cuts(page, k);
 }
 
-/* Write the constants of the materials: strains d31 or stresses e31, as the scene states them. */
+/*
+ * Write the table of the materials' constants: elastic constants, and of the piezoelectric
+ * constants d31 (strain) or e31 (stress), whichever the scene states.
+ */
 static void write_materials(const page *page)
 {
     const design *design = page->design;

@@ -93,14 +93,16 @@ typedef struct scene_equilibrium {
 } scene_equilibrium;
 
 /*
- * What replaces the squared height in the part of the in-plane strains that is quadratic in the
- * height.
+ * Treatment of the in-plane strains, which contain a part quadratic in the height over the
+ * reference surface: what replaces the squared height in this part.
  */
 typedef enum scene_squares {
-    SQUARES_OF_FACES, /* straight line with the same values at the two faces */
-    SQUARES_FITTED,   /* straight line that deviates least from it, with the stiffness of the plies
-                         as weight */
-    SQUARES_OMITTED   /* zero: in-plane strains are linear in the height */
+    SQUARES_OF_FACES, /* the squared height is replaced by the straight line with the same values at
+                         the two faces of the shell */
+    SQUARES_FITTED, /* the squared height is replaced by the straight line that deviates least from
+                       it, with the stiffness of the plies as weight */
+    SQUARES_OMITTED /* the squared height is replaced by zero: in-plane strains are linear in the
+                       height */
 } scene_squares;
 
 /*
@@ -132,8 +134,8 @@ typedef struct scene_element {
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
                                its layers; false: from a shear strain that is constant through the
                                thickness */
-    int quadratic; /* a scene_squares: what replaces the part of the in-plane strains that is
-                      quadratic in the height */
+    int quadratic;          /* what replaces the squared height in the in-plane strains; a value of
+                               scene_squares */
 } scene_element;
 
 typedef struct scene_line { /* Mesh lines along which one surface coordinate, theta1 or theta2, is
@@ -154,7 +156,8 @@ typedef struct scene_line { /* Mesh lines along which one surface coordinate, th
  * projection on each element is axis 1 of a layer with angle 0.
  */
 typedef struct scene_ply_direction {
-    bool given;           /* false: the direction is that from corner 1 to corner 2 of an element */
+    bool given; /* true: the scene gives the direction; false: the direction is that from corner 1
+                   to corner 2 of each element */
     expr *formula[3];     /* components of the direction as functions of the position; NULL: the
                              direction follows a set of edges */
     char set[SCENE_NAME]; /* name of the set of edges whose direction the elements near them have;
@@ -169,11 +172,13 @@ typedef struct scene_quads {
     bool accept_irregular; /* elements that are too thin for an irregular mesh (factor
                               quad_rule.lock above QUAD_LOCK) have too stiff a bending: true: they
                               are accepted with a warning; false: the mesh is refused */
-    double place_gap;   /* of all places that the scene names by coordinates: largest distance from
-                           the nearest node, which the scene uses instead, over the longest
-                           diagonal of the elements there */
-    int64_t place_node; /* number of that node in the mesh file, 0 if it has none */
-    scene_at place_at;  /* that place in the scene file */
+    double place_gap;   /* largest distance between a place that the scene names by coordinates and
+                           the mesh node nearest to it, which the scene uses instead, as a part of
+                           the longest diagonal of the elements at this node */
+    int64_t place_node; /* number, in the mesh file, of the node whose distance from its place is
+                           place_gap; 0 if the nodes have no numbers */
+    scene_at place_at;  /* position in the scene file of the place whose distance from its node is
+                           place_gap */
     scene_at at;
 } scene_quads;
 
@@ -661,13 +666,14 @@ typedef struct scene_limit {
     int first, count;
     bool is_tied; /* true: the limits are those of one of the actuators which the amplifier drives
                      together; the narrowest limits of these actuators apply to the amplifier */
-    int tied;     /* index of this actuator in the file of the influence matrix */
+    int tied; /* index of the actuator to which these limits belong, in the file of the influence
+                 matrix; used if is_tied is true */
     bool has_voltage;    /* whether the amplifiers from `first` on, `count` in number, have voltage
                             limits of their own; otherwise the limits of all amplifiers apply to
                             them */
     double lower, upper; /* lower and upper voltage limit (V); equal limits fix the voltage */
-    double step_limit; /* largest change of the voltage in one tick (V); infinite if not given; the
-                          narrowest of all step limits of an amplifier applies */
+    double step_limit;   /* largest change of the voltage in one tick (V); infinite if not given. If
+                            several entries limit one amplifier, the narrowest applies */
     scene_at at;
 } scene_limit;
 
@@ -820,16 +826,19 @@ typedef struct scene_imperfections {
 
 /* State of the structure in which the controller's tables are computed. */
 typedef enum scene_influence_at {
-    /* Influence matrix and vibration modes of the reference state, without loads. */
+    /*
+     * The controller's tables hold the influence matrix and the vibration modes of the reference
+     * state, without loads.
+     */
     INFLUENCE_UNDEFORMED,
     /*
-     * Influence matrix at the nonlinear equilibrium with the optimal voltages; vibration modes of
-     * the reference state.
+     * The controller's tables hold the influence matrix at the nonlinear equilibrium with the
+     * optimal voltages, but the vibration modes of the reference state.
      */
     INFLUENCE_TARGET,
     /*
-     * Influence matrix and vibration modes about the nonlinear equilibrium under the scene's loads
-     * at 0 V, with its prestress.
+     * The controller's tables hold the influence matrix and the vibration modes about the nonlinear
+     * equilibrium under the scene's loads at 0 V, with its prestress.
      */
     INFLUENCE_LOADED
 } scene_influence_at;
@@ -910,22 +919,26 @@ typedef struct scene_influence {
     int file_outputs;        /* number of outputs in the file of the influence matrix */
     bool rows_are_actuators; /* true: the rows of the file of the influence matrix are actuators;
                                 false: they are outputs */
-    int *row; /* [outputs] index, among the outputs in the file of the influence matrix, of each
-                 output that is used; outputs of the file that the scene ignores do not occur */
+    int *row; /* [outputs] for each output that the scene uses: its index among the outputs in the
+                 file of the influence matrix, some of which the scene may ignore */
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
-    double drop_below;  /* entries of the influence matrix smaller than this fraction of the largest
-                           entry of their column count as zero in the controller (dimensionless) */
+    double drop_below;  /* fraction of the largest entry of a column of the influence matrix: the
+                           controller treats smaller entries of this column as zero (dimensionless)
+                         */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
                            file gives none */
     char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's
                                         file, or NULL where it has no names */
     int tied; /* number of actuators in the file of the influence matrix if the scene ties some of
-                 them to one amplifier; 0: each actuator has an amplifier of its own */
-    int *amplifier_of; /* [tied] amplifier that drives each actuator of the file; of two amplifiers,
-                          that whose first actuator comes first has the lower number */
-    char (*tied_name)[SCENE_NAME]; /* [tied] names of the actuators of the file */
+                 them together, so that one amplifier drives them; 0: each actuator has an amplifier
+                 of its own */
+    int *amplifier_of; /* [tied] number of the amplifier that drives each actuator of the file of
+                          the influence matrix. Amplifiers are numbered in the order in which their
+                          first actuators stand in the file */
+    char (*tied_name)[SCENE_NAME]; /* [tied] names of the actuators in the file of the influence
+                                      matrix */
     int modes;                     /* number of measured vibration modes that the scene gives */
     scene_measured_mode *mode; /* [modes] measured vibration modes in the order of their frequencies
                                 */
@@ -1040,8 +1053,9 @@ typedef struct scene {
     uint32_t hash; /* hash of the text of the scene file and of the changes of --set */
     scene_element element;
     scene_kinematics kinematics;
-    double tolerance; /* largest difference between linear and nonlinear displacement, relative to
-                         the nonlinear one, at which `kinematics: auto` uses linear kinematics */
+    double tolerance; /* tolerance of `kinematics: auto`: linear kinematics are used if the linear
+                         and the nonlinear displacement differ by less than this fraction of the
+                         nonlinear one */
     scene_equilibrium equilibrium;
     scene_surface surface;
     scene_line line[2]; /* mesh lines of the surface coordinates theta1 and theta2; without points
@@ -1149,16 +1163,18 @@ int scene_tied_count(const scene_influence *influence, int amplifier);
 int scene_find_tied(const scene_influence *influence, const char *name);
 
 /*
- * Add up the values of the actuators that an amplifier drives.
- *   value [actuators of the file] in/out  value of each actuator; afterwards the first ones are the
- *       sums for the amplifiers
+ * Add up the values of the actuators that one amplifier drives together, for each amplifier.
+ *   value [influence->tied] in/out  value of each actuator in the file of the influence matrix;
+ *                                   out: the first entries are the sums for the amplifiers
  */
 void scene_tied_sum(const scene_influence *influence, double *value);
 
 /*
- * Replace voltage limits by those that an amplifier has of its own (limits.each). Of several
- * entries the last one applies; of several actuators that it drives together, the narrowest limits.
- *   lower, upper  in/out  limits of an amplifier that has none of its own; limits of this one
+ * Find the voltage limits of an amplifier, which may have limits of its own (limits.each). Of
+ * several entries for it the last one applies; of several actuators that it drives together, the
+ * narrowest limits.
+ *   lower, upper in/out  in: limits that hold for an amplifier without limits of its own (V); out:
+ *                        limits of this amplifier (V)
  */
 void scene_own_limits(const scene *scene, int amplifier, double *lower, double *upper);
 

@@ -64,7 +64,10 @@ int read_ply_direction(reader *reader, int node, void *to, const void *rule)
 
 /* ---- materials ------------------------------------------------------------- */
 
-/* Return whether two constants of a material differ by more than the rounding of data sheets. */
+/*
+ * Return whether two material constants differ by more than 1 percent, a tolerance for rounded
+ * values of data sheets.
+ */
 static bool differ(double first, double second)
 {
     return fabs(first - second) > 0.01 * fmax(fabs(first), fabs(second));
@@ -107,8 +110,10 @@ static long long label_of(const quad_mesh *mesh, size_t element)
 /* ---- no direction ------------------------------------------------------------ */
 
 /*
- * Return the first of the sorted sides of elements that is not opposite to the same side of the
- * neighbour, or NULL if the first sides of all elements continue each other as on mesh lines.
+ * Return the first side of an element that is not side number (k + 2) mod 4 of one element where it
+ * is side number k of the neighbour, or NULL if there is none. Without such a side, the first sides
+ * of all elements continue each other, as on mesh lines.
+ *   side [sides] in  sides of all elements, sorted so that the two of one edge are adjacent
  */
 static const quad_side *find_turn(const quad_side *side, size_t sides)
 {
@@ -131,7 +136,10 @@ static int refuse_turn(const scene *scene, const scene_layer *layer, const quad_
                        label_of(mesh, turn[1].edge / 4));
 }
 
-/* Refuse layers that need a direction on elements whose first sides follow no mesh lines. */
+/*
+ * Refuse layers that need a direction where the scene gives none and the first sides of the
+ * elements do not continue each other along mesh lines.
+ */
 static int check_first_sides(const scene *scene, const scene_layer *layer, char *error)
 {
     const quad_mesh *mesh = &scene->quads->mesh;
@@ -155,7 +163,7 @@ static void find_centre(const quad_mesh *mesh, size_t element, double centre[3])
             centre[i] += mesh->position[mesh->element[element][corner]][i] / 4;
 }
 
-/* Compute the unit normal of an element: that of its diagonals. */
+/* Compute the unit normal of an element, perpendicular to both of its diagonals. */
 static void find_normal(const quad_mesh *mesh, size_t element, double normal[3])
 {
     const uint32_t *corner = mesh->element[element];
@@ -204,8 +212,9 @@ static void follow_edges(const quad_mesh *mesh, const quad_set *edges, const dou
 }
 
 /*
- * Compute the unit direction on an element. Returns the sine of its angle to the normal of the
- * element, 0 where it is no finite vector other than zero.
+ * Compute the unit vector of the layers' direction on an element. Returns the sine of the angle
+ * between the direction and the normal of the element; 0 if the scene's direction there is zero or
+ * not finite.
  */
 static double direction_on(const scene *scene, const quad_set *edges, size_t element,
                            double direction[3])
@@ -228,7 +237,10 @@ static double direction_on(const scene *scene, const quad_set *edges, size_t ele
 
 /* ---- all elements ---------------------------------------------------------- */
 
-/* Sine of the smallest angle, of one degree, between a direction and the normal of an element. */
+/*
+ * Sine of one degree, the smallest angle between the direction of the layers and the normal of an
+ * element at which the direction is accepted.
+ */
 static const double least_sine = 0.0174524;
 
 static int refuse_normal(const scene *scene, size_t element, char *error)
@@ -268,7 +280,10 @@ static int refuse_edges(const scene *scene, char *error)
                        scene->ply_direction.set);
 }
 
-/* Refuse a layer poled along the surface if the direction follows edges, which have no sense. */
+/*
+ * Refuse a layer poled along the surface if the layers' direction follows edges of the mesh: it is
+ * then known only up to its sign, but a poling needs the sign.
+ */
 static int check_sense(const scene *scene, char *error)
 {
     for (int i = 0; i < scene->layers; i++)

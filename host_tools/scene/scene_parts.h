@@ -31,9 +31,10 @@ field_read read_ply_direction;
 field_read read_mesh_file, read_mesh_disc, read_mesh_panel, read_layer_sets, read_patch_sets,
     read_set, read_set_pattern, read_vector, read_unit;
 
-/* Keys beside `disc` or `panel` in the section `mesh`. */
+/* Keys that may stand beside the key `disc` or `panel` in the section `mesh` of a scene file. */
 typedef struct block_options {
-    bool accept_irregular; /* whether irregular thin elements are reported instead of refused */
+    bool accept_irregular; /* elements that are too thin for an irregular mesh: true: they are
+                              accepted with a warning; false: the mesh is refused */
 } block_options;
 #define DIRECTION_ROW                                                                              \
     {                                                                                              \

@@ -534,7 +534,11 @@ static const field place_fields[] = {
     {.key = NULL}};
 const form place_form = {.type = FORM_MAP, .fields = place_fields};
 
-/* Keep the place of the scene that is farthest from the node that stands for it. */
+/*
+ * Remember a place of the scene and the mesh node nearest to it, which the scene uses instead, if
+ * the gap between them is the largest so far.
+ *   gap in  distance of the place from the node, as a fraction of the size of the elements there
+ */
 static void note_gap(scene_quads *quads, double gap, uint32_t node, scene_at at)
 {
     if (!(gap > quads->place_gap))

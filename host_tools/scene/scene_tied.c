@@ -78,8 +78,8 @@ static int check_group_name(reader *reader, int group, const int *group_of)
 }
 
 /*
- * Return the amplifier of an actuator whose group has an actuator before it in the file, or -1 if
- * there is none.
+ * Return the number of the amplifier that drives an earlier actuator of the same group, or -1 if
+ * the actuator is the first of its group or has no group.
  */
 static int amplifier_before(const int *group_of, const int *amplifier_of, int actuator)
 {
@@ -90,8 +90,9 @@ static int amplifier_before(const int *group_of, const int *amplifier_of, int ac
 }
 
 /*
- * Replace the actuators of each group by one with the name of the group, in the place of the first
- * of them. The names of the actuators of the file go to influence.tied_name.
+ * Replace the actuators of each group by one actuator with the name of the group, at the place of
+ * the first of them. The names that the actuators have in the file of the influence matrix are kept
+ * in influence.tied_name.
  */
 static void join(reader *reader, const int *group_of)
 {
@@ -173,9 +174,10 @@ void scene_tied_sum(const scene_influence *influence, double *value)
 }
 
 /*
- * Replace the voltage limits of an amplifier by those that the last entry of limits.each gives for
- * it, or for the actuator `tied` of the file, which it drives (-1: none). They stay where there is
- * no such entry.
+ * Replace the voltage limits of an amplifier by those of the last entry of limits.each that holds
+ * for it. An entry may hold for only one of the actuators that the amplifier drives together; it
+ * then counts only if this is the actuator `tied` (index in the file of the influence matrix; -1:
+ * no actuator). Without such an entry the limits remain unchanged.
  */
 static void take_last_entry(const scene_limits *limits, int amplifier, int tied, double *lower,
                             double *upper)

@@ -8,16 +8,19 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-/* State of a work that several threads share; `lock` protects all members below it. */
+/*
+ * Work that several threads share. A thread holds `lock` while it reads or writes the members after
+ * it.
+ */
 typedef struct shared {
     const parallel_work *work;
     int parts;
     pthread_mutex_t lock;
     pthread_cond_t has_run; /* signalled when a thread has finished one part of the work, for the
                                thread that accepts results */
-    int next;               /* index of the first part of the work that no thread has begun */
-    bool is_ended;          /* true: no further part begins */
-    bool *is_done;          /* [parts] whether each part has run */
+    int next;               /* index of the next part of the work that a thread will begin */
+    bool is_ended;          /* true: threads begin no further parts of the work */
+    bool *is_done;          /* [parts] whether each part of the work has been computed */
 } shared;
 
 int parallel_threads(void)
@@ -36,8 +39,8 @@ int parallel_threads(void)
 }
 
 /*
- * Run the next part of the shared work, if there is one. The caller holds `lock`; the function
- * releases it while the part runs.
+ * Run the next part of the shared work. Returns false if no part is left or the work has ended. The
+ * caller holds `lock`; the function releases it while the part runs.
  */
 static bool run_next(shared *shared)
 {
@@ -63,8 +66,8 @@ static void *run_parts(void *state)
 }
 
 /*
- * Start threads that run parts, with all signals blocked. Returns the number of those that the
- * system grants.
+ * Start threads that compute parts of the work. The threads receive no signals. Returns the number
+ * of threads that were started, which is less than `wanted` if the system refuses one.
  */
 static int start_threads(shared *shared, pthread_t *thread, int wanted)
 {

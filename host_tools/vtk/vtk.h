@@ -14,17 +14,19 @@
 /* A solution of a scene that is written to a VTK file. */
 typedef struct vtk_solution {
     const analysis *analysis;
-    const double *displacement;   /* [free_dof] displacement vector */
+    const double *displacement;   /* [free_dof] displacement vector of the structure */
     const double *voltage;        /* [amplifiers] voltages of the amplifiers (V) */
-    const double *shape, *target; /* [targets] displacements reached and target displacements; NULL:
-                                     without target */
-    const stress_field *stress;   /* recovered stresses; NULL: without */
+    const double *shape, *target; /* [targets] displacements that are reached, and displacements
+                                     that are wanted, at the target nodes; NULL: the scene has no
+                                     target */
+    const stress_field *stress; /* stresses and strains of the layers; NULL: the file contains none
+                                 */
 } vtk_solution;
 
 /*
- * Write a VTK file for ParaView with the results of one solution. With stresses, a node on the
- * border of a patch is two points in the file, one for each side. Of a measured influence matrix,
- * which has no mesh, the cells are the outputs. Contents:
+ * Write a VTK file for ParaView with the results of one solution. If the file contains stresses, a
+ * node on the border of a patch is written as two points, one for each side of the border. A scene
+ * with a measured influence matrix has no mesh; the cells are then its output points. Contents:
  *   nodes               displacement of the middle surface, target, shape reached and misfit,
  *                       potentials of bare faces (without electrodes), forces and moments of the
  *                       supports, forces of a contact body

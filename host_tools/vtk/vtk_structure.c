@@ -4,7 +4,10 @@
 #include <stdlib.h>
 #include "../text/words.h"
 
-/* Return the patch of a grid that covers most of an element, or -1; or -1 where memory runs out. */
+/*
+ * Return the number of the patch that covers most of an element, or -1 if no patch covers any of it
+ * or memory runs out.
+ */
 static int patch_of(vtk_file *vtk, const scene_patches *patches, int element)
 {
     const int count = design_patches_in(vtk->mesh, element, patches, NULL);
@@ -22,7 +25,11 @@ static int patch_of(vtk_file *vtk, const scene_patches *patches, int element)
     return patch;
 }
 
-/* Voltage of one patch of a grid: that of the amplifiers which drive it, times their factors. */
+/*
+ * Return the voltage of one patch: the sum of the voltages of the amplifiers that drive it, each
+ * times the factor of its connection.
+ *   grid in  index of the grid of patches to which the patch belongs
+ */
 static double patch_voltage(const design *design, int grid, int patch, const double *voltage)
 {
     double sum = 0;
