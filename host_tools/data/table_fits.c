@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <fitsio.h>
 #include "number_table.h"
 
@@ -101,6 +102,10 @@ int table_fits_read(number_table *table, const char *path, char *error)
     fitsfile *file = NULL;
     int status = 0, dimensions = 0;
     fits_open_diskfile(&file, path, READONLY, &status);
+    if (status != 0 && strstr(path, ".Z"))
+        return fault(
+            error, "cfitsio takes the \".Z\" in its path for the ending of another format; rename "
+                   "the folder or the file");
     if (status != 0)
         return explain(status, error);
     int failed = find_image(file, &dimensions, error);

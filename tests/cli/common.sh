@@ -3,7 +3,7 @@
 # that is removed at the end, TAP lines, and the exit status.
 B=${B:-build}
 PZS=${PZS:-$B/pzs}
-dir=$(mktemp -d)
+dir=$(mktemp -d "${TMPDIR:-/tmp}/pzs-XXXXXX")
 trap 'rm -rf "$dir"' EXIT
 n=0
 failed=0
