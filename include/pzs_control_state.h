@@ -727,10 +727,12 @@ typedef struct pzs_polarity_state {
                        which the monitor judges the direction of the motion (m2) */
     pzs_real before[2]; /* scalar products of `direction` with the predicted shape [0] and with the
                            measured shape [1] at the jump of the target (m2) */
-    pzs_real now[2]; /* present scalar products of `direction` with the predicted shape [0] and with
-                        the measured shape [1] (m2); each tick updates one of them, in turn */
+    pzs_real now[2];    /* present scalar products of the target's last jump (`direction`) with the
+                           predicted shape [0] and the measured shape [1] (m2); one tick updates
+                           the first product, the next tick the second, and so on */
     uint32_t remaining; /* number of ticks in which the motion after the last jump of the target
-                           will still be judged; the first two of them set `before` */
+                           will still be judged; in the first two ticks after a jump the products in
+                           `before` are computed */
     uint32_t first; /* number of ticks in which the motion after a jump of the target is judged, the
                        start value of `remaining` */
 } pzs_polarity_state;

@@ -22,9 +22,10 @@ typedef struct compact_types {
 } compact_types;
 
 /*
- * Make the compact element types of a mesh and list its nodes. Both arrays are NULL if memory runs
- * out, if the full types take no more memory, or if the types rebuilt by pzs_rebuild_type are not
- * bitwise equal (element option `published`; meshes along lines of curvature).
+ * Make the compact element types of a mesh and list its nodes. The arrays of types and of nodes are
+ * both NULL if memory runs out, if compact types would save no memory, or if the types that
+ * pzs_rebuild_type makes from them are not bitwise equal to the full types (with the element option
+ * `published`, and on meshes along lines of curvature).
  */
 void compact_types_make(compact_types *compact, const mesh *mesh);
 void compact_types_free(compact_types *compact);

@@ -24,10 +24,11 @@ typedef struct corner_pair {
  * Compute the tables for one corner of an element and its neighbour along one coordinate, without
  * the element option `cartesian`. Displacements have components in local axes (triads) that turn
  * with the surface, so that their derivatives contain curvature and geodesic curvature.
- *   own, other [3][3] out  derivative of the displacement along the coordinate = own times that of
- *                          the corner + other times that of the neighbour (1/m)
+ *   own, other [3][3] out  derivative of the displacement along the coordinate = own times the
+ *                          displacement of the corner + other times the displacement of the
+ *                          neighbour (1/m)
  *   g_mean     [3]    out  base vector along the coordinate at the middle of all plies
- *   g_diff     [3]    out  its change with the height (1/m)
+ *   g_diff     [3] out change of this base vector with the height (1/m)
  */
 static void local_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                          double g_mean[3], double g_diff[3])

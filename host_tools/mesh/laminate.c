@@ -457,10 +457,10 @@ typedef struct strain_share {
 } strain_share;
 
 /*
- * Add to the strains at one height the part that an element leaves out: it has a straight line in
- * place of z^2 (laminate_height.h). The part is m (z^2 - line), with the coefficient m of z^2.
+ * Correct strains at height z for a simplification of the element, which replaces the term m z^2 of
+ * an in-plane strain by m times a straight line in z (laminate_height.h): add m (z^2 - line).
  *   of_strain [3][3] in      coefficients m of the strains 11, 22 and 12 (rows) per unit of the
- *       element's strains 11, 22 and 12 (columns; 1/m2)
+ *                            element's strains 11, 22 and 12 (columns; 1/m2)
  *   column           in      0, 1 or 2: unit strain 11, 22 or 12 of the element
  *   excess    [3]    in      z^2 - line for the strains 11, 22 and 12 (m2)
  *   share            in/out  strains at this height per unit of the element's strain `column`
@@ -718,9 +718,9 @@ static int field_acts(const laminate_place *place, const laminate_field *field, 
 }
 
 /*
- * Return the fraction of the area of an element in which a field acts in a layer. For a field in
- * one ply it is 1, also where the ply is present in a part of the element alone: the caller
- * multiplies the effect by the fraction that the electrode or heater covers.
+ * Return the fraction of the area of an element in which a field acts in a layer. For a temperature
+ * of all plies it is the part that the layer covers. For a field in a single ply the result is 1:
+ * there the caller multiplies the effect by the part that the electrode or heater covers.
  */
 static double acting_share(const laminate_place *place, const laminate_field *field, int layer)
 {

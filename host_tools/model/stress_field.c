@@ -478,8 +478,8 @@ void stress_shear_strains(const stress_field *field, int element, int layer, int
 
 /*
  * Add the in-plane strains of bent cross-sections (stress_warp.h) to the strains of a layer, and
- * the thickness strain 33 that they cause while the normal stress 33 stays the same. The in-plane
- * stresses become those of the sample.
+ * the thickness strain 33 that they cause while the normal stress 33 stays the same. Replace the
+ * in-plane stresses by those stored in `sample`, which belong to these strains.
  */
 static void add_warp(const laminate_ply *ply, const stress_sample *sample, double strain[6],
                      double stress[6])

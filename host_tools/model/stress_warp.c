@@ -121,9 +121,9 @@ static void warp_strains(const stress_field *field, int element, bend *all, doub
 /* ---- corrections ------------------------------------------------------------------ */
 
 /*
- * Replace the in-plane strains of bent cross-sections at one sample (height of a layer) of an
- * element, and add the in-plane stresses of their change. Returns the sum of the squares of these
- * added stresses.
+ * Replace the in-plane strains of the bent cross-section at one sample (height of a layer) of an
+ * element. Add to the in-plane stresses there the stresses that this change of the strains causes,
+ * and return the sum of the squares of these added stresses.
  */
 static double replace_strain(const stress_field *field, int element, int sample,
                              const double strain[3])

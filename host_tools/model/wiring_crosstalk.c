@@ -40,8 +40,8 @@ static double fit_other(const calibration *result, const pokes *size, const doub
 }
 
 /*
- * Find the cross-talk of amplifier k, whose voltage may also act on the electrode of another
- * amplifier. Returns whether cross-talk counts (crosstalk_find).
+ * Find the amplifier on whose electrode the voltage of amplifier k also acts most (cross-talk).
+ * Returns whether this effect is large enough to be reported, by the conditions of crosstalk_find.
  */
 static bool find_one(crosstalk *found, const calibration *result, const pokes *size,
                      const double *model, size_t k)

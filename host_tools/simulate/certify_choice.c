@@ -38,9 +38,10 @@ enum { CHOICES = sizeof choices / sizeof *choices };
 static const double slowest = 1.25;
 
 /*
- * Gains of the low-pass filter of the residual readings (damper_settings.slow) that are tried after
- * the choice of a row, the fastest first, divided by the phase angle of the first observed mode in
- * a tick. The first of them leaves 5 % of a residual after 3.2 periods of this mode.
+ * Numbers that determine the gain of the low-pass filter for residual readings
+ * (damper_settings.slow): number times the phase angle (rad) by which the first observed mode
+ * advances in a tick. After a row of settings is chosen, they are tried in this order, the fastest
+ * filter first; that one leaves 5 % of a residual after 3.2 periods of the mode.
  */
 static const double residual_part[] = {0.15, 0.075, 0.0375};
 static const double residual_limit = 0.15; /* largest gain of the low-pass filter of the residual

@@ -12,9 +12,9 @@
 #include "../core/numbers.h"
 
 /*
- * Factor in a test for a quantity (voltage or limited sum of voltages) that is a linear combination
- * of those kept at their bounds. The quantity counts as inside its own bounds if it is outside by
- * no more than this factor times machine epsilon times the largest quantity.
+ * Tolerance for a voltage or limited sum of voltages that is a linear combination of others, which
+ * are kept at their bounds. It counts as inside its own bounds if it is outside by at most this
+ * factor times the machine epsilon times the largest voltage or sum.
  */
 #define ROUNDING_FACTOR 64
 /*
@@ -32,8 +32,8 @@
  *   f  sum of (weight * multiplier) over these limits (m2/V), see pzs_absolute_slopes
  *   s  chosen sign of the voltage, 1 or -1
  * a voltage between its bounds is optimal if s g + f = 0, and a voltage of 0 V if -f <= g <= f. The
- * multiplier m = s g + f that keeps an input at 0 V thus has two limits, 0 <= m <= 2f. With the
- * opposite sign it is 2f - m.
+ * multiplier m = s g + f that keeps an input at 0 V thus has two limits, 0 <= m <= 2f. If the
+ * chosen sign is reversed, the multiplier becomes 2f - m.
  */
 typedef enum {
     INPUT_FREE,     /* the voltage is kept neither at a bound nor at 0 V */

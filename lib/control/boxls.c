@@ -951,8 +951,9 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
         optimiser->is_verified = true;
         optimiser->checked_next = 0;
     }
-    // The present rounding-error bound would be no proof: it grows with the voltages, so that a
-    // diverging round could satisfy it.
+    // The round is judged by the rounding-error bound from before it. The present bound would prove
+    // nothing: it grows with the voltages, so that even a round with diverging voltages could
+    // satisfy it.
     if (!moved || (optimiser->is_optimal && optimiser->kkt_violation <= rounding) ||
         pzs_boxls_has_decreased(optimiser)) {
         optimiser->is_predicted = optimiser->is_predicted && !moved;

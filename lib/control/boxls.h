@@ -92,9 +92,9 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 
 /*
  * Return whether the present voltages should replace the base voltages, around which the gradient
- * is computed. The rounding error of the gradient grows with the difference between both. It may
- * raise the objective by at most the machine epsilon times target_energy, the scale of the
- * objective.
+ * is computed. The rounding error of the gradient grows with the difference between present and
+ * base voltages. They are replaced before this rounding error can raise the objective by more than
+ * the machine epsilon times target_energy, the scale of the objective.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

@@ -3,15 +3,15 @@
  * Dual active-set method of the voltage optimiser. Active inputs are kept at a bound; all others
  * are free.
  *
- *   - An iteration changes the multiplier of the free input that is farthest outside its bounds
- *     until it reaches its bound. The other multipliers follow, so that active inputs stay at their
- *     bounds.
- *   - If the multiplier of an active input becomes zero before, this input becomes free, and the
- *     next iteration continues with the same input.
+ *   - An iteration takes the free input whose voltage is farthest outside its bounds, and changes
+ *     the multiplier of this input until the voltage reaches its bound. The other multipliers
+ *     follow, so that active inputs stay at their bounds.
+ *   - If the multiplier of an active input becomes zero before that, this active input becomes
+ *     free, and the next iteration continues with the input taken.
  *   - The minimum over the free inputs rises with each iteration of positive length. No active set
  *     thus occurs twice, and their number is finite.
- *   - Between iterations voltages may be outside their bounds; the present voltages receive them
- *     only clamped.
+ *   - Between iterations voltages may be outside their bounds; they are clamped to the bounds
+ *     before they become the present voltages of the controller.
  *   - An iteration takes two triangular solutions with the factor of the inverse Hessian restricted
  *     to the active inputs, and its columns of these inputs: little work for a small active set.
  */

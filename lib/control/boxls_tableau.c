@@ -152,8 +152,8 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
     } else {
         read_row(optimiser, k, row);
     }
-    // Row and column of an exchanged input are set to zero first: the rank-one update then gives
-    // their new values, too.
+    // The entry of this row in the column of an exchanged input is set to zero first, so that
+    // subtracting the rank-one update of the exchange gives its new value.
     for (uint32_t later = j; later < optimiser->pending_count; later++)
         row[optimiser->exchange[later].input] = 0;
     for (; j < optimiser->pending_count; j += TOGETHER)
@@ -222,8 +222,8 @@ static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
         const size_t input = optimiser->exchange[j].input;
         if (input >= i && input < i + rows)
             memset(optimiser->tableau + input * width, 0, width * sizeof(pzs_real));
-        // The caller updates these rows only up to column i + rows - 1, so that the input's column
-        // is cleared only if it lies there.
+        // In the rows of other inputs, the column of the exchanged input is cleared only if it lies
+        // left of column i + rows: the caller updates these rows only up to there.
         for (size_t line = 0; input < i + rows && line < rows; line++)
             first[line * width + input] = 0;
     }

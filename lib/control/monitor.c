@@ -8,18 +8,16 @@
  *
  *         amplitude > 4 envelope + 6 noise + load
  *
- *     With a vibration damper, `amplitude` is that of the estimated vibration and of readings that
- *     the estimate does not explain. Without a damper it is the RMS of measured minus predicted
- *     shape, without the slow part of this difference. The envelope rises by the RMS of each
- *     change of the target, and decays.
- *   - In a loop without a damper, the shape does not respond: its measured changes have less than a
- *     tenth of the predicted size in the predicted direction.
+ *     amplitude: with a vibration damper, size of the estimated vibration and of readings that the
+ *     estimate does not explain; without one, RMS of measured minus predicted shape, without the
+ *     slow part of this difference.
+ *     envelope: rises by the RMS of each change of the target, then decays.
+ *   - In a loop without a vibration damper, the shape does not respond: its measured changes have
+ *     less than a tenth of the predicted size in the predicted direction.
  *
- * In a loop with a damper, one shock by a load or a failing electrode may follow another. Vibration
- * is therefore an alarm only if its amplitude stays implausible for two periods of the first mode
- * and does not fall from one half period to the next.
- *
- * The work of a tick is about 20 operations for each output; with a vibration damper, 7.
+ * In a loop with a vibration damper, an implausible amplitude is an alarm only if it lasts for two
+ * periods of the first mode and does not fall from one half period to the next, because several
+ * shocks by loads may follow each other.
  */
 #include <string.h>
 #include "monitor.h"
@@ -120,7 +118,7 @@ typedef struct squares {
 /*
  * Return a number that changes if voltages are fixed (pzs_hold) or released, or if a test signal
  * begins or ends: the predicted shape may then have jumped without a motion of the structure. The
- * number is twice that of the fixed voltages, plus 1 during a test signal.
+ * result is 2 times the number of fixed voltages, plus 1 during a test signal.
  */
 static uint32_t count_fixed(const pzs_loop_signals *signals)
 {
@@ -316,7 +314,9 @@ static bool judge_shape(pzs_monitor_state *monitor, const pzs_supervision *table
            is_unanswered(monitor, tables);
 }
 
-/* Return the number of implausible ticks after it was lowered for a plausible tick. */
+/*
+ * Lower the counter of implausible ticks by 2, to 0 at least, for a plausible tick, and return it.
+ */
 static uint32_t lowered(uint32_t over)
 {
     return over > 2u ? over - 2u : 0;

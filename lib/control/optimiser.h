@@ -38,9 +38,9 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 /* Return whether the work limit of the optimiser allows `cost` more multiply-adds now. */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {
-    // Work in reserve: one product of the Hessian with a vector, for the gradient at the end of the
-    // iterations. If the gradient at their start was only predicted, a second product may be needed
-    // to compute it there when the iterations are undone.
+    // Work kept in reserve: a product of the Hessian with a vector gives the gradient at the end of
+    // the iterations. If these must be undone and the gradient at their start was only predicted, a
+    // second product computes the gradient at the start.
     const uint64_t products = optimiser->is_predicted ? 2u : 1u;
     const uint64_t to_end = products * PZS_PRODUCT_WORK(optimiser->inputs);
     return optimiser->work + cost + to_end <= optimiser->work_limit;

@@ -452,8 +452,9 @@ static void measure_violation(const rows_run *run)
     optimiser->kkt_violation = total_violation(run, reduced);
     const pzs_real bound = ROUNDING_FACTOR * (optimiser->target_rounding +
                                               optimiser->model_rounding + 4 * PZS_EPSILON * forces);
-    // The bound is at least that of the first round in the tick. Otherwise the bound would be
-    // nearly zero where the gradient is, and a violation by rounding errors alone would count.
+    // The rounding-error bound is at least that of the first round in the tick. Otherwise it would
+    // be nearly zero where the gradient is nearly zero, and rounding errors alone would count as a
+    // violation.
     run->solver->least_rounding =
         run->solver->least_rounding > 0 ? run->solver->least_rounding : bound;
     optimiser->rounding_bound =

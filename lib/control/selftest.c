@@ -6,8 +6,9 @@
  *
  *   - The amplifiers are moved one after the other: the response to a single electrode can be
  *     recognised even if gains, natural frequencies and hysteresis differ much from the model.
- *   - All amplifiers make one slow pulse together before. It brings the ceramic of every electrode
- *     into the minor hysteresis loop of the later pulses, so that their gains can be compared.
+ *   - Before these pulses of single amplifiers, all amplifiers make one slow pulse together. It
+ *     brings the ceramic of every electrode into the minor hysteresis loop of the later pulses, so
+ *     that the gains of the electrodes can be compared.
  */
 #include <string.h>
 #include "pzs_loop.h"

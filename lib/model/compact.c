@@ -32,10 +32,11 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node, pzs
     for (unsigned corner = 0; corner < 4; corner++)
         for (unsigned direction = 0; direction < 2; direction++) {
             /*
-             * Sign of the step from the corner to its neighbour in this direction. The neighbour
-             * along theta1 lies towards larger theta1 if the element coordinate xi1 is negative at
-             * the corner; the same holds for theta2 and xi2. mode_sign[2] holds the sign of xi1 at
-             * each corner, mode_sign[1] that of xi2.
+             * Sign of the step along one surface coordinate (theta1 for direction 0, theta2 for
+             * direction 1) from a corner of the element to its neighbour: 1 towards larger values.
+             * The step along theta1 is positive if the element coordinate xi1 is negative at the
+             * corner; so for theta2 and xi2. mode_sign[2] holds the sign of xi1 at each corner,
+             * mode_sign[1] that of xi2.
              */
             const pzs_real sign = -mode_sign[2 - direction][corner];
             const unsigned other = neighbour[corner][direction];

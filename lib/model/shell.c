@@ -113,13 +113,13 @@ static void corner_strains(const shape *base, const shell_corner *change,
 {
     const pzs_real thickness = type->thickness;
     const pzs_real *square = type->height_squared[0], *slope = type->height_squared[1];
-    // The differences of the strains between the faces are computed from means and differences of
-    // the base vectors (g + l) and of their changes (dl). Subtracting the nearly equal strains of
-    // both faces would lose digits.
+    // The difference of a strain between the faces is computed from means and differences of the
+    // base vectors and of their changes. Subtracting the nearly equal strains of both faces would
+    // lose digits.
     for (int direction = 0; direction < 2; direction++) {
-        // Part of the strain that is quadratic in the height above the middle of the shell. It
-        // enters the mean and the difference of both faces with the factors of
-        // pzs_element_type.height_squared.
+        // part of the in-plane strain that is quadratic in the height above the middle of the
+        // shell: coefficient of the squared height (1/m2). It contributes to the mean strain of
+        // both faces and to their difference, by the factors in pzs_element_type.height_squared
         const pzs_real quadratic = vector3_dot(base->diff[direction], change->diff[direction]);
         strain[2 * direction] = vector3_dot(base->mean[direction], change->mean[direction]) +
                                 square[direction] * quadratic;
