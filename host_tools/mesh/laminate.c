@@ -808,16 +808,16 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 }
 
 /*
- * Return a factor (0 to 1) of the flexibility that the element option `rho` adds to a transverse
- * shear strain in a linear strain mode:
+ * Return the factor (0 to 1) that reduces, in a linear strain mode, the flexibility which the
+ * element option `rho` adds to a transverse shear strain:
  *   1/(1 + 0.6 (f/ft) (L_a/L_b)^2)
  *   f, ft     flexibilities of bending and of twist
  *   L_a, L_b  lengths of the element along and across the direction of the shear
  *   inverse [10][10] in  compliance matrix of the element (m/N), from plane_compliance
  *   direction        in  direction of the transverse shear: 0 for 13, 1 for 23
- * The added flexibility stands for a normal displacement inside the element that bends it. In a
- * linear mode this displacement changes its sign across the element, and thus also twists it, which
- * makes the flexibility smaller. For a square with Poisson's ratio 0.3: 0.813 (exact: 0.784).
+ * Reason: the flexibility stands for a normal displacement inside the element that bends it. In a
+ * linear mode this displacement has opposite signs in the two halves of the element, so that it
+ * twists the element, too. The factor of a square with Poisson's ratio 0.3 is 0.813 (exact: 0.784).
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -964,10 +964,10 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
 typedef struct free_field {
     double resultants[N], strain[N]; /* resultants: stress resultants of the element (N/m) while a
                                         voltage or temperature acts and the strains are kept at 0.
-                                        strain: minus the strains that the same voltage or
-                                        temperature causes in the unloaded element; set to 0 if it
-                                        causes no transverse shear stress, because these strains are
-                                        then not needed. Order of both: `voigt` */
+                                        strain: the strains that the same voltage or temperature
+                                        causes in the unloaded element, with the opposite sign; 0
+                                        where it causes no transverse shear stress, because these
+                                        strains are not needed there. Order of both: `voigt` */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
     double constant[N][N]; /* stiffness of the element for strains that are constant over it (N/m).
@@ -1131,15 +1131,15 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Return the correction of the charge per area of an electrode where an element is softer in shear
- * than its material (keep_free_strains). The charge per area is a mixed second derivative by two
- * fields, so that the correction is symmetric in them:
+ * Return the change of an electrode's charge per area because the element is softer in transverse
+ * shear than its material (keep_free_strains):
  *   e1^T (D - D') e2
  *   e1, e2  strains of the unloaded element per unit of the field `first` (voltage of the
  *           electrode) and of the field `second` (voltage or temperature)
  *   D       stiffness with uniform transverse shear through the thickness (N/m)
  *   D'      stiffness of the softer element (N/m)
- * Unit: C/m2 per volt or per kelvin.
+ * Unit: C/m2 per volt or per kelvin. The charge is the second derivative of an energy by both
+ * fields, so that the result stays the same if they are exchanged.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,
@@ -1175,10 +1175,11 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * Two electric fields or temperatures act on plies that each cover a fraction of an element. Return
- * the larger fraction; 1 for a temperature of all plies. Reason: the product of the mean effects of
- * both has both fractions as factors, and the caller of laminate_capacitance multiplies by the
- * smaller one.
+ * Return the larger one of the fractions of an element that are covered by the plies in which two
+ * fields (electric field or temperature) act; 1 for a temperature of all plies. In
+ * laminate_capacitance a term that is a product of mean effects of both fields is proportional to
+ * both fractions. It is multiplied by the larger one here, and by the smaller one in the functions
+ * that call laminate_capacitance.
  */
 static double larger_cover(const laminate_place *place, const laminate_field *first,
                            const laminate_field *second)

@@ -37,7 +37,8 @@ void height_fit_lines(const height_ply *ply, int plies, laminate_heights *height
 }
 
 /*
- * Compute the matrices that give the quadratic part m of the in-plane strains e + z k + z^2 m:
+ * Compute the matrices that give the quadratic part m of the in-plane strains e + z k + z^2 m at
+ * height z from the strains e in the middle (z = 0) and their slopes k:
  *   m = with_slope k - with_mean e (vectors of the strains 11, 22, 12);
  *   m = (c' k + k c)/2 - c' e c (as symmetric 2 x 2 matrices).
  *   c           [2][2] in   change of the base vectors with the height (1/m); c' is its transpose
@@ -62,10 +63,10 @@ static void quadratic_of_middle(double c[2][2], double with_slope[3][3], double 
 }
 
 /*
- * Compute the quadratic part m of the in-plane strains e + z k + z^2 m at height z as a function of
- * the mean and the difference of each strain at both faces. In the middle m = S k - M e
- * (quadratic_of_middle). As the line a + b z/thickness replaces z^2, mean = e + a m and difference
- * = thickness k + b m. This gives
+ * Compute the quadratic part m of the in-plane strains e + z k + z^2 m at height z (e: strains in
+ * the middle, k: their slopes) from the mean and the difference of each strain at both faces. In
+ * the middle m = S k - M e (quadratic_of_middle). As the line a + b z/thickness replaces z^2, mean
+ * = e + a m and difference = thickness k + b m. This gives
  *   (1 + S b/thickness - M a) m = S difference/thickness - M mean
  *   with_slope [3][3] in  S (1/m)
  *   with_mean  [3][3] in  M (1/m2)

@@ -21,22 +21,25 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Transition matrix of a control loop over one tick, while it is filled. It multiplies the states
- * just before a tick. The static coordinate of a vibration mode is its modal coordinate in
- * equilibrium under certain voltages, according to the model. States of each mode, each for all
- * modes in turn:
+ * Transition matrix of a control loop, while it is filled: it gives the states just before a tick
+ * from those just before the tick before. Terms:
+ *   correction         voltages that the controller subtracts in answer to a measurement; the
+ *                      commanded voltages are minus the correction for the measurement `delay`
+ *                      ticks before
+ *   static coordinate  of a vibration mode under some voltages: modal coordinate in equilibrium
+ *                      under them, according to the model
+ * States, each for all modes in turn:
  *   e       deviation of the modal coordinate from equilibrium under the mean output voltages
  *   p       modal velocity divided by the angular frequency
- *   h       [delay + 1] static coordinates under the voltages that the controller subtracts in
- *           answer to each of the last delay + 1 measurements, newest first. `delay` ticks after a
- *           measurement the static coordinate under the commanded voltages is -h
+ *   h       [delay + 1] static coordinates under the corrections for the last delay + 1
+ *           measurements, newest first
  *   output  only where the amplifiers lag: static coordinates under their output voltages at the
  *           tick, and under their mean output voltages in the interval before it
  */
 typedef struct transition {
-    const double *loop; /* [modes][stride] loop matrix. If the controller measures mode j with the
-                           coordinate 1, it subtracts certain voltages from those commanded. Entry
-                           (i, j) is the static modal coordinate of mode i under these voltages. */
+    const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the static coordinate of
+                           mode i (in equilibrium, by the model) under the correction, the voltages
+                           that the controller subtracts, for a measured unit of mode j */
     size_t stride, modes, order;
     const certificate_conditions *conditions;
     double kept, behind; /* kept: fraction of the difference between command and output voltage of
@@ -52,11 +55,12 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add to a row of the transition matrix `factor` times h of vibration mode i at the coming tick. h
- * is the static coordinate (modal coordinate in equilibrium) under the voltages that the controller
- * subtracts in answer to the measurement at this tick. It is the sum of two terms:
- *   - loop matrix times the deviations e of all modes;
- *   - static coordinate of the structure under its voltages minus the one that the model predicts.
+ * Add to a row of the transition matrix `factor` times h of vibration mode i for the measurement at
+ * the coming tick: the modal coordinate in equilibrium (static coordinate) under the voltages that
+ * the controller subtracts because of this measurement. h is the sum of two terms:
+ *   - loop matrix times the deviations e of all modes from equilibrium;
+ *   - static coordinate of the structure under its voltages, minus the static coordinate that the
+ *     model predicts for these voltages.
  */
 static void add_measured(const transition *transition, double *row, size_t i, double factor)
 {
@@ -72,9 +76,9 @@ static void add_measured(const transition *transition, double *row, size_t i, do
 
 /*
  * Add to a row of the transition matrix `factor` times the static coordinate (modal coordinate in
- * equilibrium) of vibration mode i under the voltages commanded at the coming tick. It is -h, where
- * h belongs to the voltages that the controller subtracts in answer to the measurement of `delay`
- * ticks before.
+ * equilibrium) of vibration mode i under the voltages commanded at the coming tick. It is minus the
+ * state h of the measurement `delay` ticks before, because the controller answers that measurement
+ * now.
  */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {
@@ -123,10 +127,10 @@ static void fill_vibration(const transition *transition, size_t i, const double 
 }
 
 /*
- * Fill the rows of vibration mode i in the transition matrix that hold former values: the newest
- * measured coordinate h, then `delay` rows that take over the value one tick newer. If the
- * amplifiers lag, two more rows hold the static coordinates under their output and mean output
- * voltages.
+ * Fill the rows of vibration mode i in the transition matrix for the states other than e and p: h
+ * for the newest measurement; h for `delay` older measurements, each taken over from the state that
+ * was one tick newer; and, if the amplifiers lag, the static coordinates under their output
+ * voltages and under their mean output voltages.
  */
 static void fill_memory(const transition *transition, size_t i)
 {

@@ -12,8 +12,9 @@
  *            of iterations; it ends with the gradient computed from H
  *
  *   - Rounding errors of the tableau never reach the voltages; they only cost another round.
- *   - Nothing is begun that could exceed the work limit (multiply-adds) together with the product
- *     that ends the round. The next tick continues from the voltages and the free set reached.
+ *   - The optimiser begins no work that could exceed the work limit (multiply-adds) together with
+ *     the matrix product at the end of the round. The next tick continues from the voltages and the
+ *     free set reached.
  *   - From PZS_DUAL_INPUTS inputs on, if no input depends linearly on the others, the iterations
  *     are those of the dual active-set method (boxls_dual.h).
  */
@@ -181,8 +182,8 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
 
 /*
  * Predict a full step along the search direction. Returns the number of inputs that prevent it:
- * free ones that would exceed a bound, and active ones that would violate the KKT conditions by
- * more than `rounding`.
+ * free ones that would exceed a bound, and active ones that would violate the optimality (KKT)
+ * conditions by more than `rounding`.
  *   move   in/out  changes of the free voltages; for active inputs in: product of the tableau with
  *                  the gradient, out: gradient after the step
  *   next   out     voltages after the step
@@ -334,12 +335,13 @@ static bool is_converged(pzs_optimiser *optimiser)
  */
 
 /*
- * Why the iterations end, for n inputs, f of them in the free set F, and m outside F strictly
- * between their bounds:
- *   - A descent that a bound stops lowers f. Inputs between their bounds are released first, and
- *     each such release lowers 2 m + f, which is at most 2 n.
- *   - After at most 3 n iterations all inputs between their bounds thus have zero gradient: the
- *     minimum of a face of the feasible box. Only there an input at a bound is released.
+ * Why the iterations end: let f be the number of inputs in the free set F, and m the number of
+ * inputs outside F whose voltages lie strictly between their bounds.
+ *
+ *   - A descent that a bound stops, and the release of an input between its bounds, each lower 2 m
+ *     + f, which is at most twice the number n of inputs.
+ *   - After at most 3 n iterations the voltages thus minimise the objective on a face of the
+ *     feasible box. Only then an input at a bound is released.
  *   - An iteration of zero length makes F smaller; one of positive length lowers the objective. No
  *     face occurs twice, and the number of faces is finite.
  *   - Releases together never raise the objective, and their number in a round is limited.

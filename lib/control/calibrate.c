@@ -385,9 +385,9 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 }
 
 /*
- * Rotate the rows of the triangular factor R of the information matrix until only its first row
- * contributes to v'R'R v for the voltages v of a new record. Scaling that row then forgets
- * information in this direction. R'R is unchanged.
+ * R is the triangular factor of the information matrix R'R, and v the voltages of a new record.
+ * Rotate the rows of R, which leaves R'R unchanged, until only the first row has a product with v
+ * other than 0. Scaling the first row then forgets information about the direction of v.
  *   direction [inputs] in/out  in: R v (V2); out: overwritten
  * Afterwards every other row of R has one nonzero entry to the left of the diagonal.
  */

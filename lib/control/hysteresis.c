@@ -409,10 +409,11 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * Search for the voltage at which an electrode has a wanted effect, upwards or downwards from the
- * present voltage along the piecewise linear characteristic. Positions are relative to the middle
- * of the voltage range. All positions except those in `play` are multiplied by `sign`, so that
- * every search runs towards higher positions.
+ * State of a search for the voltage at which an electrode has a wanted effect (voltage that would
+ * move the structure as far without hysteresis). The search starts at the present voltage and
+ * follows the piecewise linear curve of the effect over the voltage, upwards (`sign` 1) or
+ * downwards (`sign` -1). Voltages are relative to the middle of the voltage range and, except those
+ * in `play`, multiplied by `sign`, so that every search runs towards larger numbers.
  */
 typedef struct effect_walk {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's

@@ -83,15 +83,13 @@
  */
 #define LEAST_REFERENCE PZS_R(0.5)
 /*
- * Limits of gains (response divided by modelled response) that prove a fault of a suspected
- * electrode:
- *   SILENT         The electrode is faulty if its gain in each test pulse is below this multiple of
- *                  the gain of the reference electrode.
- *   SILENT_PULSES  number of these test pulses
- *   WEAK_PULSES    their number if hysteresis is not compensated and the last gain of the reference
- *                  electrode is below WEAK
- *   REVERSED       The electrode is reversed if its last gain is below minus this multiple of the
- *                  gain of the reference electrode.
+ * When test pulses prove a fault of a suspected electrode. Its gain (response divided by modelled
+ * response) is compared with the gain of the reference electrode, a healthy one that is tested with
+ * it:
+ *   SILENT    faulty if the gain is below SILENT times the reference gain in SILENT_PULSES pulses;
+ *             in WEAK_PULSES pulses if hysteresis is not compensated and the last reference gain is
+ *             below WEAK
+ *   REVERSED  reversed if the last gain is below -REVERSED times the reference gain
  */
 #define SILENT PZS_R(0.35)
 #define SILENT_PULSES 2u
@@ -113,8 +111,9 @@
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
  * Conditions under which one test pulse proves a fault of the suspected electrode, so that no
- * second pulse is needed. The simulations of tests/unit/sweep_faults.c find no healthy electrode
- * faulty with them. A gain is a measured response divided by the modelled one.
+ * second pulse is needed. With these numbers the simulations of tests/unit/sweep_faults.c find no
+ * healthy electrode faulty. A gain is a measured response divided by the modelled one; the
+ * reference electrode is a healthy one that is tested at the same time.
  *   SURE              largest gain, divided by that of the reference electrode
  *   SURE_REVERSED     for a negative gain: smallest absolute value, divided in the same way
  *   SURE_CALM         largest jump of the readings, divided by JUMPED or REFERENCE_JUMPED

@@ -145,14 +145,15 @@ static uint64_t remaining_work(const rows_run *run)
 /* ---- tableau: changes of voltages and limited sums per change of multipliers ----- */
 
 /*
- * Tableau T of the optimiser: changes dm of the multipliers change the quantities (voltages and
- * scaled sums of limit rows) by -T dm, whatever is active:
+ * Tableau T of the optimiser: if the multipliers of the quantities (voltages and scaled sums of
+ * limit rows) change by the vector dm, the quantities change by -T dm:
  *   T = -C P C'
  *   C  identity matrix with the scaled limit rows below it
  *   P  inverse of the Hessian; of a singular Hessian, or one that is nearly so, with a shift of its
  *      diagonal
- * With a shift, a round is a proximal-point step, whose optimum the shift does not change. After
- * rounds that fail because of rounding errors, the shift is raised.
+ * The shift is a number added to the diagonal. With it, one round (sequence of iterations) does not
+ * reach the optimum, but repeated rounds (proximal-point steps) do. After rounds that fail because
+ * of rounding errors, the shift is raised.
  */
 
 /* Return the largest diagonal entry of the Hessian (m2/V2). */

@@ -564,14 +564,17 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 
 /*
  * Return how much the measured responses of two amplifiers (or sensors) differ from two modelled
- * ones: the sum of the squared sines of the angles between measured and modelled vectors.
+ * responses. Each response is a vector. The result is the sum of two squared sines: of the angle
+ * between the measured and the modelled vector of the first amplifier, and of the same angle of the
+ * second.
  *
- * If axis->has_gains, the modelled responses already contain the measured gains, so that the sizes
- * of the vectors count too. The result is then the squared sine of one angle. It is taken between
- * the two measured vectors, joined to one, and the two modelled vectors, joined to one.
+ * If axis->has_gains, the modelled vectors are already multiplied by the measured gains, so that
+ * their lengths count, too. Then the two measured vectors are joined to one long vector and the two
+ * modelled ones to another, and the result is the squared sine of the angle between these two.
  *   one   in  comparison of the measured response of the first amplifier (or sensor) with a
  *             modelled response: its own or, to find exchanged cables, that of the second
- *   other in  the same for the second, with its own modelled response or that of the first
+ *   other in  comparison of the measured response of the second, with its own modelled response or
+ *             that of the first
  */
 static pzs_real pair_error(const selftest_axis *axis, const pzs_selftest_sums *one,
                            const pzs_selftest_sums *other)
@@ -726,12 +729,13 @@ static stage_plan plan_of_worst(const pzs_selftest *selftest)
 }
 
 /*
- * Return the plan (list of comparisons) of the present stage of the self-test's evaluation, one of
- * the three that look for exchanged cables of the amplifier or sensor number `core->pair`. The plan
- * is empty if a fault of it is known or no healthy partner can be found.
- *   STAGE_PAIR_SIMILAR, STAGE_PAIR_NEAREST  compare it with all amplifiers (or sensors)
+ * Return the list of comparisons (plan) for the present stage of the self-test's evaluation, if the
+ * stage looks for exchanged cables of the amplifier or sensor number `core->pair`. The list is
+ * empty if a fault of this amplifier or sensor is already known.
+ *   STAGE_PAIR_SIMILAR, STAGE_PAIR_NEAREST  comparisons with all amplifiers (or sensors)
  *   STAGE_PAIR_EXCHANGED                    two comparisons with its possible partner
- *                                           (compare_partner)
+ *                                           (compare_partner); none if no healthy partner has been
+ *                                           found
  */
 static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {

@@ -265,11 +265,12 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Place of one degree of freedom of an element in the stiffness matrix. The entry in the row of
- * degree of freedom a and the column of b has the index (base of a) + (step of b).
- *   base  index that column 0 would have in the row; wraps round where the panel does not store
- *         column 0, but the sum is correct
- *   step  PZS_TILE times the column, because successive columns of a panel are PZS_TILE reals apart
+ * Where the row and the column of one degree of freedom of an element are stored in the stiffness
+ * matrix. The entry in row a and column b has the index (base of a) + (step of b).
+ *   base  index that column 0 has in the row; as an unsigned number it may wrap round where column
+ *         0 is not stored, but the sum is correct
+ *   step  distance of the column from column 0 in memory: PZS_TILE times the number of the column,
+ *         because successive columns of a panel are PZS_TILE reals apart
  */
 typedef struct add_place {
     uint16_t dof;

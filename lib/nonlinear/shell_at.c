@@ -109,13 +109,13 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute the derivative of a sum with respect to the displacement of one node of an element. The
- * sum is that of b . w over all corners of the element, with a given vector b at each corner and
- * the derivative w of the displacement there in the direction `direction`. The node contributes to
- * w at its own corner and at the neighbouring corner in this direction.
+ * Compute the derivative, with respect to the displacement of one node, of the sum of b . w over
+ * the four corners of an element. b is a given vector at each corner, w the derivative of the
+ * displacement at the corner in the direction `direction`. The displacement of the node enters w at
+ * two corners: at its own, and at the neighbouring corner in this direction.
  *   own   [3] in   vector b at the corner of the node
- *   other [3] in   vector b at the neighbouring corner in this direction
- *   row   [3] out  derivative of the sum
+ *   other [3] in   vector b at the neighbouring corner
+ *   row   [3] out  the derivative
  */
 static void transpose_derivative(const pzs_element_type *type, int node, int direction,
                                  const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
@@ -277,13 +277,13 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Compute a linear combination of rows, sum over i of factor[i * stride] times row[i], in the four
- * columns of q. q is the seventh degree of freedom of each node (displacement of the middle surface
- * minus the mean of both faces).
+ * Compute the sum over i of factor[i * stride] times row[i], in the four columns that belong to the
+ * seventh degree of freedom q of the four nodes (displacement of the middle surface minus the mean
+ * of both faces).
  *   to    [4] out  result
  *   row       in   rows of strains or stresses per unit of each nodal degree of freedom
- *   count     in   number of rows that depend on q. The sum contains rows 0 to count - 1; if count
- *                  is WITH_Q (5), rows 0 to 3 and row A12M, the mean strain 12
+ *   count     in   number of rows that are not zero in these columns: rows 0 to count - 1, or rows
+ *                  0 to 3 and row A12M (mean strain 12) if count is WITH_Q
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -476,11 +476,12 @@ static int pair_of(int node, int other)
 
 /*
  * Add the contribution of one in-plane stress at a corner (11, 22 or 12) to the geometric stiffness
- * between two nodes of an element. The strain that belongs to this stress contains the scalar
- * product of two derivatives of the displacement. The matrix left_map^T right_map [3][3] is added
- * to pair->mean, pair->cross and pair->diff, times stress.mean, stress.cross and stress.diff.
- *   left_map, right_map [3][3] in  for each of the two nodes: matrix that turns the displacement of
- *                                  the node into its contribution to one of these derivatives
+ * between two nodes of an element: left_map^T right_map, times stress.mean, stress.cross and
+ * stress.diff, is added to pair->mean, pair->cross and pair->diff.
+ *   left_map  [3][3] in derivative of the displacement at the corner along the first direction of
+ *             the stress (1 for stress 12), per unit displacement of the first node
+ *   right_map [3][3] in  derivative along the second direction (2 for stress 12), per unit
+ *                        displacement of the second node
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, conjugate stress)
@@ -536,8 +537,8 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 
 /*
  * Add the geometric stiffness by the transverse stresses 33, 13 and 23 at one corner of an element:
- * the second derivative of stress times strain. Apart from constant factors, the nonlinear terms of
- * the strains at the corner are
+ * the second derivative of (stress times strain) by the degrees of freedom. It follows from the
+ * quadratic terms of the strains at the corner, which are, apart from constant factors,
  *   13 (a = 1), 23 (a = 2)  beta . w_a  and  q d_a
  *   33, mean of both faces  beta . beta  and  q^2
  *   33, difference of both  q beta_3
