@@ -139,7 +139,10 @@ static void build_electric(const scene_material *material, const scene_layer *la
                                                          distance for interdigitated electrodes,
                                                          modelled as planes across the ply */
     field_stress(material, stiffness, poling, axis, stress);
-    /* One volt is the field -1/distance, and the prescribed stress is minus stress times field. */
+    /*
+     * The field of 1 V between electrodes is -1 V/distance, and the prescribed stress is minus the
+     * stress per unit field times this field.
+     */
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / distance;
     ply->capacitance =
@@ -421,7 +424,10 @@ static int relax_e33(double stiffness[N][N])
         return -1;
     for (int i = 0; i < N; i++)
         stiffness[i][D33] = stiffness[D33][i] = 0;
-    /* stiffness of this strain while the resultants of all other strains are 0 */
+    /*
+     * stiffness against the difference of strain 33 between both faces, while the stress resultants
+     * of all other strains are 0
+     */
     stiffness[D33][D33] = 1 / inverse[D33][D33];
     return 0;
 }
@@ -776,7 +782,10 @@ static double bending_flexibility(double inverse[N][N], double thickness)
  */
 static int kept(int mode, int strain)
 {
-    /* mode that contains a strain besides mode 0; 3: modes 1 to 3 all do; 0: none does */
+    /*
+     * for each of the ten strains, the strain mode that contains it besides mode 0: 1 or 2; 3: all
+     * of the modes 1 to 3; 0: none
+     */
     static const int along[N] = {1, 1, 2, 2, 3, 3, 0, 0, 1, 2};
     return mode == 0 || along[strain] == 3 || (mode < 3 && along[strain] == mode);
 }
@@ -1106,7 +1115,10 @@ static void field_resultants(const laminate *laminate, const scene_element *elem
         element->lin33 && package_stiffness(laminate, element, place, stiffness) == 0;
     if (element->lin33)
         h0[D33] = 0;
-    /* reaction that holds the mean thickness strain at zero */
+    /*
+     * The mean thickness strain of all plies is held at zero; the resultants that hold it are
+     * added.
+     */
     for (int i = 0; i < N; i++)
         h0[i] += thickens ? stiffness[i][M33] * thickening : 0;
     memset(result->strain, 0, sizeof result->strain);

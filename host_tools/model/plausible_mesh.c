@@ -11,9 +11,10 @@
 /* ---- irregular meshes --------------------------------------------------- */
 
 /*
- * Start a plausibility rule that checks one number, k = 0, of an irregular mesh of quadrilaterals.
- * Store its place in the scene file in `found`. Returns whether k is 0 and the mesh is of
- * quadrilaterals; a mesh along lines of curvature is regular.
+ * Start a plausibility rule that measures a single number of a mesh of quadrilaterals. Rules are
+ * called with k = 0, 1 and so on until they return 0; this one has a number for k = 0 only. Store
+ * the number's place in the scene file in `found`. Returns whether k is 0 and the mesh consists of
+ * quadrilaterals in any arrangement.
  */
 static int is_first(const subject *of, int k, measured *found)
 {

@@ -175,8 +175,10 @@ static void add_second_ring(const stress_field *field, stencil *stencil)
 static void quadratic_weights(const stress_field *field, stencil *stencil, double size)
 {
     enum { TERMS = 5 };
-    const double least[TERMS] = {1e-12, 1e-12, 1e-8, 1e-8, 1e-8}; /* share of the largest entry that
-        is added to the diagonal, by which undetermined coefficients become zero */
+    const double least[TERMS] = {1e-12, 1e-12, 1e-8, 1e-8,
+                                 1e-8}; /* numbers that are added to the diagonal of the matrix, as
+                                           fractions of its largest entry, so that coefficients
+                                           become zero which the neighbours do not determine */
     double matrix[TERMS * TERMS] = {0}, term[STRESS_NEIGHBOURS][TERMS], largest = 0;
     for (int i = 0; i < stencil->count; i++) {
         double at[2];

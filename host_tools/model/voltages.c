@@ -531,15 +531,20 @@ static double make_trust_region_step(analysis *analysis, common_limits common, n
                      promise = predicted_objective(analysis, newton, result);
         const int reached = evaluate(analysis, result, 1, error) == 0;
         const double kept = (before - objective(analysis, result)) / (before - promise);
-        /* The trust radius grows where the objective has decreased as predicted, and shrinks
-         * where it has not. */
+        /*
+         * The trust radius (largest change of a voltage in a step) grows where the objective has
+         * decreased as predicted, and shrinks where it has not.
+         */
         if (!reached || !(kept > 0.75))
             newton->trust_radius = change / (kept > 0.25 && reached ? 1 : 4);
         else if (change >= 0.99 * newton->trust_radius)
             newton->trust_radius = 2 * change;
         if (reached && objective(analysis, result) < before)
             return 1 - objective(analysis, result) / before;
-        /* A step without decrease is undone and repeated with a smaller radius. */
+        /*
+         * A step that does not decrease the objective is undone, and repeated with a smaller trust
+         * radius.
+         */
         restore_best(analysis, newton, result);
     }
     return 0;

@@ -154,7 +154,10 @@ static void point_to_section(const char *key, const char *section, char advice[L
         for (int k = 0; find_key(&scene_form, key, depth, path, 0, &(int){k}); k++) {
             const char *last = strrchr(path, '.');
             if (strcmp(last ? last + 1 : path, section) == 0)
-                /* A mapping of this name takes the key: the user has the right section. */
+                /*
+                 * No hint is given if a mapping named `section` accepts the key: the user has
+                 * chosen the right section, at a wrong place.
+                 */
                 return;
             if (!*first)
                 memcpy(first, path, sizeof path);

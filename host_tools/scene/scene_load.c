@@ -288,7 +288,10 @@ static int find_rotation(reader *reader, int node, scene_support *support)
     if (!reader->s->element.cartesian && (is_vector || axis >= COMPONENT_X))
         return tree_fault(reader->t, node,
                           "this axis needs element: improved; choose u1 or u2 with published");
-    /* An axis in another direction becomes the local axis e1 of the nodes. */
+    /*
+     * An axis of rotation that is given in space determines the local axis e1 of the nodes: its
+     * projection on the surface.
+     */
     if (is_vector)
         memcpy(support->direction, support->about.vector, sizeof support->direction);
     else if (axis >= COMPONENT_X)
@@ -299,7 +302,10 @@ static int find_rotation(reader *reader, int node, scene_support *support)
      */
     support->move = support->value ? bit | DIFFERENCE_3 : 0;
     support->fix = (support->fix & ~(unsigned)FIX_ROTATION) | bit | support->move;
-    /* The difference along e2 is minus the angle about e1. */
+    /*
+     * A rotation about e1 moves the outer face along -e2 relative to the inner face, hence the sign
+     * -1.
+     */
     support->turn = is_second ? 1 : -1;
     return 0;
 }

@@ -191,7 +191,8 @@ static bool is_better(const certificate_loop *loop, const certificate_loop *best
     if (!best->is_made || loop->is_stable != best->is_stable)
         return !best->is_made || loop->is_stable;
     /*
-     * Among loops that fail, the one with fewer failed storms (fast jumps of the target) is better.
+     * Of two loops that fail the stability tests, the one with fewer failed storms (fast jumps of
+     * the target) is better.
      */
     if (!loop->is_stable)
         return loop->failed + loop->target.failed < best->failed + best->target.failed;

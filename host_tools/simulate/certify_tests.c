@@ -159,7 +159,10 @@ int trial_certify_target(const trial *trial, int enough, certificate_target *tar
     if (!trial->has_target)
         return 0;
     const storm_rig *rig = &trial->at_target;
-    /* A third of the storms suffice here: those with the first of three sequences of targets. */
+    /*
+     * The structure at its target shape is tested with a third of the storms (simulations with fast
+     * jumps of the target): those of the first of three random sequences of targets.
+     */
     if (trial_measure_growth(rig, &loop, &is_stable, error) < 0 ||
         (is_stable && trial_run_storms(rig, STORMS / SEEDS, enough, &loop, error) < 0))
         return -1;

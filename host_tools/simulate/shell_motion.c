@@ -249,7 +249,10 @@ static void acting_resultants(const shell_motion *motion, uint32_t element, doub
     gather(motion, element, motion->end, displacement);
     elastic_resultants(motion, element, displacement, NULL, at_end);
     for (int i = 0; i < 22; i++)
-        /* Mean of the resultants at both ends of the step, plus viscosity times their rate. */
+        /*
+         * Mean of the stress resultants at both ends of the time step, plus viscosity/2 times the
+         * rate at which they change.
+         */
         resultant[i] = (at_start[i] + at_end[i]) / 2 +
                        motion->viscosity / (2 * step) * (at_end[i] - at_start[i]);
     for (int i = 0; i < SHELL_STRAINS; i++)
@@ -518,8 +521,8 @@ static bool balance_energy(shell_motion *motion, double step)
     memcpy(motion->last_increment, motion->increment, dof * sizeof *motion->increment);
     compute_imbalance(motion, step, imbalance);
     /*
-     * The error is the work of the imbalance along the change; the added multiple makes this work
-     * zero.
+     * The energy error of the time step is the work of the remaining force imbalance along the
+     * displacement change. A multiple of the last increment is added that makes this work zero.
      */
     const double left = pzs_linalg_inner(imbalance, motion->half_change, dof);
     const double part = left / motion->work;

@@ -304,7 +304,8 @@ static pzs_real largest_active_violation(const pzs_optimiser *optimiser, const p
  */
 static bool is_converged(pzs_optimiser *optimiser)
 {
-    // The bound is not finite if a voltage is not finite.
+    // The rounding-error bound is computed from the voltages: it is not finite if one of them is
+    // not.
     if (!number_is_finite(optimiser->rounding_bound))
         return 0;
     if (optimiser->kkt_violation <= optimiser->rounding_bound)
@@ -597,7 +598,8 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
                                         so that its voltage is not changed again, in two cases: the
                                         change has reached the minimum of the objective, or neither
                                         a finite bound nor a curvature has ended it */
-        // An input that depends linearly on the free ones stays active.
+        // The pivot exchange, which makes an input free, is left out for an input whose effect on
+        // the shape is a linear combination of the effects of the free inputs.
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
@@ -790,8 +792,9 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
         return false;
     }
     optimiser->model_rounding = rough;
-    // Each tick compares the next two inputs: an error of the tableau persists for at most inputs/2
-    // + 1 ticks.
+    // The next tick compares the gradient that the tableau (pivoted Hessian) predicts with the
+    // computed one at the next two inputs. An error of the tableau is thus found after at most
+    // inputs/2 + 1 ticks.
     optimiser->checked_next = two + 1u < optimiser->inputs ? two + 1u : 0;
     optimiser->iterations++;
     accept_prediction(optimiser->voltage, optimiser->model_gradient, optimiser->next_voltage,
@@ -1019,7 +1022,8 @@ static bool make_round(pzs_optimiser *optimiser)
     conclude_round(optimiser, moves);
     optimiser->is_fresh = optimiser->is_fresh && !optimiser->is_optimal;
     const bool failed = moves && !blocked && verified;
-    // Many exchanges and a wrong prediction: rounding errors have accumulated in the tableau.
+    // If the tableau (pivoted Hessian) predicts a wrong gradient after many pivot exchanges,
+    // rounding errors have accumulated in it.
     const bool is_worn = failed && optimiser->exchanges > WORN * optimiser->inputs;
     if (is_worn || (!optimiser->is_optimal && !optimiser->is_cut && is_stuck(optimiser, moves)))
         return renew_tableau(optimiser);

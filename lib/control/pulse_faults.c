@@ -815,11 +815,12 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
                                 state->electrode[j] == PZS_ELECTRODE_CLEARED;
         if (j == suspect || j == but || !is_healthy || is_held(state->control, j))
             continue;
-        // An electrode that seems to have followed its voltage is probably healthy.
+        // A possible reference electrode that seems to have followed its voltage is probably
+        // healthy.
         const bool has_followed =
             2 * number_absolute(state->loss[j]) < number_absolute(state->move[j]);
-        // The electrodes should cause responses of similar size: errors of a much larger response
-        // would hide the smaller one.
+        // Suspected and reference electrode should move the sensors by similar amounts: errors of a
+        // much larger response would hide the smaller one.
         const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
         const pzs_real likeness = ratio > 1 ? 1 / ratio : ratio;
         const pzs_real preference = has_followed ? 100 : 1;

@@ -194,8 +194,8 @@ static void scrub_next_row(pzs_control *control, const pzs_real *table)
     const uint32_t k = control->state.scrub_row < inputs ? control->state.scrub_row : 0;
     const bool is_repaired = scrub_row(control, table, k);
     control->state.scrub_row = (uint16_t)(k + 1u);
-    // Clears the padding of the stored rows k, k + inputs, k + 2 inputs and so on; of all rows
-    // after a repair.
+    // The zeros that pad the rows k, k + inputs, k + 2 inputs and so on of the stored matrices are
+    // written again; after a repair, those of all rows.
     const uint32_t first = is_repaired ? 0 : k;
     const uint32_t step = is_repaired ? 1u : inputs;
     clear_padding(control, first, step);

@@ -682,13 +682,14 @@ static bool start_anew(const rows_run *run)
 {
     run->solver->failures++;
     run->solver->last_gap = (pzs_real)HUGE_VAL;
-    // Without limits of sums of absolute values, every other call frees all voltages and limited
-    // sums from their bounds.
+    // Where no sums of absolute values are limited, every second call of this function frees all
+    // voltages and limited sums from their bounds.
     if (!has_absolute(run) && run->solver->failures % 2u != 0) {
         pzs_dual_free_all(run->tableau);
         return true;
     }
-    // All other calls compute the tableau anew, with a larger shift of the diagonal of the Hessian.
+    // Otherwise this function computes the tableau (matrix of the optimiser) anew, with a larger
+    // number added to the diagonal of the Hessian (shift).
     if (run->optimiser->rebuilds >= REBUILDS || remaining_work(run) < PZS_PRODUCT_WORK(run->count))
         return false;
     run->optimiser->rebuilds++;

@@ -620,7 +620,8 @@ pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_r
         vector[i] = 1 / (pzs_real)rows;
         sign[i] = 0;
     }
-    // Further lower bound, from the vector of alternating signs, solved together with the first x.
+    // One more lower bound of the norm of the inverse matrix comes from a vector whose entries have
+    // alternating signs. It is solved for together with the first vector x.
     fill_alternating(alternating, rows);
     const pzs_real size = norm1(alternating, rows);
     pzs_linalg_solve_many(matrix, work, 2, rows);
