@@ -135,20 +135,20 @@ static void remove_limits(const limits *limits)
         }
 }
 
-/* Check that every amplifier has an allowed voltage. Returns 0, or -1 with error filled. */
+/*
+ * Check that every amplifier has an allowed voltage. Returns 0, or -1 with error filled.
+ *   which  in  names of the limits that do not overlap where there is none
+ */
 static int check_limits(const limits *bounds, const char *which, char *error)
 {
     for (int k = 0; k < bounds->scene->amplifiers; k++)
         if (bounds->lower[k] > bounds->upper[k]) {
             char name[SCENE_LABEL];
             scene_amplifier_name(bounds->scene, k, name);
-            return scene_fault(
-                bounds->scene->limits.at, error,
-                "%s has no voltage left between %g and %g: %sits own limits and %s do not overlap; "
-                "widen one of them",
-                name, bounds->lower[k], bounds->upper[k], which,
-                bounds->scene->influence.tied > 0 ? "those of the actuators tied to it"
-                                                  : "the material's field_limit");
+            return scene_fault(bounds->scene->limits.at, error,
+                               "%s has no voltage left between %g and %g: %s do not overlap; "
+                               "widen one of them",
+                               name, bounds->lower[k], bounds->upper[k], which);
         }
     return 0;
 }
@@ -176,9 +176,15 @@ static int build_limits(const design *design, char *error)
 {
     const limits limits = {design->scene, design->lower, design->upper};
     set_all(&limits, design->scene->limits.lower, design->scene->limits.upper);
+    if (check_limits(&limits,
+                     limits.scene->influence.tied > 0
+                         ? "its own limits and those of the actuators tied to it"
+                         : "its items of limits.each",
+                     error) < 0)
+        return -1;
     narrow_by_fields(&limits);
     build_step_limits(design);
-    return check_limits(&limits, "", error);
+    return check_limits(&limits, "its own limits and the material's field_limit", error);
 }
 
 int design_limits(const design *design, common_limits common, double *lower, double *upper,
@@ -195,7 +201,8 @@ int design_limits(const design *design, common_limits common, double *lower, dou
     set_all(&bounds, -HUGE_VAL, HUGE_VAL);
     narrow_by_fields(&bounds);
     narrow_by_common(&bounds, common.lower, common.upper);
-    return check_limits(&bounds, "the limits asked for, ", error);
+    return check_limits(
+        &bounds, "the limits asked for, its own limits and the material's field_limit", error);
 }
 
 bool design_is_held(const design *design, int amplifier)

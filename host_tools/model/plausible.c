@@ -47,6 +47,8 @@ static const struct rule {
     {"strain", SUBJECT_RESULT, measure_strain, 0, 0.01, "",
      "linear constants of materials hold for small strains; check loads, voltages and units"},
     {"limit_field", SUBJECT_SCENE, measure_limit_field, 0, 1e6, "V/m", CHECK_FIELD},
+    {"held_voltage", SUBJECT_SCENE, measure_held_voltage, -HUGE_VAL, 0, "",
+     "limits.voltage does not move a held voltage; hold another one, or widen limits.voltage"},
     {"applied_field", SUBJECT_SCENE, measure_applied_field, 0, 1e6, "V/m", CHECK_FIELD},
     {"depolarising_voltage", SUBJECT_SCENE, measure_depolarisation, -HUGE_VAL, 1 + 1e-9,
      "times the field_limit", "the ceramic depolarises there; lower the voltage"},

@@ -106,6 +106,7 @@ measure measure_repeated_stack;
  */
 measure measure_surface_misfit, measure_damping, measure_missing_limits;
 measure measure_limit_field, measure_applied_field, measure_resolution, measure_electrode;
+measure measure_held_voltage;
 
 /*
  * Functions that find numbers of a mesh, its laminate and its springs, such as thickness over

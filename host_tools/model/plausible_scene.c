@@ -100,6 +100,24 @@ int measure_applied_field(const subject *of, int k, measured *found)
     return 1;
 }
 
+/* Measure how far the voltage at which an amplifier is held lies beyond limits.voltage (V). */
+int measure_held_voltage(const subject *of, int k, measured *found)
+{
+    const scene_limits *limits = &of->scene->limits;
+    char name[SCENE_LABEL];
+    if (k >= limits->each_count)
+        return 0;
+    const scene_limit *each = &limits->each[k];
+    if (!each->has_voltage || each->lower != each->upper || !isfinite(limits->lower))
+        return 1;
+    scene_amplifier_name(of->scene, each->first, name);
+    found->value = fmax(each->lower - limits->upper, limits->lower - each->upper);
+    found->at = each->at;
+    snprintf(found->what, WHAT, "voltage %g at which '%s' is held, beyond limits.voltage %g to %g",
+             each->lower, name, limits->lower, limits->upper);
+    return 1;
+}
+
 /* ---- electrodes ------------------------------------------------------- */
 
 /*

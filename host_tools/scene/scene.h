@@ -1170,9 +1170,9 @@ int scene_find_tied(const scene_influence *influence, const char *name);
 void scene_tied_sum(const scene_influence *influence, double *value);
 
 /*
- * Find the voltage limits of an amplifier, which may have limits of its own (limits.each). Of
- * several entries for it the last one applies; of several actuators that it drives together, the
- * narrowest limits.
+ * Find the voltage limits of an amplifier, which may have limits of its own (limits.each): the
+ * narrowest of several entries for it and of several actuators that it drives together. Where these
+ * do not overlap, the lower limit is above the upper one.
  *   lower, upper in/out  in: limits that hold for an amplifier without limits of its own (V); out:
  *                        limits of this amplifier (V)
  */

@@ -485,7 +485,7 @@ static const field limits_fields[] = {
     {"each", read_each, .of = OF_LIMIT, .form = &each_form,
      .help = "Limits of individual amplifiers: voltage in place of the common one (pzs shape "
              "--limit narrows it and does not move a held voltage), step_limit or rate_limit where "
-             "it is narrower."},
+             "it is narrower; of several items for one amplifier the narrowest apply."},
     {"difference", read_difference, .of = OF_LIMIT, .form = &difference_form,
      .help = "Largest difference of the voltages of neighbours."},
     {"sum", read_sum, .of = OF_LIMIT, .form = &sum_form,

@@ -174,21 +174,23 @@ void scene_tied_sum(const scene_influence *influence, double *value)
 }
 
 /*
- * Replace the voltage limits of an amplifier by those of the last entry of limits.each that holds
- * for it. An entry may hold for only one of the actuators that the amplifier drives together; it
- * then counts only if this is the actuator `tied` (index in the file of the influence matrix; -1:
- * no actuator). Without such an entry the limits remain unchanged.
+ * Replace the voltage limits of an amplifier by the narrowest of the entries of limits.each that
+ * hold for it. An entry may hold for only one of the actuators that the amplifier drives together;
+ * it then counts only if this is the actuator `tied` (index in the file of the influence matrix;
+ * -1: no actuator). Without such an entry the limits remain unchanged.
  */
-static void take_last_entry(const scene_limits *limits, int amplifier, int tied, double *lower,
-                            double *upper)
+static void take_entries(const scene_limits *limits, int amplifier, int tied, double *lower,
+                         double *upper)
 {
+    bool has_entry = false;
     for (int i = 0; i < limits->each_count; i++) {
         const scene_limit *each = &limits->each[i];
         const bool is_meant = amplifier >= each->first && amplifier < each->first + each->count;
         if (!is_meant || !each->has_voltage || (each->is_tied && each->tied != tied))
             continue;
-        *lower = each->lower;
-        *upper = each->upper;
+        *lower = has_entry ? fmax(*lower, each->lower) : each->lower;
+        *upper = has_entry ? fmin(*upper, each->upper) : each->upper;
+        has_entry = true;
     }
 }
 
@@ -197,7 +199,7 @@ void scene_own_limits(const scene *scene, int amplifier, double *lower, double *
     const scene_influence *influence = &scene->influence;
     const double common_lower = *lower, common_upper = *upper;
     if (influence->tied == 0) {
-        take_last_entry(&scene->limits, amplifier, -1, lower, upper);
+        take_entries(&scene->limits, amplifier, -1, lower, upper);
         return;
     }
     *lower = -HUGE_VAL;
@@ -206,7 +208,7 @@ void scene_own_limits(const scene *scene, int amplifier, double *lower, double *
         double low = common_lower, high = common_upper;
         if (influence->amplifier_of[k] != amplifier)
             continue;
-        take_last_entry(&scene->limits, amplifier, k, &low, &high);
+        take_entries(&scene->limits, amplifier, k, &low, &high);
         *lower = fmax(*lower, low);
         *upper = fmin(*upper, high);
     }

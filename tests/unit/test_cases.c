@@ -667,6 +667,27 @@ static void test_narrowest_limit(void **state)
     limits_are(hold, narrow, 1, 40, 40);
     limits_are(hold, none, 1, 40, 40);
     limits_are(hold, narrow, 0, -20, 10);
+    limits_are(
+        "limits.each=[{actuator: v, voltage: [0, 30]}, {actuator: v_1_2, voltage: [-5, 90]}]",
+        scene, 1, 0, 30);
+    limits_are(
+        "limits.each=[{actuator: v_1_2, voltage: [-5, 90]}, {actuator: v, voltage: [0, 30]}]",
+        scene, 1, 0, 30);
+    limits_are("limits.each=[{actuator: v_1_2, hold: 40}, {actuator: v, voltage: [0, 90]}]", scene,
+               1, 40, 40);
+}
+
+/* Law: items of limits.each for one amplifier that do not overlap are refused with its name. */
+static void test_limits_of_one_apart(void **state)
+{
+    (void)state;
+    scene_run r;
+    solve_run(&r, "plate-50-patches",
+              "limits.each=[{actuator: v_1_2, hold: 40}, {actuator: v, voltage: [0, 30]}]");
+    assert_int_equal(analysis_influence(&r.analysis, r.error), -1);
+    assert_non_null(strstr(r.error, "v_1_2 has no voltage left between 40 and 30: "
+                                    "its items of limits.each do not overlap"));
+    scene_run_close(&r);
 }
 
 /*
@@ -872,6 +893,7 @@ int main(void)
         cmocka_unit_test(test_plate_volts),
         cmocka_unit_test(test_depolarisation),
         cmocka_unit_test(test_narrowest_limit),
+        cmocka_unit_test(test_limits_of_one_apart),
         cmocka_unit_test(test_held_electrode),
         cmocka_unit_test(test_no_voltage_left),
         cmocka_unit_test(test_regularised_equations),

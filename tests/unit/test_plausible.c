@@ -107,6 +107,9 @@ static const edge_case edges[] = {
      ACTUATED "limits={voltage: [-9, 9], each: [{actuator: v, voltage: [0, 247.5]}]}", 1.01e6},
     {"limit_field", METRES, ACTUATED FILM("504.9") "limits={voltage: [-252.5, 1]}",
      ACTUATED FILM("505.1") "limits={voltage: [-252.5, 1]}", 1.01e6},
+    {"held_voltage", METRES,
+     ACTUATED "limits={voltage: [-9, 9], each: [{actuator: v, hold: -9.5}]}",
+     ACTUATED "limits={voltage: [-9, 9], each: [{actuator: v, hold: -9}]}", 0.5},
     {"limit_field", METRES, ACTUATED "limits={voltage: [-900, 900]}",
      ACTUATED "limits={voltage: [-900, 900], each: [{actuator: v, hold: 0}]}", 3.6e6},
 };
@@ -332,6 +335,7 @@ static void test_unitless(void **state)
             warnings_of(PLATE, with(unknown[k], edges[i].fires), &warnings);
             const int ratios = (find_rule(&warnings, "uneven_piezo") != NULL) +
                                (find_rule(&warnings, "damping") != NULL) +
+                               (find_rule(&warnings, "held_voltage") != NULL) +
                                (find_rule(&warnings, "no_voltage_limits") != NULL);
             if (warnings.count > ratios)
                 fail_msg("without SI units: %s", warnings.warning[0].text);
