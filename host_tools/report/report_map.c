@@ -86,68 +86,126 @@ typedef struct electrode {
                    outline, of the whole mesh */
     const scene_patches *patches;
     int index; /* index of the electrode in its grid of patches or in its list of outlines */
-    double low[2], high[2], area; /* bounding box (low, high) and area of the drawn electrode, in
-                                     pixels; known after drawing */
+    double low[2], high[2], area; /* bounding box (low, high) and area of the electrode in pixels */
+    bool is_hollow; /* whether the middle of the bounding box lies outside the patch, as of a ring
+                     */
 } electrode;
 
 /*
- * Draw the part of an electrode that lies in one element, as an area or as a line.
- *   natural [count][2]  in  corners of the part in natural coordinates of the element, -1 to 1
+ * Function that does something with the part of an electrode that lies in one element.
+ *   natural [count][2]  in  corners of the part in natural coordinates of the element, -1 to 1; two
+ *                           are a line
  */
+typedef void piece_function(void *context, int element, const double (*natural)[2], size_t count);
+
+/* Compute the pixel coordinates of a corner of the part of an electrode in one element. */
+static void corner_at(const electrode *electrode, int element, const double natural[2],
+                      double at[2])
+{
+    const double share[2] = {(natural[0] + 1) / 2, (natural[1] + 1) / 2};
+    shell_inside(&electrode->part, element, share, at);
+}
+
+/* Draw the part of an electrode that lies in one element, as an area or as a line. */
 static void draw_piece(void *context, int element, const double (*natural)[2], size_t count)
+{
+    const electrode *electrode = context;
+    bool is_drawing = false;
+    for (size_t k = 0; k < count; k++) {
+        double at[2];
+        corner_at(electrode, element, natural[k], at);
+        draw_step(electrode->part.file, &is_drawing, at);
+    }
+    fputs(count > 2 ? "z" : "", electrode->part.file);
+}
+
+/* Add the part of an electrode that lies in one element to its bounding box and area. */
+static void measure_piece(void *context, int element, const double (*natural)[2], size_t count)
 {
     electrode *electrode = context;
     double before[2] = {0, 0}, at[2], twice = 0;
-    bool is_drawing = false;
     for (size_t k = 0; k <= count; k++) {
-        const double *point = natural[k % count];
-        const double share[2] = {(point[0] + 1) / 2, (point[1] + 1) / 2};
-        shell_inside(&electrode->part, element, share, at);
+        corner_at(electrode, element, natural[k % count], at);
         twice += k > 0 ? before[0] * at[1] - before[1] * at[0] : 0;
         for (int i = 0; i < 2; i++) {
             electrode->low[i] = fmin(electrode->low[i], at[i]);
             electrode->high[i] = fmax(electrode->high[i], at[i]);
             before[i] = at[i];
         }
-        if (k < count)
-            draw_step(electrode->part.file, &is_drawing, at);
     }
-    fputs(count > 2 ? "z" : "", electrode->part.file);
     electrode->area += fabs(twice) / 2;
 }
 
-/* Prepare the drawing of an electrode: find its elements if it is a patch of whole elements. */
+/* Call a function for all parts of an electrode, or of its border (is_border). */
+static void each_piece(electrode *electrode, bool is_border, piece_function *function)
+{
+    static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    const shell *part = &electrode->part;
+    for (int k = 0; k < part->cells; k++)
+        if (electrode->patches->outlines)
+            design_pieces(part->design, electrode->patches, electrode->index, k, is_border,
+                          function, electrode);
+        else
+            function(electrode, k, square, 4);
+}
+
+/*
+ * Return the distance of a point of the picture from the outer sides of a mesh, which
+ * shell_outer_sides has found; negative for a point outside.
+ */
+static double clearance(const shell *part, int sides, const double at[2])
+{
+    double least = HUGE_VAL;
+    bool is_inside = false;
+    for (int k = 0; k < sides; k++) {
+        double end[2][2];
+        shell_outer_side(part, k, end);
+        const double along[2] = {end[1][0] - end[0][0], end[1][1] - end[0][1]};
+        const double from[2] = {at[0] - end[0][0], at[1] - end[0][1]};
+        const double square = along[0] * along[0] + along[1] * along[1];
+        const double share =
+            fmin(fmax((from[0] * along[0] + from[1] * along[1]) / square, 0), square > 0);
+        least = fmin(least, hypot(from[0] - share * along[0], from[1] - share * along[1]));
+        if ((end[0][1] > at[1]) != (end[1][1] > at[1]) && from[0] < from[1] * along[0] / along[1])
+            is_inside = !is_inside;
+    }
+    return is_inside ? least : -least;
+}
+
+/* Prepare the drawing of an electrode: find its elements, bounding box and area. */
 static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
 {
-    electrode electrode = {*map, patches, index, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, 0};
+    electrode electrode = {*map, patches, index, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL},
+                           0,    false};
     design_part found;
-    if (patches->outlines)
-        return electrode;
-    electrode.part.cell = map->cell + map->cells;
-    electrode.part.cells = 0;
-    for (int e = 0; e < map->cells; e++)
-        if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index)
-            memcpy(electrode.part.cell[electrode.part.cells++], map->cell[e], sizeof *map->cell);
+    if (!patches->outlines) {
+        electrode.part.cell = map->cell + map->cells;
+        electrode.part.cells = 0;
+        for (int e = 0; e < map->cells; e++)
+            if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index)
+                memcpy(electrode.part.cell[electrode.part.cells++], map->cell[e],
+                       sizeof *map->cell);
+    }
+    each_piece(&electrode, false, measure_piece);
+    if (!patches->outlines) {
+        const double middle[2] = {(electrode.low[0] + electrode.high[0]) / 2,
+                                  (electrode.low[1] + electrode.high[1]) / 2};
+        const int sides = shell_outer_sides(&electrode.part);
+        electrode.is_hollow = sides > 0 && clearance(&electrode.part, sides, middle) < 0;
+    }
     return electrode;
 }
 
 /* Draw the border (is_border) or the area of an electrode on a map, with an SVG style class. */
 static void draw_pieces(electrode *electrode, bool is_border, const char *style)
 {
-    static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    const shell *part = &electrode->part;
     if (is_border && !electrode->patches->outlines) {
-        shell_edges(part, style);
+        shell_edges(&electrode->part, style);
         return;
     }
-    draw_path(part->file, style);
-    for (int k = 0; k < part->cells; k++)
-        if (electrode->patches->outlines)
-            design_pieces(part->design, electrode->patches, electrode->index, k, is_border,
-                          draw_piece, electrode);
-        else
-            draw_piece(electrode, k, square, 4);
-    draw_path_end(part->file);
+    draw_path(electrode->part.file, style);
+    each_piece(electrode, is_border, draw_piece);
+    draw_path_end(electrode->part.file);
 }
 
 /* Space for the text of a voltage in the picture: middle, width and height in pixels. */
@@ -155,31 +213,39 @@ typedef struct text_room {
     double middle[2], width, height;
 } text_room;
 
+/* Margin on both sides of the text of a voltage, together, in pixels. */
+enum { MARGIN = 6 };
+
 /*
  * Return the space for text in an electrode: its mean width and height, around the middle of its
- * bounding box. If that middle lies outside the electrode, as for a ring, the space is around the
- * middle of the nearest element.
+ * bounding box. If that middle lies outside a patch, as of a ring, the space is in the circle
+ * around the centre or the first corner of some element that is farthest from the patch's border.
  */
 static text_room room_of(const electrode *electrode)
 {
-    static const double half[2] = {0.5, 0.5};
+    enum { PLACES = 200 };
     const double *low = electrode->low, *high = electrode->high;
     const double width = high[0] - low[0], height = high[1] - low[1];
-    const int cells = electrode->patches->outlines ? 0 : electrode->part.cells;
-    const text_room room = {{low[0] + width / 2, low[1] + height / 2},
-                            electrode->area / height,
-                            electrode->area / width};
-    text_room nearest = room;
-    double least = HUGE_VAL;
-    for (int k = 0; k < cells; k++) {
+    const int cells = electrode->part.cells;
+    double radius = 0;
+    text_room room = {{low[0] + width / 2, low[1] + height / 2},
+                      electrode->area / height,
+                      electrode->area / width};
+    if (!electrode->is_hollow)
+        return room;
+    const int sides = shell_outer_sides(&electrode->part);
+    for (int k = 0; k < 2 * cells; k += 1 + 2 * cells / PLACES) {
+        const double share[2] = {k % 2 / 2.0, k % 2 / 2.0};
         double at[2];
-        shell_inside(&electrode->part, k, half, at);
-        const double distance = hypot(at[0] - room.middle[0], at[1] - room.middle[1]);
-        if (distance < least)
-            memcpy(nearest.middle, at, sizeof at);
-        least = fmin(least, distance);
+        shell_inside(&electrode->part, k / 2, share, at);
+        const double clear = clearance(&electrode->part, sides, at);
+        if (clear <= radius)
+            continue;
+        radius = clear;
+        /* A text of five digits, whose width is three times its font size, fits into the circle. */
+        room = (text_room){{at[0], at[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
     }
-    return cells > 0 && least > sqrt(electrode->area / cells) ? nearest : room;
+    return room;
 }
 
 void shell_extend(draw_scale *scale, const design *design, const double *value)
@@ -199,17 +265,17 @@ bool shell_is_beyond(const design *design, const voltages *result, int amplifier
 typedef struct drawn {
     FILE *file;
     const draw_scale *scale;
-    double value;        /* voltage of the amplifier (V), or temperature of its heaters (K) */
+    const char *name, *unit; /* name of the amplifier, and unit of its value */
+    double value;            /* voltage of the amplifier (V), or temperature of its heaters (K) */
     const char *colour;  /* SVG style class of the colour that shows the value; "none" if the value
                             has another unit than the colour scale */
     const char *outline; /* SVG style class of the outline: "patch" for a voltage within its limits,
                             "limit" at a limit, "beyond" for one beyond its limits */
+    const char *words;   /* remark in the title on a voltage at or beyond a limit, else empty */
     bool is_marked; /* whether the voltage of the amplifier is at or beyond one of its limits */
 } drawn;
 
-/* Begin the SVG group of an amplifier, whose title is the name and voltage of the amplifier. */
-static drawn begin_amplifier(FILE *file, const design *design, const shell_voltage_set *set,
-                             int amplifier)
+static drawn drawn_of(FILE *file, const design *design, const shell_voltage_set *set, int amplifier)
 {
     static const char *const words[] = {"", ", limit active", ", beyond the limits of the scene"};
     static const char *const outline[] = {"patch", "limit", "beyond"};
@@ -217,18 +283,25 @@ static drawn begin_amplifier(FILE *file, const design *design, const shell_volta
     const char *unit = design_unit(design, amplifier);
     const int beyond = shell_is_beyond(design, set->result, amplifier) ? 2 : 0;
     const int mark = set->result->at_limit[amplifier] ? 1 : beyond;
-    put(file, "<g><title>%t: %q%s</title>", design->amplifier_name[amplifier], value, unit,
-        words[mark]);
     const char *colour = unit == set->scale->unit ? draw_colour(set->scale, value) : "none";
-    return (drawn){file, set->scale, value, colour, outline[mark], mark > 0};
+    return (drawn){file,          set->scale,  design->amplifier_name[amplifier],
+                   unit,          value,       colour,
+                   outline[mark], words[mark], mark > 0};
+}
+
+/* Write the title of an amplifier's SVG element: its name and voltage. */
+static void put_title(const drawn *drawn)
+{
+    put(drawn->file, "<title>%t: %q%s</title>", drawn->name, drawn->value, drawn->unit,
+        drawn->words);
 }
 
 /*
- * Write the voltage of an amplifier on the map in the largest font that fits into the electrode,
- * and end the SVG group of the amplifier. A voltage at a limit is written in any case, all other
- * voltages only if the font is large enough to be read.
+ * Write the voltage of an amplifier on the map in the largest font that fits into the electrode. A
+ * voltage at a limit is written in any case, all other voltages only if the font is large enough to
+ * be read.
  */
-static void end_amplifier(const drawn *drawn, const text_room *room)
+static void write_voltage(const drawn *drawn, const text_room *room)
 {
     const double digit = 0.6; /* width of a digit as a fraction of the font size */
     const double smallest = 4.5, readable = 9, largest = 14; /* font sizes of the voltages on a map
@@ -236,44 +309,51 @@ static void end_amplifier(const drawn *drawn, const text_room *room)
     const double most = drawn->scale->most;
     char text[40];
     snprintf(text, sizeof text, "%.*f", (most < 100) + (most < 10), drawn->value);
-    double size = fmin(room->height * 0.5, (room->width - 6) / (digit * (double)strlen(text)));
+    double size = fmin(room->height * 0.5, (room->width - MARGIN) / (digit * (double)strlen(text)));
     const bool is_over = drawn->is_marked && size < smallest;
     const char *tone = is_over ? "tag" : draw_tone(drawn->scale, drawn->value);
     const char *sign = strtod(text, NULL) < 0 ? "−" : "";
     size = is_over ? readable : fmin(size, largest);
-    if (size >= smallest && isfinite(drawn->value))
-        put(drawn->file,
-            "<text class=\"value %s\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%s%s</text>", tone,
-            size, room->middle[0], room->middle[1] + size * 0.36, sign, text + (*text == '-'));
-    fputs("</g>\n", drawn->file);
+    if (size < smallest || !isfinite(drawn->value))
+        return;
+    put(drawn->file, "<text class=\"value %s\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%s%s",
+        tone, size, room->middle[0], room->middle[1] + size * 0.36, sign, text + (*text == '-'));
+    put_title(drawn);
+    fputs("</text>\n", drawn->file);
 }
 
-static void draw_electrode(electrode *electrode, const shell_voltage_set *set, int amplifier)
+static void draw_electrode(electrode *electrode, const drawn *drawn)
 {
-    FILE *file = electrode->part.file;
-    const double rest = (1 - 0.86) / 2;
-    const drawn drawn = begin_amplifier(file, electrode->part.design, set, amplifier);
-    draw_pieces(electrode, false, drawn.colour);
-    const text_room room = room_of(electrode);
+    FILE *file = drawn->file;
+    const double shrink = electrode->is_hollow ? 1 : 0.86, rest = (1 - shrink) / 2;
+    fputs("<g>", file);
+    put_title(drawn);
+    draw_pieces(electrode, false, drawn->colour);
     draw_pieces(electrode, true, electrode->patches->outlines ? "frame" : "patch");
-    if (drawn.is_marked) {
-        put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(.86)\">", drawn.outline,
-            draw_tone(set->scale, drawn.value), rest * (electrode->low[0] + electrode->high[0]),
-            rest * (electrode->low[1] + electrode->high[1]));
+    if (drawn->is_marked) {
+        put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(%n)\">", drawn->outline,
+            draw_tone(drawn->scale, drawn->value), rest * (electrode->low[0] + electrode->high[0]),
+            rest * (electrode->low[1] + electrode->high[1]), shrink);
         draw_pieces(electrode, true, "");
         fputs("</g>", file);
     }
-    end_amplifier(&drawn, &room);
+    fputs("</g>\n", file);
 }
 
+/* Draw the electrodes of an actuator, or write their voltages (is_text). */
 static void draw_actuator(const shell *map, const scene_actuator *actuator,
-                          const shell_voltage_set *set)
+                          const shell_voltage_set *set, bool is_text)
 {
     const int count = actuator->grid[0] * actuator->grid[1];
     for (int k = actuator->drives * count - 1; k >= 0; k--) {
         const scene_drive *drive = &actuator->drive[k / count];
         electrode electrode = open_electrode(map, &map->design->patches[drive->patches], k % count);
-        draw_electrode(&electrode, set, actuator->first + k % count);
+        const drawn drawn = drawn_of(map->file, map->design, set, actuator->first + k % count);
+        const text_room room = room_of(&electrode);
+        if (is_text)
+            write_voltage(&drawn, &room);
+        else
+            draw_electrode(&electrode, &drawn);
     }
 }
 
@@ -304,29 +384,39 @@ static double stack_radius(const shell *map, const scene_actuator *actuator)
     return radius;
 }
 
+/* Draw the stacks of an actuator as discs, or write their voltages (is_text). */
 static void draw_stacks(const shell *map, const scene_actuator *actuator,
-                        const shell_voltage_set *set)
+                        const shell_voltage_set *set, bool is_text)
 {
     const double radius = stack_radius(map, actuator);
     for (int k = 0; k < actuator->grid[0]; k++) {
         text_room room = {.width = 1.8 * radius, .height = 1.8 * radius};
         stack_at(map, actuator, k, room.middle);
-        const drawn drawn = begin_amplifier(map->file, map->design, set, actuator->first + k);
+        const drawn drawn = drawn_of(map->file, map->design, set, actuator->first + k);
+        if (is_text) {
+            write_voltage(&drawn, &room);
+            continue;
+        }
+        fputs("<g>", map->file);
+        put_title(&drawn);
         draw_disc(map->file, drawn.colour, room.middle, radius);
         if (drawn.is_marked)
             draw_disc(map->file, drawn.outline, room.middle, radius - 1);
-        end_amplifier(&drawn, &room);
+        fputs("</g>\n", map->file);
     }
 }
 
+/* Draw all patches and stacks of a map, then their voltages, so that none lies under a patch. */
 static void draw_patches(const shell *map, int which, const shell_voltage_set *set)
 {
-    for (int k = 0; k < map->design->actuators; k++) {
-        const scene_actuator *actuator = &map->design->actuator[k];
-        if (map->plan[k] == which)
-            (actuator->stacks ? draw_stacks : draw_actuator)(map, actuator, set);
+    const int actuators = map->design->actuators;
+    for (int k = 0; k < 2 * actuators; k++) {
+        const scene_actuator *actuator = &map->design->actuator[k % actuators];
+        if (map->plan[k % actuators] == which)
+            (actuator->stacks ? draw_stacks : draw_actuator)(map, actuator, set, k >= actuators);
+        if (k == actuators - 1)
+            shell_edges(map, "frame");
     }
-    shell_edges(map, "frame");
     write_ranges(map);
 }
 
@@ -336,9 +426,11 @@ static void draw_bars(const shell *map, double height, const shell_voltage_set *
     const double half = (SHELL_MAP_WIDTH - NAMES) / 2.0, middle = NAMES + half;
     FILE *file = map->file;
     for (int k = 0; k < map->design->amplifiers; k++) {
-        const drawn drawn = begin_amplifier(file, map->design, set, k);
+        const drawn drawn = drawn_of(file, map->design, set, k);
         const double share = set->scale->most > 0 ? drawn.value / set->scale->most : 0;
         const char *const style[2] = {drawn.colour, drawn.outline};
+        fputs("<g>", file);
+        put_title(&drawn);
         for (int i = 0; i < 2; i++)
             put(file, "<path class=\"%s\" d=\"M%f %fh%fv%fH%fz\"/>", style[i], middle,
                 height * k + 1, half * share, height - 2, middle);

@@ -171,9 +171,10 @@ void shell_lines(const shell *shell, const char *style)
         draw_cells(shell, 0, shell->cells, style);
 }
 
-void shell_edges(const shell *shell, const char *style)
+int shell_outer_sides(const shell *shell)
 {
     const int sides = 4 * shell->cells;
+    int outer = 0;
     quad_side *side = shell->work;
     for (int k = 0; k < sides; k++) {
         const int *corner = shell->cell[k / 4];
@@ -181,14 +182,29 @@ void shell_edges(const shell *shell, const char *style)
             quad_side_between((uint32_t)corner[k % 4], (uint32_t)corner[(k + 1) % 4], (uint32_t)k);
     }
     qsort(side, (size_t)sides, sizeof *side, quad_side_compare);
+    for (int k = 0, end; k < sides; k = end) {
+        for (end = k + 1; end < sides && quad_side_is_same(&side[k], &side[end]);)
+            end++;
+        if (end == k + 1)
+            side[outer++] = side[k];
+    }
+    return outer;
+}
+
+void shell_outer_side(const shell *shell, int index, double ends[2][2])
+{
+    const quad_side *side = shell->work;
+    shell_at(shell, (int)side[index].low, ends[0]);
+    shell_at(shell, (int)side[index].high, ends[1]);
+}
+
+void shell_edges(const shell *shell, const char *style)
+{
+    const int sides = shell_outer_sides(shell);
     draw_path(shell->file, style);
     for (int k = 0; k < sides; k++) {
         double ends[2][2];
-        if ((k > 0 && quad_side_is_same(&side[k], &side[k - 1])) ||
-            (k + 1 < sides && quad_side_is_same(&side[k], &side[k + 1])))
-            continue;
-        shell_at(shell, (int)side[k].low, ends[0]);
-        shell_at(shell, (int)side[k].high, ends[1]);
+        shell_outer_side(shell, k, ends);
         draw_polygon(shell->file, (const double(*)[2])ends, 2);
     }
     draw_path_end(shell->file);

@@ -114,6 +114,14 @@ void shell_lines(const shell *shell, const char *style);
 void shell_edges(const shell *shell, const char *style);
 
 /*
+ * shell_outer_sides finds the sides of single cells and returns their number; shell_outer_side
+ * computes the pixel coordinates of the ends of one of them, until the next call of another
+ * function that uses the work memory.
+ */
+int shell_outer_sides(const shell *shell);
+void shell_outer_side(const shell *shell, int index, double ends[2][2]);
+
+/*
  * shell_node draws a disc with a radius in pixels at a displaced node, shell_loads the point loads
  * as arrows, shell_outputs the places and names of the outputs at single nodes, and
  * shell_directions the directions of x, y and z in a corner of the picture.

@@ -509,8 +509,12 @@ law s.html uniform && law s.html contrast; check 'colours are perceptually unifo
 law s.html text 'Regularised, then clipped' 'piezoshape 0' '4.14×10⁹' '1 mm' '250 µm' '43.47 µm' '0.1*x*(y-0.1)' 'pzs shape plate-50-patches'; check 'report: readable lengths, RMS, target, materials, command' $?
 rings=tests/rigs/scenes/electrode-rings.yaml
 run 0 shape $rings --report "$dir/s.html" --svg "$dir/s.svg" && law s.html xml && law s.svg xml && law s.html ring ring && law s.html ring 'w<&>' &&
-    law s.svg ring ring
+    law s.svg ring ring && law s.html over && law s.svg over
 check 'report: an electrode that closes on itself is drawn' $?
+"$PZS" new mirror >"$dir/wide-rings.yaml"
+run 0 shape "$dir/wide-rings.yaml" --set patches.p.grid=[4,1] --limit 8 --report "$dir/wide.html" && law wide.html over && law wide.html value v_4_1 &&
+    law wide.html ring v_1_1 && law wide.html ring v_2_1 && law wide.html ring v_3_1 && law wide.html ring v_4_1
+check 'report: the voltages of rings are written inside them, over all patches' $?
 law s.html value ring && law s.html text '3.372 nm' '9.434 nm' 'rings <of> tests & co' "full of < > & \" '" 'm < & s' 'l<1>' 'w<&>'; check 'report: a value at its limit is written; markup in names is text' $?
 run 0 shape heated-patches --report "$dir/s.html" --svg "$dir/s.svg" && grep -q '^  temperatures  *limits (K)' "$dir/out" &&
     law s.html xml && law s.svg xml && law s.html text 'Temperatures by amplifier' 'Largest temperature' '7.246 K' '± 50 K' && ! law s.html text '7.246 V' && ! law s.html text '50 V' && law s.svg text 'Temperatures of the amplifiers' 'heat_3_1: 7.246 K'

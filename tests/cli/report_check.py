@@ -4,7 +4,8 @@
 
   xml            every SVG of the file is well-formed XML with a title and a description, and holds no NaN or infinity
   text WORD...   the page's text holds each word, after its markup is read
-  ring NAME      the elements of the patch of the amplifier NAME cover the area between two circles
+  ring NAME      the elements of the patch of the amplifier NAME cover the area between two circles, its voltage is inside
+  over           voltages in a picture are written over the patches, never under them
   value NAME     the patch of the amplifier NAME has its value written, and the mark of an active limit
   uniform        neighbouring colours of each scale are equally far apart in the OKLab space, within a factor of 1.6
   contrast       the text colours stand out from their backgrounds by 4.5 at least, in light and in dark
@@ -72,6 +73,18 @@ def patches(page, name):
     return found
 
 
+def written(page, name):
+    """The texts in which an amplifier's voltage is written: (text, class, middle x and y, half width, half height)."""
+    found = []
+    for text in svgs(page):
+        for e in tree.fromstring(text).iter():
+            if e.tag.endswith('text') and len(e) and e[0].text.startswith(name + ':'):
+                size = float(e.get('style').split(':')[1].rstrip('px'))
+                middle = float(e.get('x')), float(e.get('y')) - .36 * size
+                found.append((e.text, e.get('class'), *middle, .3 * size * len(e.text), .36 * size))
+    return found
+
+
 def area(side):
     points = [tuple(map(float, p.split())) for p in re.split('[ML]', side.strip('z')) if p]
     return sum(p[0] * q[1] - q[0] * p[1] for p, q in zip(points, points[1:] + points[:1])) / 2
@@ -90,6 +103,23 @@ def law_ring(page, name):
     ring = (squares[0] - squares[1]) * len(outer) / 2 * math.sin(2 * math.pi / len(outer))
     rounding = .05 * 2 / (max(radii) - min(radii)) / len(outer) ** .5  # of coordinates with one decimal, in the mean
     assert min(radii) > 1 and abs(covered / ring - 1) < rounding, (covered, ring, rounding)
+    for text, style, x, y, across, up in written(page, name):
+        if 'tag' in style:  # a voltage at a limit is written where it has no room, too
+            continue
+        corners = [math.dist((x + i * across, y + j * up), middle) for i in (-1, 1) for j in (-1, 1)]
+        assert min(radii) < min(corners) and max(corners) < max(radii), f'{text} is not inside its ring: {corners}, {radii}'
+
+
+def law_over(page):
+    """No voltage lies under a patch: in each picture of voltages the texts follow the last patch."""
+    texts = 0
+    for picture in svgs(page):
+        elements = list(tree.fromstring(picture).iter())
+        value = [i for i, e in enumerate(elements) if e.tag.endswith('text') and len(e) and e[0].tag.endswith('title')]
+        patch = [i for i, e in enumerate(elements) if len(e) and e.tag.removeprefix(SVG) == 'g' and e[0].tag.endswith('title')]
+        assert not value or max(patch) < min(value), 'a voltage may lie under a patch'
+        texts += len(value)
+    assert texts > 0, 'no voltage is written'
 
 
 def law_value(page, name):
@@ -97,10 +127,10 @@ def law_value(page, name):
     assert limited, 'no patch says that its limit is active'
     group = limited[0]
     said = group[0].text
-    shown = [e.text for e in group.iter() if e.tag.endswith('text')]
+    shown = [text[0] for text in written(page, name)]
     assert any(e.get('class', '').startswith('limit') for e in group.iter()), 'no mark of the limit'
     value = said.split(':')[1].split('\xa0')[0].strip()
-    assert shown and abs(float(shown[0].replace('−', '-')) - float(value.replace('−', '-'))) <= 0.5, (shown, value)
+    assert any(abs(float(text.replace('−', '-')) - float(value.replace('−', '-'))) <= 0.5 for text in shown), (shown, value)
 
 
 def linear(channel):
@@ -152,7 +182,7 @@ def law_contrast(page):
 def main():
     path, law, *arguments = sys.argv[1:]
     page = open(path, encoding='utf-8').read()
-    {'xml': law_xml, 'text': law_text, 'ring': law_ring, 'value': law_value, 'uniform': law_uniform,
+    {'xml': law_xml, 'text': law_text, 'ring': law_ring, 'over': law_over, 'value': law_value, 'uniform': law_uniform,
      'contrast': law_contrast}[law](page, *arguments)
 
 
