@@ -449,8 +449,8 @@ pzs_status pzs_contact_face_seal(pzs_contact_face *tables, const pzs_structure *
 typedef struct pzs_contact_settings {
     /*
      * penalty stiffness of the contact in the first iteration of a load step, divided by the
-     * stiffness of the structure, above 0 (dimensionless); default 10. It doubles in each
-     * iteration, up to 100. The converged result does not depend on it
+     * stiffness of the structure, above 0 (dimensionless); default 10. It doubles in each iteration
+     * until it is at least 100. The converged result does not depend on it
      */
     pzs_real stiffness;
 } pzs_contact_settings;

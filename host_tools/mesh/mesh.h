@@ -28,8 +28,8 @@ typedef struct mesh_springs {
                         the last element is the number of all entries */
     uint16_t *dof;   /* [entries of all springs] index of a free dof on which the elongation of the
                         spring depends */
-    double *value;   /* [entries of all springs] elongation of the spring per unit of this dof
-                        (dimensionless) */
+    double *value;   /* [entries of all springs] for each entry of a spring's row: elongation of the
+                        spring per unit of the entry's dof (dimensionless) */
     double *stiffness;       /* [count] stiffness of each spring or stack (N/m) */
     double envelope_without; /* number of entries that the factor L of the stiffness matrix (L D
                                 L^T) would have without springs */

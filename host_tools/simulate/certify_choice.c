@@ -31,9 +31,9 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
- * Largest acceptable ratio of the settling time after fast target jumps to that of the first
- * settings that passed all tests. Up to this ratio, settings that tolerate a larger deviation of
- * the readings' delay are preferred to these.
+ * Largest acceptable ratio of two settling times after fast target jumps: with settings that
+ * tolerate a larger deviation of the readings' delay, to that with the first settings that passed
+ * all tests.
  */
 static const double slowest = 1.25;
 
@@ -197,8 +197,8 @@ static bool is_better(const certificate_loop *loop, const certificate_loop *best
     if (!loop->is_stable)
         return loop->failed + loop->target.failed < best->failed + best->target.failed;
     /*
-     * Among loops that pass, the one that tolerates the larger deviation of the readings' delay is
-     * better, unless it settles much later.
+     * Of two loops that pass the stability tests, the one that tolerates the larger deviation of
+     * the readings' delay is better, unless it settles much later.
      */
     return tolerance_of(loop) > tolerance_of(best) && loop->ticks <= slowest * fastest;
 }

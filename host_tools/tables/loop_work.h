@@ -2,7 +2,7 @@
 /*
  * Upper bounds of the processor instructions in a control tick, for each of its blocks (stages):
  * operations by the sizes of the tables, times the instructions of gcc for one. The script
- * tests/bench/count_bound.sh compares them with QEMU. Not covered are ticks that repair damaged
+ * tests/target/bound.sh compares them with QEMU. Not covered are ticks that repair damaged
  * memory, or that follow more than LOOP_WORK_MISSED missed ticks.
  */
 #ifndef LOOP_WORK_H

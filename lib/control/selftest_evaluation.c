@@ -264,7 +264,7 @@ static void find_noise_responses(pzs_selftest_state *state)
     const pzs_real factor = PZS_SELFTEST_NOISE_ENERGY / (pzs_real)tables->pulse_ticks;
     for (uint32_t i = 0; i < tables->sensors; i++) {
         const pzs_real measured = factor * state->noise[i];
-        // Readings without any noise still have rounding errors.
+        // Readings without any noise still have rounding errors, which are counted as noise here.
         const pzs_real least = factor * square(LEAST_NOISE * tables->noise[i]);
         const pzs_real noise = measured > least ? measured : least;
         state->null[i] = noise > state->null[i] ? noise : state->null[i];

@@ -27,7 +27,8 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
     // Turn mode 00 from the mean over the four corners into the strain at the centre.
     *e11 -= excess;
     *e22 -= excess / (ratio * ratio);
-    // Subtract from the linear modes 01 and 10 what a constant strain causes in them.
+    // Subtract from the strains of the linear modes 01 and 10 the parts that a strain constant over
+    // the element would cause in them.
     *along1 -= 2 * a1 * *e11 + a2 * ratio * e12;
     *along2 -= 2 * a2 * *e22 + a1 / ratio * e12;
 }

@@ -28,7 +28,10 @@
  * the body (m) times the stiffness of the shell at the node, per area (N/m3).
  */
 #define PRESSURE_SCALE ((pzs_real)1e-5)
-/* Largest penalty stiffness of a contact, relative to the stiffness of the shell at the node. */
+/*
+ * Penalty stiffness of a contact, relative to the stiffness of the shell at the node, from which on
+ * it is no longer doubled.
+ */
 #define LARGEST_STIFFNESS ((pzs_real)100)
 /*
  * While Newton's method iterates in a load step, the set of nodes in contact stays that of the last
