@@ -1067,9 +1067,9 @@ static double present_thickness(const laminate *laminate, const laminate_place *
 }
 
 /*
- * Return the thickness strain that a field (voltage, electric field along the surface or
- * temperature) would cause, as a mean over all plies that are present, if every ply thickened
- * freely; the strain is measured along the director of the element.
+ * Return the thickness strain, with the opposite sign, that a field (voltage, electric field along
+ * the surface or temperature) would cause if every ply thickened freely: mean over all plies that
+ * are present, measured along the director of the element.
  */
 static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)

@@ -53,8 +53,8 @@ void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double place[3])
 /* ---- mesh lines --------------------------------------------------------- */
 
 /*
- * Return the number of the interval between mesh lines that contains a coordinate; *xi becomes the
- * natural coordinate (-1 to 1) within this interval.
+ * Return the number of the interval between mesh lines that contains a coordinate, or -1 if it lies
+ * outside all intervals; *xi becomes the natural coordinate (-1 to 1) within the interval.
  */
 static int interval(const scene_line *line, double theta, double *xi)
 {

@@ -69,8 +69,8 @@ static void gradient_strain(const stress_field *field, const stencil *stencil, b
 }
 
 /*
- * Compute the forces and moments per length of in-plane stresses, which are proportional to the
- * strains at the sample heights (resultant [6] out: 11 22 12 of the forces, then of the moments).
+ * Compute the forces and moments per length of the in-plane stresses that given strains at the
+ * sample heights cause (resultant [6] out: 11 22 12 of the forces, then of the moments).
  */
 static void resultants_of(const stress_field *field, int element, double (*strain)[3],
                           double resultant[6])

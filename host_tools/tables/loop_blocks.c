@@ -733,8 +733,8 @@ static double tick_bound(const loop_blocks *blocks, const block_counts *of,
 }
 
 /*
- * Return the smallest useful limit of the optimiser's work in one tick, and the default of the
- * library (multiply-adds), as the controller computes them.
+ * Return the smallest useful limit of the optimiser's work in one tick (multiply-adds), as the
+ * controller computes it.
  */
 static uint64_t least_work(const pzs_problem *problem)
 {

@@ -68,8 +68,8 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 
 /*
  * Upper bound of the instructions of the self-test in one tick. The longest ticks are those of the
- * evaluation (PZS_SELFTEST_WORK comparisons of responses with the model, plus the rest of the last
- * one) and those of the pulses (all readings are added to weighted sums).
+ * evaluation (PZS_SELFTEST_WORK entries of measured responses are compared with the model, plus the
+ * rest of the last response) and those of the pulses (all readings are added to weighted sums).
  */
 double loop_work_selftest(const block_counts *of, const loop_processor *on)
 {

@@ -264,8 +264,8 @@ static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
- * Return the largest absolute value of the gradient of the objective over the inputs of the free
- * set, whose voltages the optimiser may change (m2/V).
+ * Return the largest absolute value of half the gradient of the objective over the inputs of the
+ * free set, whose voltages the optimiser may change (m2/V).
  */
 static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
 {

@@ -204,7 +204,8 @@ static bool factor_matrix(pzs_fault_detector *detector)
 
 /*
  * Mark the electrodes that are not observable: those for which the least-squares estimate of
- * electrode voltages does not return 1 V from the shape that 1 V on this electrode alone makes.
+ * electrode voltages returns at most a fixed part (OBSERVABLE) of a volt from the shape that 1 V on
+ * this electrode alone makes.
  */
 static void find_unobservable(pzs_fault_detector *detector)
 {

@@ -67,8 +67,8 @@ bool pzs_satisfy_rows(const pzs_limit_rows *rows, const pzs_real *voltage)
 /* ---- check of the limit rows -------------------------------------------- */
 
 /*
- * Whether the coefficients of limit row k (limit of a sum of voltages) are finite numbers and refer
- * to inputs with finite voltage limits.
+ * Whether the coefficients of limit row k (limit of a sum of voltages) are finite numbers, and
+ * refer to inputs with finite voltage limits, each at most once.
  */
 static bool is_row_usable(const pzs_problem *problem, uint32_t k)
 {
