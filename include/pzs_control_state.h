@@ -899,8 +899,8 @@ typedef struct pzs_selftest_state {
     pzs_real difference[2];
     /*
      * squared sine of the smallest angle found so far between the modelled responses (vectors) of
-     * the amplifier (or sensor) under examination and of another one (dimensionless). At an angle
-     * above the start value the self-test would notice exchanged cables
+     * the amplifier (or sensor) under examination and of another one (dimensionless). The start
+     * value belongs to the smallest angle at which the self-test would notice exchanged cables
      */
     pzs_real least_angle;
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
@@ -1001,7 +1001,8 @@ typedef struct pzs_loop_state {
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
     /*
      * whether a heartbeat waits for pzs_loop_take_heartbeat; one of two words that differ in many
-     * bits, so that a flipped bit makes no heartbeat. After any third word no heartbeat follows.
+     * bits, so that a flipped bit makes no heartbeat. Any other word, which only damaged memory can
+     * cause, ends the heartbeats.
      */
     volatile uint32_t heartbeat;
 } pzs_loop_state;

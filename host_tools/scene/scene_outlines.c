@@ -25,9 +25,9 @@ static int out_of_memory(reader *reader, int node)
 }
 
 /*
- * Refuse a pattern of electrodes whose gap between electrodes leaves none; `size` is the smallest
- * width of any electrode of the pattern. Returns 0, or -1 after writing an error message about the
- * scene file.
+ * Refuse a pattern of electrodes whose gap is so wide that no area of some electrode is left;
+ * `size` is the smallest width of any electrode of the pattern. Returns 0, or -1 after writing an
+ * error message about the scene file.
  */
 static int check_gap(reader *reader, int node, double gap, double size)
 {

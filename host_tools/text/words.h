@@ -27,7 +27,7 @@ enum { WORDS_UNIT = 3 * SCENE_NAME };
 
 /*
  * Write the unit of a quantity, composed of the units of the scene; the text is empty if the scene
- * file does not name one of these units. Returns text.
+ * file does not name one of these units. Returns `text`.
  */
 const char *words_unit(const scene_unit_names *units, words_quantity quantity,
                        char text[WORDS_UNIT]);

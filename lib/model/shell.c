@@ -211,8 +211,8 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 /*
  * Replace the strains of one strain mode (constant, linear or bilinear over the element) of an
  * element by the stress resultants of this mode. `stiffness` is the packed lower triangle of a
- * symmetric matrix with a row for each of the ten strains that the mode takes into account
- * (kept_strain).
+ * symmetric matrix; it has a row for each strain that the mode takes into account (kept_strain),
+ * ten at most.
  */
 static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[10])
 {
