@@ -190,7 +190,8 @@ static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver
 /*
  * Return the penalty stiffness of the contact at a node, per area (N/m3). A linear solve reduces a
  * gap to the fraction s/(s + e) of its size, with the stiffness s of the shell and the penalty
- * stiffness e. Since a small e converges slowly, e doubles with each linear solve of a load step.
+ * stiffness e. Since a small e converges slowly, e doubles with each linear solve of a load step
+ * until it is at least LARGEST_STIFFNESS times s.
  */
 static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                   uint16_t node)

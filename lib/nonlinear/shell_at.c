@@ -66,12 +66,12 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * One step of modes_to_nodes, which turns the stresses of an element in its strain modes into the
- * stresses at its nodes by a fast Walsh-Hadamard transform. A step replaces two rows of
- * stress_row_of that belong to the same strain by a sum and a difference. In the columns of node r,
- *   row `second` becomes  first + s_r second  (part of the stress at the nodes where `mode` is 1)
- *   row `first`  becomes  first - s_r second  (part of the stress at the nodes where `mode` is -1)
- *   mode  index (0 to 3) of a strain mode in mode_sign
+ * One step of the fast Walsh-Hadamard transform by which modes_to_nodes turns the stresses of the
+ * strain modes into the stresses at the nodes. The step replaces two rows of stress_row_of that
+ * belong to the same strain. In the columns of node r,
+ *   row `second` becomes  first + s_r second, a part of the stress at the nodes where s is 1
+ *   row `first` becomes   first - s_r second, a part of the stress at the nodes where s is -1
+ *   mode  index (0 to 3) in mode_sign of a strain mode s
  *   s_r   value (1 or -1) of this strain mode at node r
  */
 typedef struct row_pair {
