@@ -194,9 +194,9 @@ static double constrained_change(const arc_search *arc_search, double arc)
                         arc_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
     /*
-     * The quadratic equation for the change of the load factor has two solutions. The sign of this
-     * product of the increment and its change per unit of the load factor selects the one that
-     * turns the increment less.
+     * The quadratic equation for the change of the load factor has two solutions. The sign of
+     * `along`, the product of the increment with its change per unit of the load factor, tells
+     * which of them turns the increment less.
      */
     const double along = arc_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;

@@ -35,12 +35,14 @@ typedef struct estimate {
     double mixed; /* component of the second trend, the number of the measurement, along the vector
                      of the constant */
     double *before; /* [rows][outputs] shapes that the influence matrix predicts for the voltages of
-                       the preceding measurements, without their components along the trends */
-    double *rest;   /* [rows][outputs] measured shapes that no influence matrix explains, without
-                       their components along the trends */
-    double *part[TRENDS];        /* [outputs] components of the measured shapes along each trend */
-    double *part_before[TRENDS]; /* [outputs] components, along each trend, of the shapes predicted
-                                    for the preceding voltages */
+                       the preceding measurements, without the parts that the trends (constant
+                       offset and linear drift) explain */
+    double *rest; /* [rows][outputs] measured shapes that no influence matrix explains, without the
+                     parts that the trends (constant offset and linear drift) explain */
+    double *part[TRENDS]; /* [outputs] components of the measured shapes along each trend (constant
+                             offset, linear drift) */
+    double *part_before[TRENDS]; /* [outputs] components, along each trend (constant offset, linear
+                                    drift), of the shapes predicted for the preceding voltages */
 } estimate;
 
 /*

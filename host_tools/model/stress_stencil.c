@@ -149,7 +149,10 @@ static bool is_one_sided(const stress_field *field, const stencil *stencil, doub
     return fabs(sum[0]) > 0.5 * absolute[0] || fabs(sum[1]) > 0.5 * absolute[1];
 }
 
-/* Append the neighbours of the neighbours that have equal plies under equal voltages. */
+/*
+ * Append the neighbours of an element's neighbours to its list of neighbours, except those with
+ * other plies or voltages than the element.
+ */
 static void add_second_ring(const stress_field *field, stencil *stencil)
 {
     const int first = stencil->count;

@@ -152,8 +152,8 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
     } else {
         read_row(optimiser, k, row);
     }
-    // The entry of this row in the column of an exchanged input is set to zero first, so that
-    // subtracting the rank-one update of the exchange gives its new value.
+    // In row k, the entry in the column of an exchanged input is set to zero before the rank-one
+    // update of its exchange is subtracted: the subtraction then gives the new value of the entry.
     for (uint32_t later = j; later < optimiser->pending_count; later++)
         row[optimiser->exchange[later].input] = 0;
     for (; j < optimiser->pending_count; j += TOGETHER)
