@@ -92,11 +92,12 @@ typedef struct stress_field {
     int elements, layers;
     stress_element *element; /* [elements] position, axes, strains and stress resultants of each
                                 element at its centre */
-    double *voltage;         /* [elements][layers] voltage of the electrodes across each layer (V),
-                                multiplied by the fraction of the element that the electrode
-                        covers */
+    double *voltage; /* [elements][layers] voltage of the electrodes across each layer (V): mean
+                        over the part of the element in which the layer is present, with 0 V where
+                        no electrode covers it */
     double *heat; /* [elements][layers] temperature change of each layer by heaters on its patches
-                     (K), multiplied by the fraction of the element that a heater covers */
+                     (K): mean over the part of the element in which the layer is present, with 0 K
+                     where no heater covers it */
     stress_sample *sample; /* [elements][layers][STRESS_HEIGHTS] stresses in the shell axes; zero in
                               layers that are absent in the element */
     int *node_start; /* [nodes + 1] index in node_element at which the list of elements of each node
