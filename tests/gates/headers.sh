@@ -85,11 +85,30 @@ tap $? 'every external symbol begins with pzs_'
 
 # The text of the table structs without comments, blanks and names of parameters, which change no byte of a table; its checksum
 # is recorded beside the format number.
-tables='pzs_rows pzs_element_type pzs_structure pzs_electrodes pzs_prescribed_resultants pzs_prescribed_motion pzs_nonlinear
-    pzs_follower pzs_body pzs_contact_face pzs_limit_rows pzs_sparse_influence pzs_problem pzs_estimator pzs_vibration pzs_governor pzs_feed_forward_table pzs_known_loads pzs_amplifier
+tables='pzs_rows pzs_element_type pzs_compact_type pzs_node pzs_structure pzs_electrodes pzs_prescribed_resultants pzs_prescribed_motion pzs_nonlinear
+    pzs_follower pzs_body pzs_contact_face pzs_limit_rows pzs_sparse_influence pzs_problem pzs_estimator pzs_reading_delay pzs_vibration pzs_governor pzs_feed_forward_table pzs_known_loads pzs_amplifier
     pzs_fault_detection pzs_hysteresis pzs_supervision
     pzs_selftest_tables pzs_block'
 cat include/*.h | "$CC" -E -fpreprocessed -P - 2>/dev/null | sed '/^#/d' >"$scratch/bare"
+# Every struct with a format number, and every struct of which such a table has an array, is one of these.
+awk '
+    /^typedef struct pzs_[a-z_]* [{]/ { name = $3; names[++count] = name; text[name] = "" }
+    name != "" { text[name] = text[name] " " $0 }
+    /^}/ { name = "" }
+    END {
+        for (i = 1; i <= count; i++) if (text[names[i]] ~ /uint32_t format/) table[names[i]] = 1
+        for (again = 1; again;) {
+            again = 0
+            for (one in table)
+                for (i = 1; i <= count; i++)
+                    if (!(names[i] in table) && text[one] ~ "[^_a-z]" names[i] " \\**[a-z]") { table[names[i]] = 1; again = 1 }
+        }
+        for (one in table) print one
+    }' "$scratch/bare" | sort >"$scratch/needed"
+# shellcheck disable=SC2086
+echo $tables | tr ' ' '\n' | sort | comm -23 "$scratch/needed" - | sed 's/$/ is a table struct: add it to `tables` here/' >"$scratch/found"
+[ ! -s "$scratch/found" ] && [ -s "$scratch/needed" ]
+tap $? "all $(wc -l <"$scratch/needed") table structs are tied to the format number"
 for table in $tables; do
     grep -q "^typedef struct $table {" "$scratch/bare" || echo "no struct $table in include/"
     awk -v name="$table" '
