@@ -53,7 +53,7 @@ typedef struct pzs_calibration_info {
     /*
      * number of test patterns in a period, in which every pattern occurs once. Over a period the
      * test voltages of any two inputs, each minus its mean, are orthogonal, so that the effects of
-     * all inputs can be told apart
+     * all inputs can be distinguished
      */
     uint32_t period;
     int32_t where;   /* index of the input or output to which the last status of the calibration

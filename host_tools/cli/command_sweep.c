@@ -49,7 +49,7 @@ static int write_section(const identification *found, const char *path)
 
 static void print_result(const identification *found, const pokes *samples, const char *path)
 {
-    printf("%lu samples: position %.6g per volt of effect, for a full swing of the voltage\n",
+    printf("%lu samples: position %.6g per volt of effect, over the full range of the voltage\n",
            (unsigned long)samples->count, found->gain);
     printf(
         "  error of the fit over the range of the position: %.3g%% (root mean square), %.3g%% at "

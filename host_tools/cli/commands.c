@@ -274,8 +274,8 @@ const option_entry option_table[OPTIONS] = {
         {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
          "a line a tick: tick, time (s), error and vibration of the shape over the scene's "
          "target, active (voltages at a limit), iterations of "
-         "the optimiser, status (pzs_status of the tick), lost (1: the controller did "
-         "not run), missed (by the estimate of "
+         "the optimiser, status (pzs_status of the tick), missed_tick (1: the controller "
+         "did not run), measurement_error (of the estimate of "
          "the shape), then the voltages that each amplifier gives"},
     [OPTION_DEVICE] = {"--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
                        "the firmware of a board under QEMU is the controller, and every bit is "

@@ -354,8 +354,9 @@ int export_modes(const options *options, const design *design, const vibration *
 
 int export_simulation(const options *options, const simulation *simulation, const history *history)
 {
-    static const char *const name[HISTORY_COLUMNS] = {"time",   "error",      "vibration", "missed",
-                                                      "active", "iterations", "status",    "lost"};
+    static const char *const name[HISTORY_COLUMNS] = {
+        "time",   "error",      "vibration", "measurement_error",
+        "active", "iterations", "status",    "missed_tick"};
     const design *design = &simulation->nominal->design;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
     char unit[WORDS_UNIT];

@@ -176,7 +176,7 @@ static int take_number(options *options, const char *value)
     char *end;
     const long number = strtol(value, &end, 10);
     if (end == value || *end || number < 1 || number > MOST_MODES)
-        return options_refuse("--number wants a whole number from 1 to 200, not", value);
+        return options_refuse("--number is a whole number from 1 to 200, not", value);
     options->number = (int)number;
     return 0;
 }
@@ -202,7 +202,7 @@ static int take_branch(options *options, const char *value)
     char *end;
     const long number = strtol(value, &end, 10);
     if (end == value || *end || number == 0 || labs(number) > LOAD_PATH_EVENTS)
-        return options_refuse("--branch wants the number of a bifurcation, from 1 to 32 or -1 to "
+        return options_refuse("--branch is the number of a bifurcation, from 1 to 32 or -1 to "
                               "-32, not",
                               value);
     options->branch = (int)number;

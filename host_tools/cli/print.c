@@ -68,8 +68,8 @@ void print_estimate_json(json *json, const estimator *estimator)
     json_number(json, "sensors", estimator->sensors);
     json_number(json, "rank", estimator->rank);
     json_number(json, "condition", estimator->condition);
-    json_number(json, "missed", estimator->remaining / estimator->disturbed);
-    json_number(json, "worst_missed", estimator->worst_remaining / estimator->worst_disturbed);
+    json_number(json, "remaining", estimator->remaining / estimator->disturbed);
+    json_number(json, "worst_remaining", estimator->worst_remaining / estimator->worst_disturbed);
     json_close(json, '}');
 }
 

@@ -18,8 +18,8 @@ static const char *const law_name[LAWS] = {"controller", "clipped", "regularised
 
 static void print_csv_head(FILE *file, const design *design, int estimates)
 {
-    fprintf(file, "tick,time,error,vibration,active,iterations,status,lost%s",
-            estimates ? ",missed" : "");
+    fprintf(file, "tick,time,error,vibration,active,iterations,status,missed_tick%s",
+            estimates ? ",measurement_error" : "");
     for (int k = 0; k < design->amplifiers; k++)
         fprintf(file, ",%s", design->amplifier_name[k]);
     fputc('\n', file);
@@ -169,7 +169,7 @@ static void print_count(const simulation *simulation, simulate_law law)
     const simulate_count *count = &simulation->count[law];
     const long run = simulate_ran(count);
     printf("  %-11s %ld voltages beyond a limit or the step limit, %ld not finite; %ld ticks run, "
-           "%ld lost, %ld held, %ld with a rejected sensor, "
+           "%ld missed, %ld held, %ld with a rejected sensor, "
            "%ld at the work limit\n",
            law_name[law], count->beyond_limits, count->not_finite, run, count->missed_ticks,
            count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
@@ -295,7 +295,7 @@ static void json_course(json *json, const simulation *simulation, const simulate
     json_number(json, "vibration", course->vibration);
     json_number(json, "vibration_worst", course->vibration_worst);
     if (simulation->estimates)
-        json_number(json, "missed", course->measurement_error);
+        json_number(json, "measurement_error", course->measurement_error);
     json_number(json, "settled", course->settled);
     json_number(json, "step_limit_ticks", course->step_limit_ticks);
     json_numbers(json, "voltages", course->voltage, simulation->nominal->design.amplifiers);
@@ -323,13 +323,13 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
     json_number(json, "beyond_rows", (double)count->beyond_rows);
     json_number(json, "not_finite", (double)count->not_finite);
     json_number(json, "ran", (double)simulate_ran(count));
-    json_number(json, "missed", (double)count->missed_ticks);
+    json_number(json, "missed_ticks", (double)count->missed_ticks);
     json_number(json, "held", (double)count->status[PZS_W_HELD]);
     json_number(json, "rejected", (double)count->status[PZS_W_SENSOR]);
     json_number(json, "out_of_iterations", (double)count->status[PZS_W_ITERATIONS]);
-    json_number(json, "found", (double)count->detected);
-    json_number(json, "found_wrong", (double)count->falsely_detected);
-    json_number(json, "found_ticks", count->detection_ticks);
+    json_number(json, "detected", (double)count->detected);
+    json_number(json, "falsely_detected", (double)count->falsely_detected);
+    json_number(json, "detection_ticks", count->detection_ticks);
     json_number(json, "iterations", (double)count->iterations);
     json_number(json, "iterations_most", count->iterations_most);
     json_close(json, '}');

@@ -229,7 +229,7 @@ static const char measured[] =
     "\n"
     "# The loop on a mirror that is a tenth weaker, with every entry 5 % wrong, and noisy "
     "sensors; then an\n"
-    "# actuator dies, and the controller is told after three ticks.\n"
+    "# actuator dies, and the controller is informed after three ticks.\n"
     "control: {rate: 50 Hz}\n"
     "safety: {park: 0 V}   # amplifiers ramp there when readings stop or control is lost\n"
     "simulate:\n"

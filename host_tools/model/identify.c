@@ -287,7 +287,7 @@ static int solve(fit *fit, char *error)
  * Return the change of the effect (voltage that would act alike without hysteresis) per volt, from
  * the lowest to the highest voltage and without creep.
  */
-static double swing_gain(const fit *fit)
+static double full_range_gain(const fit *fit)
 {
     double sum = 0;
     for (int i = 0; i < SLOPES; i++)
@@ -327,7 +327,7 @@ static double effect_at_start(const fit *fit)
 static void take_result(identification *result, const fit *fit, double gain)
 {
     scene_hysteresis *hysteresis = &result->hysteresis;
-    result->gain = gain > 0 ? gain : fit->unit * swing_gain(fit);
+    result->gain = gain > 0 ? gain : fit->unit * full_range_gain(fit);
     const double factor = fit->unit / result->gain;
     const double *weight = fit->value + SLOPES;
     hysteresis->given = true;

@@ -20,7 +20,7 @@ static const double quarter_turn = 1.5707963267948966; /* phase angle of a quart
 /*
  * Threshold for the pivots of the normal matrix of the voltage steps, scaled to diagonal entries of
  * 1. If a pivot is not larger, the record has no independent steps of all actuators, and their
- * responses cannot be told apart.
+ * responses cannot be distinguished.
  */
 static const double independent = 1e-6;
 

@@ -202,7 +202,7 @@ static const struct rule {
     {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",
      "a column of coordinates is no actuator: name it x, y or z; or measure the actuator again"},
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
-     "the two cannot be told apart; a column may have been written twice"},
+     "the two cannot be distinguished; a column may have been written twice"},
     {"modes_share", SUBJECT_SCENE, measure_modes_share, 0.5, HUGE_VAL, "",
      "compare the unit of the responses with that of the matrix, and their order with the "
      "actuators"},

@@ -748,24 +748,24 @@ typedef enum scene_event_type {
     EVENT_LOAD,
     EVENT_TEMPERATURE, /* simulation event: a load is multiplied by a factor (EVENT_LOAD), or the
                           structure is heated (EVENT_TEMPERATURE); the controller is informed of
-                          load events that are marked as known */
+                          loads that are fed forward */
     EVENT_DEAD,
     EVENT_STUCK,
     EVENT_ALIVE, /* simulation event: electrodes fall to 0 V (EVENT_DEAD), keep their last voltage
                     (EVENT_STUCK), or work again (EVENT_ALIVE) */
-    EVENT_NAN,
-    EVENT_FROZEN,  /* simulation event: a fraction of the sensors reads NaN (EVENT_NAN) or keeps its
-                      last value (EVENT_FROZEN) */
-    EVENT_LOST,    /* simulation event: the controller does not run for some ticks */
+    EVENT_MISSING_SENSORS,
+    EVENT_STUCK_SENSORS, /* simulation event: a fraction of the sensors reads NaN
+                     (EVENT_MISSING_SENSORS) or keeps its last value (EVENT_STUCK_SENSORS) */
+    EVENT_MISSED_TICKS,  /* simulation event: the controller does not run for some ticks */
     EVENT_IMPULSE, /* simulation event: a load acts like a hammer blow; the impulse of its force
-                      during `amount` seconds is applied in one instant */
-    EVENT_SINE,    /* simulation event: for some ticks a load is multiplied by amount times sin(2 pi
+                      during `size` seconds is applied in one instant */
+    EVENT_SINE,    /* simulation event: for some ticks a load is multiplied by `size` times sin(2 pi
                       frequency time) */
     EVENT_LATE,    /* simulation event: for some ticks each voltage change takes effect late, by a
-                      random fraction of the tick interval that is at most `amount` */
+                      random fraction of the tick interval that is at most `size` */
     EVENT_JITTER,  /* simulation event: for some ticks the tick interval is lengthened or shortened
-                      by a random fraction of at most `amount` */
-    EVENT_DELAY    /* simulation event: for some ticks the readings arrive `amount` ticks later than
+                      by a random fraction of at most `size` */
+    EVENT_DELAY    /* simulation event: for some ticks the readings arrive `size` ticks later than
                       the controller assumes */
 } scene_event_type;
 
@@ -889,7 +889,8 @@ typedef struct scene_simulate {
     scene_imperfections imperfections;
     bool detects_faults; /* whether the controller itself has to detect the fault of some electrode
                             (ANNOUNCED_DETECTED) */
-    bool has_feed_forward; /* whether the controller is told some load event one tick in advance */
+    bool has_feed_forward; /* whether the controller is informed of some load event one tick in
+                              advance */
     int events;
     scene_event *event;
     scene_at at;

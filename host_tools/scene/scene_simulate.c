@@ -318,10 +318,11 @@ static int read_electrodes(reader *reader, int node, scene_event *event)
     return read_amplifier_names(reader, node, &event->amplifier, &event->amplifiers);
 }
 
-static const int event_types[] = {EVENT_TARGET, EVENT_VALUE, EVENT_LOAD,  EVENT_TEMPERATURE,
-                                  EVENT_DEAD,   EVENT_STUCK, EVENT_ALIVE, EVENT_NAN,
-                                  EVENT_FROZEN, EVENT_LOST,  EVENT_LATE,  EVENT_JITTER,
-                                  EVENT_DELAY};
+static const int event_types[] = {
+    EVENT_TARGET,        EVENT_VALUE,        EVENT_LOAD,  EVENT_TEMPERATURE,
+    EVENT_DEAD,          EVENT_STUCK,        EVENT_ALIVE, EVENT_MISSING_SENSORS,
+    EVENT_STUCK_SENSORS, EVENT_MISSED_TICKS, EVENT_LATE,  EVENT_JITTER,
+    EVENT_DELAY};
 
 /*
  * Range of the fraction of a tick interval by which voltages may be late, or by which the interval
@@ -345,9 +346,9 @@ static int read_event_type(reader *reader, int node, void *to, const void *rule)
     case EVENT_TARGET: return read_real(reader, node, &event->size, NULL);
     case EVENT_VALUE: return read_row_function(reader, node, &event->value, NULL);
     case EVENT_LOAD: return read_load_number(reader, node, event);
-    case EVENT_NAN:
-    case EVENT_FROZEN: return read_real(reader, node, &event->size, &share);
-    case EVENT_LOST: return read_int(reader, node, &event->ticks, &tick_count);
+    case EVENT_MISSING_SENSORS:
+    case EVENT_STUCK_SENSORS: return read_real(reader, node, &event->size, &share);
+    case EVENT_MISSED_TICKS: return read_int(reader, node, &event->ticks, &tick_count);
     case EVENT_LATE:
     case EVENT_JITTER: return read_real(reader, node, &event->size, &part);
     case EVENT_DELAY: return read_real(reader, node, &event->size, &later_by);
@@ -447,7 +448,7 @@ static int refine_load(reader *reader, int node, event_text *text)
  */
 static int lasts(scene_event_type type)
 {
-    return type == EVENT_NAN || type == EVENT_FROZEN || type >= EVENT_SINE;
+    return type == EVENT_MISSING_SENSORS || type == EVENT_STUCK_SENSORS || type >= EVENT_SINE;
 }
 
 /*
@@ -482,7 +483,7 @@ static int check_event(reader *reader, int node, const event_text *text)
             reader->t, node,
             "a temperature that is fed forward is a load of the scene; add {temperature: 1} to "
             "loads, write its number and "
-            "the kelvin as load and amount");
+            "the kelvin as load and factor");
     if (text->feed_forward_given && type != EVENT_LOAD)
         return tree_fault(reader->t, node, "'feed_forward' belongs to a load; remove it");
     return 0;
@@ -520,7 +521,7 @@ static const field event_fields[] = {
     {"stuck", read_event_type, 0, &event_types[5], .form = &labels_form,
      .help = "Amplifiers whose electrodes keep their voltage from this tick on."},
     {"alive", read_event_type, 0, &event_types[6], .form = &labels_form,
-     .help = "Amplifiers that work again; the controller is told at once."},
+     .help = "Amplifiers that work again; the controller is informed at once."},
     {"missing_sensors", read_event_type, 0, &event_types[7], .of = OF_NUMBER, .form = &share_form,
      .help = "Fraction of the sensors whose reading is NaN for some ticks."},
     {"stuck_sensors", read_event_type, 0, &event_types[8], .of = OF_NUMBER, .form = &share_form,
@@ -545,8 +546,8 @@ static const field event_fields[] = {
     {"ticks", read_event_ticks, 0, &tick_count, .of = OF_NUMBER, .form = &duration_form,
      .help = "Duration in ticks of an event that lasts."},
     {"announced", read_event_announced, 0, &waits, .of = OF_NUMBER, .form = &announced_form,
-     .help = "Ticks until the controller is told of dead or stuck electrodes; detected: the fault "
-             "detector finds them; never announced if not given."},
+     .help = "Ticks until the controller is informed of dead or stuck electrodes; detected: the "
+             "fault detector finds them; never announced if not given."},
     {"feed_forward", read_event_feed_forward, .form = &flag_form,
      .help = "The controller is given the factor of the load one tick in advance; default false."},
     {.key = NULL}};

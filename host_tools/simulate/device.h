@@ -84,7 +84,7 @@ void device_skip(device *device, int ticks);
 
 /*
  * Pass the factors of the known loads to the firmware, for its next tick (pzs_loop_know). Known
- * loads are those whose values the controller is told.
+ * loads are those of whose values the controller is informed.
  *   then   [loads] in  factors at the time at which the readings were taken that the next tick uses
  *   coming [loads] in  factors in the interval after the next tick, in which its voltages will act
  */

@@ -16,7 +16,7 @@
 
 static const double two_pi = 6.283185307179586;
 
-/* ---- electrode states told to the controller ---------------------------- */
+/* ---- electrode states of which the controller knows ---------------------------- */
 
 static void hold_electrode(loop *loop, int amplifier, double voltage)
 {
@@ -80,7 +80,7 @@ static void fail_sensors(loop *loop, const scene_event *event, int tick)
     for (int i = 0; i < loop->sensors; i++) {
         if (!(random_uniform(&loop->random) < event->size))
             continue;
-        if (event->type == EVENT_NAN)
+        if (event->type == EVENT_MISSING_SENSORS)
             loop->sensor[i].nan_until = tick + event->ticks;
         else
             loop->sensor[i].stuck_until = tick + event->ticks;
@@ -107,12 +107,12 @@ static void apply_event(loop *loop, const scene_event *event, int tick)
         for (int i = 0; i < event->amplifiers; i++)
             repair_electrode(loop, event->amplifier[i]);
         break;
-    case EVENT_NAN:
-    case EVENT_FROZEN:
+    case EVENT_MISSING_SENSORS:
+    case EVENT_STUCK_SENSORS:
         if (tick > 0 || !loop->has_failed_sensors)
             fail_sensors(loop, event, tick);
         break;
-    case EVENT_LOST: loop->missed_until = tick + event->ticks; break;
+    case EVENT_MISSED_TICKS: loop->missed_until = tick + event->ticks; break;
     case EVENT_IMPULSE: plant_kick(&loop->simulation->plant, event->load, event->size); break;
     case EVENT_SINE:
         loop->wave[event->load] =
@@ -147,8 +147,14 @@ static void apply_scheduled_event(loop *loop, const scene_event *event, int tick
  */
 static void random_fault(loop *loop, int tick)
 {
-    static const scene_event_type kinds[] = {EVENT_NAN,  EVENT_NAN,   EVENT_FROZEN, EVENT_LOST,
-                                             EVENT_DEAD, EVENT_STUCK, EVENT_TARGET, EVENT_LOAD};
+    static const scene_event_type kinds[] = {EVENT_MISSING_SENSORS,
+                                             EVENT_MISSING_SENSORS,
+                                             EVENT_STUCK_SENSORS,
+                                             EVENT_MISSED_TICKS,
+                                             EVENT_DEAD,
+                                             EVENT_STUCK,
+                                             EVENT_TARGET,
+                                             EVENT_LOAD};
     int amplifier[2];
     scene_event event = {.type = kinds[random_int(&loop->random, 8)],
                          .amplifier = amplifier,
@@ -161,7 +167,7 @@ static void random_fault(loop *loop, int tick)
     if (event.type == EVENT_DEAD || event.type == EVENT_STUCK)
         event.announced_after =
             random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : ANNOUNCED_NEVER;
-    if (event.type == EVENT_NAN && random_int(&loop->random, 4) == 0)
+    if (event.type == EVENT_MISSING_SENSORS && random_int(&loop->random, 4) == 0)
         event.size = 1; /* a random fault of the sensors makes the readings of all of them NaN */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.size = 2 * event.size - 1;
@@ -688,7 +694,8 @@ static void fail_first_sensors(loop *loop, int ticks)
 {
     const scene_simulate *simulate = &loop->design->simulate;
     for (int k = 0; k < simulate->events && simulate->event[k].tick == 0; k++)
-        if (simulate->event[k].type == EVENT_NAN || simulate->event[k].type == EVENT_FROZEN)
+        if (simulate->event[k].type == EVENT_MISSING_SENSORS ||
+            simulate->event[k].type == EVENT_STUCK_SENSORS)
             fail_sensors(loop, &simulate->event[k], ticks);
     loop->has_failed_sensors = true;
 }

@@ -57,7 +57,7 @@ static void name_load(const design *design, const scene_event *event, char *text
     if (design->loads > 1)
         snprintf(number, sizeof number, " (load %d)", event->load);
     snprintf(text, room, "%s%s %s%s", name_of_load(&design->load[event->load]), number, value,
-             event->feed_forward ? ", known" : "");
+             event->feed_forward ? ", fed forward" : "");
 }
 
 static void name_electrodes(const design *design, const scene_event *event, const char *word,
@@ -92,12 +92,12 @@ static void name_event(const design *design, const scene_event *event, char *tex
         snprintf(text, room, "temperature %g %s", event->size,
                  words_unit(&design->units, QUANTITY_TEMPERATURE, unit));
         break;
-    case EVENT_NAN:
-    case EVENT_FROZEN:
+    case EVENT_MISSING_SENSORS:
+    case EVENT_STUCK_SENSORS:
         snprintf(text, room, "%g%% of the sensors %s, %d ticks", 100 * event->size,
-                 event->type == EVENT_NAN ? "NaN" : "frozen", event->ticks);
+                 event->type == EVENT_MISSING_SENSORS ? "missing" : "stuck", event->ticks);
         break;
-    case EVENT_LOST: snprintf(text, room, "%d ticks lost", event->ticks); break;
+    case EVENT_MISSED_TICKS: snprintf(text, room, "%d ticks missed", event->ticks); break;
     case EVENT_IMPULSE:
     case EVENT_SINE: name_motion(design, event, text, room); break;
     case EVENT_LATE:

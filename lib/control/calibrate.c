@@ -249,8 +249,8 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration)
         return finish(calibration, PZS_E_LIMITS, where);
     state->pattern += calibration->info.is_settled ? 1u : 0u;
     for (uint32_t i = 0; i < problem->inputs; i++) {
-        const pzs_real swing = settings->amplitude * half_range(problem, i);
-        state->proposal[i] = state->centre[i] + sign_of(state->pattern, i) * swing;
+        const pzs_real amplitude = settings->amplitude * half_range(problem, i);
+        state->proposal[i] = state->centre[i] + sign_of(state->pattern, i) * amplitude;
         state->direction[i] = state->last[0][i];
     }
     pzs_real *const held[3] = {state->free, state->free, state->free};

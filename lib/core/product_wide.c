@@ -19,7 +19,7 @@
  * the first column to the last. A table with fewer columns is read in groups of SPREAD columns,
  * whose sums stay in registers: each group from the first row to the last.
  */
-#define MOST_SWEPT 64u
+#define LEAST_WIDE 64u
 
 typedef pzs_real whole_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real))));
 typedef pzs_real wide_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real)),
@@ -167,10 +167,10 @@ AVX2 static void add_to_few(pzs_real *restrict sums, const pzs_real *restrict ta
 void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
                        const pzs_real *restrict vector, size_t rows, size_t cols)
 {
-    for (size_t j = 0; cols < MOST_SWEPT && j < cols; j += SPREAD)
+    for (size_t j = 0; cols < LEAST_WIDE && j < cols; j += SPREAD)
         sum_few(product + j, table + j, stride, vector, rows,
                 cols - j < SPREAD ? cols - j : SPREAD);
-    if (cols < MOST_SWEPT)
+    if (cols < LEAST_WIDE)
         return;
     for (size_t j = 0; j < cols; j++)
         product[j] = 0;

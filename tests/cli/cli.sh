@@ -545,7 +545,7 @@ run 0 simulate plate-closed-loop $quick --set simulate.ticks=60 --json --csv "$d
           j['phases'][0]['optimum'] <= j['phases'][0]['controller']['steady'] < j['phases'][0]['clipped']['steady'] / 2 and
           j['phases'][0]['controller']['steady'] < j['phases'][0]['regularised']['steady'] < j['phases'][0]['clipped']['steady']"
 check 'simulate: optimum, controller and clipping in JSON' $?
-[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,vibration,active,iterations,status,lost,v_1_1,.*,v_5_5$' &&
+[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,vibration,active,iterations,status,missed_tick,v_1_1,.*,v_5_5$' &&
     [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 33 ]
 check 'simulate: a CSV line a tick, a column a quantity' $?
 for arm in automatic command; do
