@@ -36,8 +36,10 @@ void quad_file_close(quad_file *file);
  * Write an error message "path:line: ..." or "path: byte n: ..." for the reading position
  * (quad_fault) or for byte number `at` (quad_fault_at). Both return -1.
  */
-int quad_fault(const quad_file *file, const char *format, ...);
-int quad_fault_at(const quad_file *file, size_t at, const char *format, ...);
+int quad_fault(const quad_file *file, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+int quad_fault_at(const quad_file *file, size_t at, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* Return the FNV-1a hash of the contents of a mesh file. */
 uint32_t quad_file_hash(const quad_file *file);

@@ -32,6 +32,7 @@ typedef struct scene_at {
  * Write an error message of the form file:line:column: text for a fault that is found after reading
  * the scene; without a file (member `origin` NULL) the message is the text alone. Returns -1.
  */
-int scene_fault(scene_at at, char *error, const char *format, ...);
+int scene_fault(scene_at at, char *error, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 #endif

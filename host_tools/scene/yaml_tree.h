@@ -77,8 +77,10 @@ const char *tree_name(const tree *tree, int node);
  * Write an error message about a YAML file, with the position of a node (tree_fault) or with a
  * given position (tree_fault_at). Both return -1.
  */
-int tree_fault(const tree *tree, int node, const char *format, ...);
-int tree_fault_at(const tree *tree, scene_at at, const char *format, ...);
+int tree_fault(const tree *tree, int node, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+int tree_fault_at(const tree *tree, scene_at at, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /*
  * Write an error message of the form "file:line:column: message" on one line. Line -(k + 1) stands

@@ -34,7 +34,8 @@ void emit_count_bytes(emitter *emitter, const void *value, size_t bytes);
  * Write a comment on one line. Where the text contains the two characters that begin or end a
  * comment, a blank is inserted between them, so that texts of a scene cannot end the comment.
  */
-void emit_comment(const emitter *emitter, const char *format, ...);
+void emit_comment(const emitter *emitter, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* Begin and end a comment of several lines, which emit_comment_lines writes. */
 void emit_comment_begin(const emitter *emitter);

@@ -682,12 +682,13 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
     emit_comment(emitter, "largest growth factor of small vibrations in a tick");
     fprintf(emitter->file, "#define %s_RADIUS PZS_R(%.6g)\n", prefix, loop->radius);
     if (isfinite(loop->load_step)) {
-        emit_comment(emitter,
-                     loop->load_step < CERTIFICATE_LOAD_MOST
-                         ? "time until 5 % of the effect of a suddenly applied load are left, in "
-                           "periods of the first observed vibration mode"
-                         : "periods of the first observed vibration mode after which more than 5 % "
-                           "of the effect of a suddenly applied load are left");
+        emit_comment(
+            emitter,
+            loop->load_step < CERTIFICATE_LOAD_MOST
+                ? "time until 5 %% of the effect of a suddenly applied load are left, in "
+                  "periods of the first observed vibration mode"
+                : "periods of the first observed vibration mode after which more than 5 %% "
+                  "of the effect of a suddenly applied load are left");
         fprintf(emitter->file, "#define %s_LOAD_STEP_PERIODS PZS_R(%.3g)\n", prefix,
                 loop->load_step);
     }

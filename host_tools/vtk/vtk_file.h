@@ -33,7 +33,8 @@ typedef struct vtk_file {
  * Append an array of zeros to a VTK file, with a name made as by printf. Returns the values of the
  * array, or NULL if memory runs out.
  */
-double *vtk_add(vtk_file *vtk, bool of_cells, int components, const char *format, ...);
+double *vtk_add(vtk_file *vtk, bool of_cells, int components, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 /* Size of the text of a unit in parentheses, including its NUL (characters). */
 enum { VTK_UNIT = 2 * WORDS_UNIT };
