@@ -30,14 +30,13 @@ static void fill_offset(deformed *deformed, const voltages *best)
  * Compute the influence matrix, the vibration modes and the displacements of the outputs at 0 V for
  * the structure linearised about the deformed equilibrium that its nonlinear solver has reached.
  */
-static int linearise(deformed *deformed, const voltages *best, int modes, char *error)
+static int linearise(deformed *deformed, voltages *best, int modes, char *error)
 {
     analysis *analysis = &deformed->analysis;
     const design *design = &analysis->design;
     pzs_solver *solver = &analysis->equilibrium.solver;
-    const pzs_status status = pzs_influence_at(solver, analysis->influence);
-    if (status != PZS_OK)
-        return analysis_explain(analysis, status, error);
+    if (voltages_influence_at(analysis, best, analysis->influence, error) < 0)
+        return -1;
     if (solver->info.negative_pivots > 0)
         return scene_fault(design->goal.what.at, error,
                            "the equilibrium at the target is unstable");

@@ -444,6 +444,11 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
     equilibrium->solver.state.model->state.stage = STAGE_READY;
 }
 
+bool equilibrium_is_factored(const equilibrium *equilibrium)
+{
+    return equilibrium->solver.state.model->state.stage == STAGE_AT_SHAPE;
+}
+
 /* ---- open ------------------------------------------------------------- */
 
 /*

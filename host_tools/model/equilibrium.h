@@ -55,6 +55,12 @@ void equilibrium_save(const equilibrium *equilibrium, void *state);
 void equilibrium_restore(equilibrium *equilibrium, const void *state);
 
 /*
+ * Whether the solver has the factors of the tangent stiffness matrix at its equilibrium, which
+ * pzs_influence_at needs; not after equilibrium_restore.
+ */
+bool equilibrium_is_factored(const equilibrium *equilibrium);
+
+/*
  * Compute the force of the contact body on one node of the shell along x, y and z (N), at the
  * present equilibrium of the solver.
  */

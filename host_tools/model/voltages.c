@@ -598,6 +598,15 @@ static int halve_voltages(analysis *analysis, common_limits common, voltages *re
     return failed;
 }
 
+int voltages_influence_at(analysis *analysis, voltages *optimum, double *influence, char *error)
+{
+    if (!equilibrium_is_factored(&analysis->equilibrium) &&
+        evaluate(analysis, optimum, 1, error) < 0)
+        return -1;
+    const pzs_status status = pzs_influence_at(&analysis->equilibrium.solver, influence);
+    return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
+}
+
 int voltages_optimum(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     if (voltages_linear(analysis, common, result, error) < 0 ||

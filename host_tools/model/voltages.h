@@ -80,4 +80,13 @@ int voltages_given(analysis *analysis, const char *name, const double *voltage, 
                    char *error);
 void voltages_free(voltages *result);
 
+/*
+ * Compute the influence matrix of the nonlinear structure at the optimum that voltages_optimum has
+ * found. Where the last step of the method was taken back, the equilibrium of the optimum is solved
+ * again, which improves result->displacement within the tolerance.
+ *   influence [outputs][inputs] out  influence matrix
+ * Returns 0, or -1 with error filled.
+ */
+int voltages_influence_at(analysis *analysis, voltages *optimum, double *influence, char *error);
+
 #endif

@@ -137,9 +137,8 @@ int simulate_tables(analysis *nominal, char *error)
     memset(&best, 0, sizeof best);
     nominal->is_nonlinear = true;
     int failed =
-        voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
-    if (!failed && pzs_influence_at(&nominal->equilibrium.solver, nominal->influence) != PZS_OK)
-        failed = analysis_explain(nominal, PZS_E_NEGATIVE, error);
+        voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0 ||
+        voltages_influence_at(nominal, &best, nominal->influence, error) < 0;
     double *column = calloc((size_t)design->targets, sizeof *column);
     if (!failed && !column)
         failed = no_memory(nominal, error);

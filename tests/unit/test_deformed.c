@@ -105,6 +105,31 @@ static void test_modes_sum_to_influence(void **state)
 }
 
 /*
+ * Law: a target beyond the limits, at whose optimum every voltage stays at its limit, so that the
+ * method ends with a step that is taken back, has modes and an influence matrix like any other.
+ */
+static void test_target_beyond_limits(void **state)
+{
+    scene_run run;
+    deformed at;
+    (void)state;
+    open_panel(&run, "kinematics=nonlinear;limits={voltage: [-2, 2], step_limit: 1};" COARSE
+                     "target.value=7*theta1^2*theta2;");
+    open_deformed(&at, &run, 6);
+    assert_true(at.amplitude > 0 && at.vibration.frequency[0] > 0);
+    const size_t inputs = run.analysis.design.structure.input.count;
+    double largest = 0, change = 0;
+    for (size_t i = 0; i < (size_t)run.analysis.design.targets * inputs; i++) {
+        largest = fmax(largest, fabs(run.analysis.influence[i]));
+        change = fmax(change, fabs(at.analysis.influence[i] - run.analysis.influence[i]));
+    }
+    /* The panel moves by a few per cent of its thickness, and its influence changes by as much. */
+    assert_true(change > 0 && change < 5 * at.amplitude * largest);
+    deformed_close(&at);
+    scene_run_close(&run);
+}
+
+/*
  * Law: settings of the damped tick that assume readings one tick older than they are damp the panel
  * about its reference state, but not about a target of two thicknesses, at gain 1.33 and frequency
  * 0.9; the default settings damp both.
@@ -205,6 +230,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_small_target), cmocka_unit_test(test_modes_sum_to_influence),
-        cmocka_unit_test(test_settings_at_target), cmocka_unit_test(test_older_readings_at_target)};
+        cmocka_unit_test(test_target_beyond_limits), cmocka_unit_test(test_settings_at_target),
+        cmocka_unit_test(test_older_readings_at_target)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
