@@ -234,6 +234,9 @@ static void json_stability(json *json, const certificate *certificate)
     if (loop->is_made) {
         json_number(json, "storms_worst", loop->worst);
         json_number(json, "storms_allowed", CERTIFICATE_TOLERANCE);
+        json_number(json, "storms_unit", loop->unit);
+        json_number(json, "storms_alarms", loop->fading > 0 ? loop->alarms : (double)NAN);
+        json_number(json, "fading_periods", loop->fading > 0 ? loop->fading : (double)NAN);
         json_number(json, "target_thicknesses",
                     loop->target.is_made ? loop->target.amplitude : (double)NAN);
         json_number(json, "target_radius",

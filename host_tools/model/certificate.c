@@ -376,10 +376,46 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
         text_append(text, CERTIFICATE_TEXT, " none was run.");
         return;
     }
+    char unit[CERTIFICATE_UNIT];
+    certificate_unit(loop, unit);
     text_append(text, CERTIFICATE_TEXT,
-                "\n%d of %d storms settle; the worst ends %.3g of the target from the best shape "
-                "(allowed: %g).",
-                loop->storms - loop->failed, loop->storms, loop->worst, CERTIFICATE_TOLERANCE);
+                "\n%d of %d storms settle; the worst ends %.3g %s from the best shape (allowed: "
+                "%g).",
+                loop->storms - loop->failed, loop->storms, loop->worst, unit,
+                CERTIFICATE_TOLERANCE);
+    if (loop->unit > 1 && isfinite(loop->unit))
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nA 50th of the shapes under half the voltage range is as large as %.3g "
+                    "targets, and is the unit.",
+                    loop->unit);
+}
+
+void certificate_unit(const certificate_loop *loop, char text[CERTIFICATE_UNIT])
+{
+    if (loop->unit > 1 && isfinite(loop->unit))
+        snprintf(text, CERTIFICATE_UNIT, "of %.3g targets", loop->unit);
+    else
+        snprintf(text, CERTIFICATE_UNIT, "of %s",
+                 loop->unit > 1 ? "a 50th of the shapes under half the voltage range"
+                                : "the target");
+}
+
+/*
+ * Append the sentence that says whether the supervisor takes control away from the loop in storms
+ * (simulations with fast jumps of the target).
+ */
+static void alarm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
+{
+    if (loop->fading > 0 && loop->alarms == 0)
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nSupervisor: no alarm in these storms. The vibration that it tolerates after "
+                    "a jump of the\ntarget falls by e in %.3g periods of the first observed mode.",
+                    loop->fading);
+    else if (loop->fading > 0)
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nSUPERVISOR: %d OF THESE STORMS END%s IN A FALSE ALARM, which parks the "
+                    "voltages.",
+                    loop->alarms, loop->alarms == 1 ? "S" : "");
 }
 
 /*
@@ -536,6 +572,7 @@ static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         "%.5g,\nat gain %g, frequency %g.",
         loop->modes, loop->radius, loop->at_gain, loop->at_frequency);
     storm_text(loop, text);
+    alarm_text(loop, text);
     load_text(loop, text);
     residual_text(loop, text);
     target_text(&loop->target, text);

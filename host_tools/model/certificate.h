@@ -19,6 +19,7 @@
 #include "vibration.h"
 
 enum {
+    CERTIFICATE_UNIT = 64, /* room for the unit of shape errors as text */
     CERTIFICATE_TEXT = 2500
 }; /* largest length of the text that describes the result of the stability tests (characters) */
 
@@ -104,6 +105,8 @@ typedef struct certificate_loop {
                      the end of a storm (simulation with fast target jumps), over the norm of the
                      target or, if larger, a fiftieth of the root mean square norm of shapes under
                      half the voltage range with random signs */
+    double unit;  /* unit of `worst` over the norm of the target: 1, or more where the target is
+                     small beside the shapes that the voltages reach; infinite for a zero target */
     double worst_gain, worst_frequency,
         worst_step; /* worst_gain, worst_frequency: static response to voltages and natural
                        frequencies of the structure in the worst storm (simulation with fast target
@@ -120,6 +123,11 @@ typedef struct certificate_loop {
     double residual; /* time until the loop has followed 95 % of what the observed modes do not
                         explain, such as static errors of the model (periods of the first observed
                         mode); NAN: no mode is observed */
+    double fading; /* time in which the vibration that the supervisor tolerates after a jump of the
+                      target falls by the factor e (periods of the first observed mode); 0: no
+                      supervisor, or not tested */
+    int alarms;    /* number of storms (simulations with fast jumps of the target) in which the
+                      supervisor takes control away from the loop in order */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */
@@ -275,5 +283,8 @@ bool certificate_decays(const double *loop, const double *square, int modes, con
  * feeds; the text is empty where there is nothing to report.
  */
 void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT]);
+
+/* Name the unit of the shape errors of a certificate (loop.worst), such as "of the target". */
+void certificate_unit(const certificate_loop *loop, char text[CERTIFICATE_UNIT]);
 
 #endif

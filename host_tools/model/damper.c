@@ -452,6 +452,7 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
                        .amplifiers = (size_t)design->amplifiers};
     builder.sensors = estimator ? (size_t)estimator->sensors : builder.targets;
     damper->rate = options->rate;
+    damper->fading_periods = options->settings.fading_periods;
     builder.mode = calloc(builder.amplifiers + 1, sizeof *builder.mode);
     builder.column = calloc(builder.targets + 1, sizeof *builder.column);
     const int failed = builder.mode && builder.column

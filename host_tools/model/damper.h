@@ -24,7 +24,8 @@ typedef struct damper {
     double *frequency;  /* [modes] natural frequencies of the vibration modes that the control tick
                            observes (Hz) */
     double rate;        /* rate of the control tick that damps vibration (1/s) */
-    double *memory;     /* one allocation that holds all arrays of the vibration damper's tables */
+    double fading_periods; /* damper_settings.fading_periods, for the tables of the supervisor */
+    double *memory; /* one allocation that holds all arrays of the vibration damper's tables */
     pzs_vibration tables;
 } damper;
 

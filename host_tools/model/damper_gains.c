@@ -41,6 +41,7 @@ damper_settings damper_default_settings(void)
                              .kick = 0.25,
                              .drift = 0.21,
                              .slow = 0.005,
+                             .fading_periods = 2,
                              .later = 0,
                              .is_gradient = false};
 }

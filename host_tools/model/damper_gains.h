@@ -52,6 +52,9 @@ typedef struct damper_settings {
                      coordinate in a fit to the readings of one tick */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus
                      those of the observed vibration modes */
+    double fading_periods; /* time in which the vibration that the supervisor tolerates after a jump
+                              of the target falls by the factor e (periods of the first observed
+                              mode) */
     int later; /* number of ticks by which the readings are assumed to be older than the scene file
                   states; the observer tolerates newer readings better than older ones */
     bool is_gradient; /* quantity whose gradient with respect to the voltages damps vibration. true:

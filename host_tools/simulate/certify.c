@@ -43,6 +43,8 @@ int trial_certify(analysis *analysis, char *error)
     progress_stage("storms against the loop");
     int failed = trial_open(&trial, analysis, error);
     failed = failed || trial_open_target(&trial, error) < 0 || trial_choose(&trial, error) < 0;
+    if (!failed && analysis->certificate.loop.is_stable)
+        failed = trial_choose_fading(&trial, error);
     trial_close(&trial);
     return failed ? -1 : 0;
 }
@@ -63,6 +65,8 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
 {
     const certificate_loop *loop = &certificate->loop;
     const certificate_target *target = &loop->target;
+    char unit[CERTIFICATE_UNIT];
+    certificate_unit(loop, unit);
     text[0] = '\0';
     if (loop->bandwidth > 0)
         snprintf(text, SCENE_ERROR, "with amplifiers of %g Hz, which may be too slow, ",
@@ -83,8 +87,8 @@ void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
         snprintf(
             rest, room,
             "after a storm of targets at gain %g, frequency %g, step limit x %g the shape ends "
-            "%.3g of the target from the best one (allowed: %g); %d of %d storms do not settle",
-            loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst,
+            "%.3g %s from the best one (allowed: %g); %d of %d storms do not settle",
+            loop->worst_gain, loop->worst_frequency, loop->worst_step, loop->worst, unit,
             CERTIFICATE_TOLERANCE, loop->failed, loop->storms);
     else
         snprintf(rest, room, "at gain %g, frequency %g vibration grows %.5g times a tick",

@@ -145,6 +145,7 @@ static int try_settings(trial *trial, const damper_options *options, int older,
     if (loop->is_stable && trial_certify_target(trial, enough, &loop->target, error) < 0)
         return -1;
     loop->is_stable = loop->is_stable && (!loop->target.is_made || loop->target.is_stable);
+    loop->unit = storm_unit(&trial->rig);
     loop->modes = (int)trial->rig.modal.modes;
     loop->observed = trial->damper.modes;
     loop->has_slow_mode = trial->damper.has_slow_mode;

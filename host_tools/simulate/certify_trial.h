@@ -161,6 +161,17 @@ int trial_try_neighbouring_ages(const trial *trial, certificate_loop *loop, char
  */
 int trial_choose(trial *trial, char *error);
 
+/* ---- storms with the supervisor (certify_alarm.c) ------------------------ */
+
+/*
+ * Choose the time in which the supervisor's tolerance after a jump of the target fades: the default
+ * time, or the first of its doubles with which no storm (simulation with fast jumps of the target)
+ * ends in an alarm. A loop that damps slowly needs more. The results are the settings of the
+ * certificate, loop.fading and loop.alarms. A loop without supervisor or observed modes is left
+ * unchanged. Returns 0, or -1 with error filled.
+ */
+int trial_choose_fading(trial *trial, char *error);
+
 /* ---- changes that make a loop stable (certify_cure.c) ------------------- */
 
 /*

@@ -149,6 +149,10 @@ static pzs_status run_storm(storm *storm, storm_result *result)
         const pzs_status status = storm_tick(storm);
         if (PZS_IS_ERROR(status))
             return status;
+        if (status == PZS_W_RAMP) {
+            result->is_stopped = true;
+            return PZS_OK;
+        }
         judge_tick(storm, &schedule, k, &quiet, result);
     }
     result->passed = result->end <= CERTIFICATE_TOLERANCE;

@@ -91,6 +91,13 @@ static bool fill_scale(storm_rig *rig)
     return column != NULL;
 }
 
+double storm_unit(const storm_rig *rig)
+{
+    const design *design = &rig->analysis->design;
+    const double norm = sqrt(design_squares(design, design->target, NULL));
+    return norm > 0 ? rig->scale / norm : HUGE_VAL;
+}
+
 static bool take_memory(storm_rig *rig)
 {
     const size_t amplifiers = rig->amplifiers, sensors = rig->sensors, targets = rig->targets;
@@ -135,8 +142,11 @@ static bool fill_ticks(storm_rig *rig)
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay)
 {
     rig->blocks = 0;
+    rig->supervision = NULL;
     for (int k = 0; k < blocks; k++)
-        if (block[k].type->phase != PZS_PHASE_SUPERVISE)
+        if (block[k].type->phase == PZS_PHASE_SUPERVISE)
+            rig->supervision = block[k].tables;
+        else
             rig->block[rig->blocks++] = block[k];
     rig->delay = delay;
 }

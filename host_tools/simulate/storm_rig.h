@@ -62,6 +62,9 @@ typedef struct storm_rig {
                                    displacements) are measured */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
+    const pzs_supervision *supervision; /* tables of the loop's supervisor; NULL: it has none */
+    bool is_supervised; /* true: storms run with the supervisor, and end where it takes control away
+                         */
     int delay; /* delay of the sensor readings between measurement and use, as the scene file states
                   it (ticks) */
     double interval;  /* time between control ticks (s) */
@@ -118,10 +121,16 @@ bool storm_deform(storm_rig *rig, const deformed *deformed);
  * Set the control loop of the next storms (simulations with fast target jumps).
  *   rig            in/out  data that all storms share
  *   block [blocks] in      blocks (stages) of the control tick, copied; their tables must outlive
- *       the rig. The supervisor is left out, because it would take a storm for a diverging loop
+ *       the rig. The supervisor runs only while rig->is_supervised is true
  *   delay          in      age of the readings that the scene file states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);
+
+/*
+ * Return rig->scale, the unit of shape errors, over the norm of the target: 1, more for a target
+ * that is small beside the shapes that the voltages reach, and infinity for a zero target.
+ */
+double storm_unit(const storm_rig *rig);
 
 /* Write the error message "out of memory". Returns -1. */
 int storm_no_memory(const analysis *analysis, char *error);

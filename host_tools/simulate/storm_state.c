@@ -127,6 +127,18 @@ static void set_tables(storm *storm)
     }
 }
 
+/* Append the supervisor of the loop, if the simulation is to run it. */
+static void append_supervisor(storm *storm)
+{
+    const storm_rig *rig = storm->rig;
+    if (!rig->is_supervised || rig->supervision == NULL || storm_is_free(storm))
+        return;
+    storm->supervision = *rig->supervision;
+    storm->supervision.waits = 0;
+    (void)pzs_supervision_seal(&storm->supervision);
+    storm->block[storm->blocks++] = (pzs_block){&pzs_supervisor_block, &storm->supervision};
+}
+
 static pzs_status open_loop(storm *storm)
 {
     double none;
@@ -154,6 +166,7 @@ int storm_begin(storm *storm, const storm_rig *rig, const storm_plant *plant, ch
     storm->inertia.gain = plant->gain;
     storm->inertia.stretch = plant->frequency;
     set_tables(storm);
+    append_supervisor(storm);
     storm_start_ceramic(storm);
     memcpy(storm->last_target, rig->analysis->design.target,
            rig->targets * sizeof *storm->last_target);

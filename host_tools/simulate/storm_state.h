@@ -15,6 +15,8 @@ typedef struct storm {
     const storm_plant *plant;
     pzs_problem problem; /* voltage optimisation problem of the loop with the voltage and step
                             limits of the simulation in place of the scene's */
+    pzs_supervision supervision; /* tables of the loop's supervisor, which here waits for no command
+                                  */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     pzs_loop loop;

@@ -226,7 +226,8 @@ double loop_reachable_rms(const design *design)
  *   load         tolerated effect of a sudden load: that of the scene's loads, at least 0.3 W
  *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
  *   fading       factor per tick of the tolerated effect of earlier target changes: 1/e in two
- *       periods of the first vibration mode, or in 50 ticks without a vibration model
+ *       periods of the first vibration mode, or in more, so that no storm of the certificate raises
+ *       an alarm; 1/e in 50 ticks without a vibration model
  *   alarm_ticks number of implausible ticks until an alarm: a period of the first vibration mode,
  *       at least 20 (for vibration twice as many)
  */
@@ -248,7 +249,7 @@ static const void *supervision_tables(loop_blocks *blocks)
                                 .load = fmax(0.3 * wanted, loop_loaded_rms(design))};
     if (blocks->damper->is_used && blocks->damper->modes > 0) {
         const double period = blocks->damper->rate / blocks->damper->frequency[0];
-        tables->fading = exp(-1 / (2 * period));
+        tables->fading = exp(-1 / (blocks->damper->fading_periods * period));
         tables->alarm_ticks = (uint16_t)fmin(fmax(20, ceil(period)), 60000);
     }
     (void)pzs_supervision_seal(tables);

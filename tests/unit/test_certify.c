@@ -521,6 +521,75 @@ static void test_free_motion(void **state)
     close_loop(&panel);
 }
 
+/* Storms of the certificate, with targets of other seeds, that the supervisor ends. */
+static int count_stopped(const storm_rig *rig)
+{
+    char error[SCENE_ERROR];
+    int stopped = 0;
+    for (int i = 0; i < STORMS; i++) {
+        storm_plant plant = trial_plant(i, 0);
+        storm_result result;
+        plant.seed += OTHER_SEED;
+        if (storm_run(rig, &plant, &result, error) < 0)
+            fail_msg("%s", error);
+        stopped += result.is_stopped;
+    }
+    return stopped;
+}
+
+/*
+ * Law: a loop that damps vibration slowly, as that of the panel at 300 ticks a second, gets a
+ * supervisor whose tolerance fades as slowly, so that no storm ends in a false alarm, also with
+ * targets that the certificate has not seen; with the default fading time some do.
+ */
+static void test_slow_loop_raises_no_alarm(void **state)
+{
+    scene_run run;
+    trial trial;
+    (void)state;
+    open_panel(&run, "control.rate=300");
+    if (certify_loop(&run.analysis, run.error) < 0)
+        fail_msg("%s", run.error);
+    const certificate_loop *loop = &run.analysis.certificate.loop;
+    damper_options options = damper_options_of(&run.analysis);
+    assert_true(loop->is_stable && loop->alarms == 0);
+    assert_true(loop->fading == options.settings.fading_periods);
+    if (trial_open(&trial, &run.analysis, run.error) < 0 ||
+        trial_use(&trial, &options, run.error) < 0)
+        fail_msg("%s", run.error);
+    assert_int_equal(count_stopped(&trial.rig), 0);
+    trial.rig.is_supervised = true;
+    assert_int_equal(count_stopped(&trial.rig), 0);
+    options.settings.fading_periods = damper_default_settings().fading_periods;
+    assert_int_equal(trial_use(&trial, &options, run.error), 0);
+    const int stopped = count_stopped(&trial.rig);
+    print_message("    %.1f periods; with the default %d of %d storms end in an alarm\n",
+                  loop->fading, stopped, STORMS);
+    assert_true(stopped > 0 && loop->fading > options.settings.fading_periods);
+    trial_close(&trial);
+    scene_run_close(&run);
+}
+
+/* The text of a certificate names the unit in which the ends of its storms are measured. */
+static void test_unit(void **state)
+{
+    certificate c = {.is_made = true,
+                     .has_modes = true,
+                     .is_assessed = true,
+                     .loop = {.is_made = true, .is_stable = true, .storms = 30, .unit = 1}};
+    char text[CERTIFICATE_TEXT];
+    (void)state;
+    certificate_text(&c, text);
+    assert_non_null(strstr(text, "of the target from the best shape"));
+    c.loop.unit = 6.25;
+    certificate_text(&c, text);
+    assert_non_null(strstr(text, "of 6.25 targets from the best shape"));
+    c.loop.unit = HUGE_VAL;
+    certificate_text(&c, text);
+    assert_null(strstr(text, "of the target from"));
+    assert_non_null(strstr(text, "of a 50th of the shapes under half the voltage range"));
+}
+
 /* The text of a certificate explains its words and states the tolerance of a storm. */
 static void test_text(void **state)
 {
@@ -679,6 +748,8 @@ int main(void)
         cmocka_unit_test(test_lag_without_model),
         cmocka_unit_test(test_own_step_limits),
         cmocka_unit_test(test_text),
+        cmocka_unit_test(test_unit),
+        cmocka_unit_test(test_slow_loop_raises_no_alarm),
         cmocka_unit_test(test_zero_target),
         cmocka_unit_test(test_supervised),
         cmocka_unit_test(test_tolerated_load),

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Storms (simulations with fast jumps of the target) with the supervisor of the loop, which must
+ * not take control away while the loop is in order (certify_trial.h).
+ */
+#include <math.h>
+#include "certify_trial.h"
+
+/*
+ * Largest fading time of the supervisor's tolerance that is tried (periods of the first observed
+ * mode).
+ */
+static const double longest_fading = 128;
+
+enum {
+    MORE = 4 /* largest ratio of the chosen fading time to the shortest one that the storms permit
+              */
+};
+
+/* Alarms of the supervisor in a batch of storms. */
+typedef struct alarms {
+    int count;
+    int enough; /* number of alarms after which no further storm is run */
+} alarms;
+
+static bool visit_alarm(void *context, const storm_task *task, const storm_result *result)
+{
+    alarms *alarms = context;
+    (void)task;
+    alarms->count += result->is_stopped;
+    return alarms->count < alarms->enough;
+}
+
+/*
+ * Count the storms in which the supervisor takes control away, up to `enough`. Returns 0, or -1
+ * with error filled.
+ */
+static int count_alarms(const storm_rig *rig, int enough, int *count, char *error)
+{
+    alarms alarms = {0, enough};
+    storm_task task[STORMS];
+    for (int i = 0; i < STORMS; i++)
+        task[i] = (storm_task){.plant = trial_plant(i, 0)};
+    const int failed = storm_batch_run(rig, task, STORMS, visit_alarm, &alarms, error);
+    *count = alarms.count;
+    return failed;
+}
+
+/*
+ * Return the fading time for a loop with which the default time gives false alarms (periods). The
+ * storms are a sample, so that the tolerance is made to fade as slowly as the slowest vibration of
+ * all structures of the certificate, but at most `MORE` times as slowly as the storms need.
+ *   needed in  shortest time with which no storm ends in an alarm (periods)
+ */
+static double longer_fading(const trial *trial, double needed)
+{
+    const double radius = trial->analysis->certificate.loop.radius,
+                 period = trial->damper.rate / trial->damper.frequency[0];
+    const double slowest = radius > 0 && radius < 1 ? -1 / (log(radius) * period) : HUGE_VAL;
+    return fmin(fmax(needed, slowest), MORE * needed);
+}
+
+/* Run the storms with one fading time of the supervisor. Returns 0, or -1 with error filled. */
+static int try_fading(trial *trial, const damper_options *options, int *alarms, char *error)
+{
+    const bool is_last = 2 * options->settings.fading_periods > longest_fading;
+    if (trial_use(trial, options, error) < 0)
+        return -1;
+    trial->rig.is_supervised = true;
+    const int failed = count_alarms(&trial->rig, is_last ? STORMS : 1, alarms, error);
+    trial->rig.is_supervised = false;
+    return failed;
+}
+
+int trial_choose_fading(trial *trial, char *error)
+{
+    certificate *certificate = &trial->analysis->certificate;
+    certificate_loop *loop = &certificate->loop;
+    damper_options options = damper_options_of(trial->analysis);
+    const double first = options.settings.fading_periods;
+    if (trial_use(trial, &options, error) < 0)
+        return -1;
+    if (trial->rig.supervision == NULL || trial->damper.modes == 0)
+        return 0;
+    int failed = try_fading(trial, &options, &loop->alarms, error);
+    while (!failed && loop->alarms > 0 && 2 * options.settings.fading_periods <= longest_fading) {
+        options.settings.fading_periods *= 2;
+        failed = try_fading(trial, &options, &loop->alarms, error);
+    }
+    loop->fading = options.settings.fading_periods;
+    if (loop->fading > first)
+        loop->fading = longer_fading(trial, loop->fading);
+    certificate->settings = options.settings;
+    certificate->settings.fading_periods = loop->fading;
+    certificate->has_settings = true;
+    return failed;
+}
