@@ -221,8 +221,22 @@ double loop_reachable_rms(const design *design)
 }
 
 /*
+ * Return the unit of what the supervisor tolerates, a displacement (m, RMS over the target nodes):
+ * that of the target, but of the shape under half the voltage range where the target is zero, or
+ * larger. The structure cannot move along a target out of reach by as much as the target, and the
+ * supervisor could not tell from such a motion that amplifiers are reversed.
+ */
+static double tolerated_unit(const design *design)
+{
+    const double target = design_target_rms(design), reachable = loop_reachable_rms(design);
+    if (!(target > 0))
+        return reachable;
+    return reachable > 0 ? fmin(target, reachable) : target;
+}
+
+/*
  * Make the tables of the supervisor, the block (stage of a control tick) that monitors the loop.
- * Unit: the RMS W of the target or, if that is zero, of the shape under half the voltage range.
+ * Unit W: tolerated_unit.
  *   load         tolerated effect of a sudden load: that of the scene's loads, at least 0.3 W
  *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
  *   fading       factor per tick of the tolerated effect of earlier target changes: 1/e in two
@@ -234,8 +248,7 @@ double loop_reachable_rms(const design *design)
 static const void *supervision_tables(loop_blocks *blocks)
 {
     const design *design = blocks->design;
-    const double target = design_target_rms(design);
-    const double wanted = target > 0 ? target : loop_reachable_rms(design);
+    const double wanted = tolerated_unit(design);
     pzs_supervision *tables = &blocks->supervision;
     *tables = (pzs_supervision){.scene = design->problem.scene,
                                 .inputs = design->problem.inputs,
