@@ -50,6 +50,38 @@ static void append_words(kind_text *to, const choice *words)
 
 static void append_kind(kind_text *to, const form *form);
 
+/* Return how many of the forms that a value may have (FORM_ANY) are mappings. */
+static int mappings_of(const form *form)
+{
+    int mappings = 0;
+    for (int i = 0; form->any[i]; i++)
+        mappings += form->any[i]->type == FORM_MAP;
+    return mappings;
+}
+
+/*
+ * Append the forms that a value may have (FORM_ANY) to its description. Several mappings, whose
+ * keys are listed below it, are named once, with their number.
+ */
+static void append_any(kind_text *to, const form *form)
+{
+    const int mappings = mappings_of(form);
+    bool is_named = false;
+    for (int i = 0; form->any[i]; i++) {
+        const bool is_one_of_several = mappings > 1 && form->any[i]->type == FORM_MAP;
+        char text[40];
+        if (is_one_of_several && is_named)
+            continue;
+        append(to, i ? ", or " : "");
+        snprintf(text, sizeof text, "one of %d mappings", mappings);
+        if (is_one_of_several)
+            append(to, text);
+        else
+            append_kind(to, form->any[i]);
+        is_named = is_named || is_one_of_several;
+    }
+}
+
 /*
  * Append the type of a list to the description of a value: "[number, number]" for a list of fixed
  * length, otherwise "list of number".
@@ -83,12 +115,7 @@ static void append_kind(kind_text *to, const form *form)
         append(to, "mapping of names to ");
         append_kind(to, form->item);
         break;
-    case FORM_ANY:
-        for (int i = 0; form->any[i]; i++) {
-            append(to, i ? ", or " : "");
-            append_kind(to, form->any[i]);
-        }
-        break;
+    case FORM_ANY: append_any(to, form); break;
     }
     append_range(to, form->range);
 }
@@ -123,8 +150,17 @@ static void print_form(FILE *file, const form *form, int depth)
         print_field(file, field, depth);
     if (form->type == FORM_LIST || form->type == FORM_NAMED)
         print_form(file, form->item, depth);
-    for (int i = 0; form->type == FORM_ANY && form->any[i]; i++)
-        print_form(file, form->any[i], depth);
+    if (form->type != FORM_ANY)
+        return;
+    const bool has_choice = mappings_of(form) > 1;
+    const char *word = "either";
+    for (int i = 0; form->any[i]; i++) {
+        if (has_choice && form->any[i]->type == FORM_MAP) {
+            fprintf(file, "%*s%s\n", 2 * depth, "", word);
+            word = "or";
+        }
+        print_form(file, form->any[i], depth + has_choice);
+    }
 }
 
 /*

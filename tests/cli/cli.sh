@@ -245,6 +245,7 @@ run 0 schema && cmp -s "$dir/out" host_tools/scenes/scene.schema.json; check 'sc
 /usr/bin/python3 tests/cli/schema.py "$PZS" host_tools/scenes/scene.schema.json "${SCHEMA_EVERY:-25}" tests/cli/schema/scenes.yaml host_tools/scenes/*.yaml >"$dir/out" 2>"$dir/err"
 check 'schema and reader agree on every shipped scene and on changed ones' $?
 run 0 keys limits && grep -q '^  rate_limit .*number above 0, unit as V/s' "$dir/out" && run 0 help keys && grep -q '^  rate_limit ' "$dir/out" && grep -q '^simulate ' "$dir/out"
+run 0 keys loads && grep -q '^  point  *one of 3 mappings$' "$dir/out" && [ "$(sed -n '/^  point /,/^  line /p' "$dir/out" | grep -c -x -e '    either' -e '    or')" -eq 3 ]; check 'keys: mappings of which one is written are kept apart' $?
 check 'keys lists the keys of a scene' $?
 run 2 keys limit && says "no section 'limit' (did you mean 'limits'?)"; check 'keys of a mistyped section' $?
 run 2 new mirrow && says "did you mean 'mirror'"; check 'new of a mistyped scene' $?
