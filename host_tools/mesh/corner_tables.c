@@ -69,7 +69,10 @@ static pzs_node node_of(const surface_point *point)
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])
 {
-    /* given length of the element in this direction, or the straight distance of the corners */
+    /*
+     * length between both corners along the coordinate: the given length of the element if there is
+     * one, otherwise the straight distance of the corners
+     */
     const double length = pair->length > 0
                               ? pair->length
                               : vector_distance(pair->own->position, pair->other->position);

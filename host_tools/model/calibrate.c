@@ -21,9 +21,11 @@ static const double negligible = 1e-12;
  * over the eigenvalues.
  */
 typedef struct spectrum {
-    size_t pokes, actuators, outputs; /* measurements after their reduction (poke_reduction.h), at
-                                         most as many as actuators */
-    size_t measured;                  /* measurements before their reduction */
+    size_t pokes, actuators, outputs; /* pokes (shapes measured under known voltages) after
+                                         poke_reduction.h has combined them to at most as many as
+                                         there are actuators */
+    size_t measured;  /* pokes (shapes measured under known voltages) as they were measured, before
+                         they were combined to fewer ones */
     double rest;      /* sum of the squares of the shapes that no influence matrix explains */
     double *vector;   /* [measurements][measurements] eigenvectors of V V' as columns, where V
                          [measurements][actuators] holds the voltages of all measured shapes */

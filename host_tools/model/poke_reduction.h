@@ -15,19 +15,23 @@
 #include "pokes.h"
 
 typedef struct poke_reduction {
-    pokes pokes; /* reduced pokes (shapes measured under known voltages): voltages R and shapes X;
-                    the pokes themselves where there are no more of them than actuators */
+    pokes pokes; /* reduced pokes (shapes measured under known voltages), of which there are as many
+                    as actuators: voltages R and shapes X. Where there are no more pokes than
+                    actuators, the pokes themselves */
     size_t left; /* number of rows of `rest` and `extra`: number of pokes minus number of actuators,
                     or 0 */
-    const double *rest;  /* [left][outputs] matrix Y: rows of the transformed shapes that no
-                            influence matrix explains */
-    const double *extra; /* [left][extras] rows of the transformed regressors (further columns of
-                            poke_reduce) that the voltages do not explain */
+    const double *rest; /* [left][outputs] rows of the measured shapes, multiplied by the orthogonal
+                           matrix Q' that makes the voltages of these rows 0: no influence matrix
+                           can explain what is in them */
+    const double *extra; /* [left][extras] rows of the argument `regressor` of poke_reduce,
+                            multiplied by the same Q' as the shapes in `rest` */
     double *memory;      /* one allocation that holds the arrays of the reduction */
 } poke_reduction;
 
 /*
- * Reduce pokes by Householder reflections.
+ * Combine the pokes (shapes measured under known voltages) to at most as many as there are
+ * actuators, by Householder reflections: their product is the orthogonal matrix Q', which makes all
+ * further rows of the voltages 0.
  *   regressor [pokes][extras] in  further numbers of each poke, to which Q' is applied as to the
  *                                 shapes; NULL where extras is 0
  * Returns 0, or -1 where memory runs out. Call poke_reduction_free in either case.
