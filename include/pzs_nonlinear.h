@@ -153,8 +153,9 @@ typedef struct pzs_solver_state {
     pzs_real *input_value;      /* [inputs] present input values of the equilibrium solver, such as
                                    voltages */
     pzs_real (*resultant)[22];  /* [elements] stress resultants of each element, each times the area
-                                   of the element (N m): extrapolated during the iteration, those of
-                                   the displacement after convergence */
+                                   of the element (N m). During the iteration they are extrapolated
+                                   along the last increment of the displacement; after convergence
+                                   they are those of the displacement */
     pzs_real (*prescribed)[10]; /* [elements] stress resultants that the present input values
                                    prescribe (piezoelectric actuation, temperature), each times the
                                    area of the element (N m) */

@@ -131,7 +131,10 @@ static void build_electric(const scene_material *material, const scene_layer *la
 {
     const int poling = abs(layer->poling) - 1;
     const bool has_fingers = layer->finger_distance > 0;
-    /* Interdigitated electrodes cause a field along the poling, other electrodes along e3. */
+    /*
+     * Interdigitated electrodes cause a field along the poling, other electrodes along axis 3, the
+     * normal of the shell.
+     */
     const int axis = has_fingers ? poling : 2;
     const double distance = has_fingers ? layer->finger_distance : layer->thickness;
     const double share = layer->thickness / distance; /* area of the electrodes per surface area: 1

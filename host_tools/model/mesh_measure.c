@@ -100,7 +100,10 @@ static int solve_prepared(analysis *analysis, const int *branch, mesh_values *va
     return failed;
 }
 
-/* Prepare a scene and append the values of its outputs (solve_prepared). */
+/*
+ * Prepare the computation for a scene, compute its displacement as solve_prepared does, and append
+ * the values of the scene's outputs to `values`. Returns 0, or -1 with error filled.
+ */
 static int measure_outputs(const scene *scene, const int *branch, mesh_values *values, char *error)
 {
     analysis analysis;

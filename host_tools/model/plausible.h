@@ -126,8 +126,9 @@ void plausible_json(json *json, const plausible *warnings);
 
 /*
  * Return the largest absolute principal strain at the centres of the elements, on both faces, or
- * NAN where memory runs out. Rigid motions cause no strain; linear strains only to first order.
- *   is_linear in   whether the displacement is linear: linear strain, otherwise Green's strain
+ * NAN where memory runs out. Green's strain is 0 for every rigid motion, the linear strain only for
+ * small ones.
+ *   is_linear in   true: linear strain of a linear displacement; false: Green's strain
  *   where     out  index of the element with the largest strain
  */
 double plausible_strain(const mesh *mesh, const double *displacement, int is_linear, int *where);

@@ -26,8 +26,9 @@
  */
 #define ROUNDING_FACTOR 8
 /*
- * A voltage or limited sum of voltages counts as linearly independent of the active ones if its
- * pivot exceeds this multiple of pivot_rounding, the estimated rounding error of the pivots.
+ * A voltage or limited sum of voltages counts as linearly independent of those that are kept at a
+ * bound if its pivot exceeds this multiple of pivot_rounding, the estimated rounding error of the
+ * pivots.
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*

@@ -137,7 +137,8 @@ static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *cont
                                const pzs_real *wanted, const pzs_real *shown)
 {
     const pzs_real missed = project_misfit(control, optimiser->target_gradient, wanted, shown);
-    // Scale of the objective, |W (wanted - shape without voltages)|^2 (m2).
+    // Scale of the objective: weighted sum of the squared differences (m2) between the wanted shape
+    // and the shape without voltages.
     optimiser->target_energy =
         missed + control->state.base_energy +
         2 * pzs_product_dot(optimiser->base, optimiser->target_gradient, optimiser->width);

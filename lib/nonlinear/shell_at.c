@@ -37,8 +37,8 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 
 /*
  * Rows of the array of nodal strains (strains per unit of each nodal degree of freedom) to which
- * the seventh degree of freedom q of a node contributes. Row A12M is one of them because the
- * correction for warp adds transverse shear strains to it.
+ * the seventh degree of freedom q of a node contributes. The mean shear strain A12M is one of them
+ * because the correction for warp adds transverse shear strains to it.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
@@ -226,9 +226,9 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
     const pzs_real *w = type->warp, xi2 = mode_sign[1][node], xi1 = mode_sign[2][node];
-    // xi1 and xi2 are the element coordinates (1 or -1) of the node. In a linear mode, the strain
-    // of the node is the entry of `nodal` times xi1 or xi2; the factors w[1], w[2], w[6] and w[8]
-    // multiply such strains.
+    // The factors w[1], w[2], w[6] and w[8] belong to strains that vary linearly over the element.
+    // Each node contributes to such a strain its entry of `nodal` times its element coordinate xi1
+    // or xi2 (1 or -1).
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
     for (int i = NODE_DOF * node; i < NODE_DOF * (node + 1); i++)
