@@ -246,9 +246,10 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
     const pzs_real weight[4] = {(1 - along) * (1 - across), along * (1 - across), along * across,
                                 (1 - along) * across};
     const pzs_real(*corner)[3] = search->corner[1];
-    // The result is the sum of N d^2 / R, twice the depth to which the flat facet is expected to
-    // enter the body, because a body's gap function may exceed the true distance from the body.
-    // curvature_along returns about d^2 / R.
+    // curvature_along returns about d^2 / R for a corner at the distance d (m) from the point, with
+    // the body's radius of curvature R (m). The mean of this over the corners is twice the depth to
+    // which the flat facet is expected to enter the body. Twice the depth is allowed because a
+    // body's gap function may exceed the true distance from the body.
     pzs_real sag = 0, diagonal = 0;
     for (int index = 0; index < 4; index++) {
         const pzs_real offset[3] = {corner[index][0] - position[0], corner[index][1] - position[1],
