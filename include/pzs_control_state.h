@@ -373,6 +373,8 @@ typedef struct pzs_control_state {
                                 largest weighted norm of a column of the influence matrix (m/V) */
     bool is_paused; /* true while a fault detector measures the response to a test pulse: the ticks
                        of the loop then damp vibration, but do not follow target and loads */
+    bool is_stuck;  /* true while the supervisor finds all readings stuck: a vibration damper then
+                       ignores them until one of them changes */
     bool has_step_limits; /* whether a step limit (largest change of a voltage in a tick) is shorter
                              than the distance between the voltage limits of its input */
     pzs_control_behind behind;
@@ -738,6 +740,18 @@ typedef struct pzs_polarity_state {
 } pzs_polarity_state;
 
 /*
+ * State of the stuck monitor, with which the supervisor of a loop that damps vibration detects that
+ * all readings repeat although the structure should move.
+ */
+typedef struct pzs_stuck_state {
+    pzs_real *reference; /* [outputs] predicted shape when the last reading changed (m) */
+    uint32_t repeats; /* number of ticks in which all readings repeated; counts in a circle once the
+                         whole `reference` is stored */
+    uint32_t moved;   /* number of these ticks in which the predicted shape was far from
+                         `reference` */
+} pzs_stuck_state;
+
+/*
  * State of the divergence monitor, with which the supervisor of the loop detects a measured shape
  * that the model cannot explain.
  */
@@ -773,7 +787,9 @@ typedef struct pzs_monitor_state {
                            the vibration has fallen sets it to the number of ticks of a half period
                          */
     pzs_polarity_state polarity;
+    pzs_stuck_state stuck;
     bool is_opposed; /* whether the last tick found the structure moved against its prediction */
+    bool is_stuck;   /* whether the last tick found all readings stuck */
     bool is_first;   /* whether the last tick was the first one of a loop with a vibration damper */
     bool is_started;
 } pzs_monitor_state;

@@ -97,6 +97,9 @@ typedef struct pzs_loop_signals {
     pzs_real deviation; /* RMS amplitude by which the measured motion of the structure deviates from
                            the prediction of the model (m), for the divergence monitor of the
                            supervisor; negative: not computed in this tick */
+    bool is_repeated;   /* with a vibration damper: whether no reading differs from that of the last
+                           tick */
+    uint16_t delay;     /* with a vibration damper: age of the readings (ticks) */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block (stage of the control
                            tick) has returned in this tick */
     pzs_status status;  /* status of the tick after the stages that have run so far; the supervisor
@@ -597,6 +600,9 @@ typedef struct pzs_supervisor_info {
     bool is_opposed; /* whether the structure of a loop that damps vibration has moved against its
                         prediction since the last jump of the target, as with amplifiers of the
                         wrong polarity */
+    bool is_stuck;   /* whether all readings of a loop that damps vibration repeat although the
+                        voltages should have moved the structure, because sensors or amplifiers have
+                        stopped; the damper then ignores them (PZS_W_HELD) until one changes */
 } pzs_supervisor_info;
 
 typedef struct pzs_supervisor {
@@ -756,6 +762,7 @@ typedef struct pzs_damper_info {
     pzs_real innovation;
     int32_t where; /* index of the reading to which the last status of the vibration damper refers,
                       or -1 */
+    bool is_repeated; /* whether no usable reading differed from that of the last tick */
 } pzs_damper_info;
 
 typedef struct pzs_damper {

@@ -628,6 +628,10 @@ static const char *latch_cause(const loop *loop)
     if (supervisor->info.cause == PZS_EVENT_ALARM && supervisor->info.is_opposed)
         return "; cause: the structure moved against the shapes that the tables predict, as with "
                "reversed amplifiers; safety.selftest names reversed and swapped ones";
+    if (supervisor->info.cause == PZS_EVENT_TIMEOUT && supervisor->info.is_stuck)
+        return "; cause: all readings repeated, although the voltages should have moved the "
+               "structure, for safety.timeout ticks and more; shorten the events with stuck "
+               "sensors, or write a longer timeout";
     const char *cause = text[supervisor->info.cause];
     return cause ? cause : "";
 }

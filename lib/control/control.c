@@ -454,10 +454,11 @@ static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, 
 static uint32_t compare(const pzs_control *control, const pzs_real *measured, int32_t *where)
 {
     const uint32_t outputs = control->state.problem->outputs;
+    bool is_repeated = true;
     const sensor_check all = {outputs, control->state.predicted, control->state.measured,
                               control->state.disturbance, control->state.repeats};
     if (control->state.damping == NULL)
-        return pzs_sensor_check(&all, measured, where);
+        return pzs_sensor_check(&all, measured, where, &is_repeated);
     for (uint32_t i = 0; i < outputs; i++)
         control->state.disturbance[i] = measured[i] - control->state.predicted[i];
     return 0;

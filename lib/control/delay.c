@@ -149,7 +149,8 @@ static void correct(pzs_reading_delay_state *state, const pzs_real *readings)
     const sensor_check all = {(uint32_t)sensors, then, state->sensed, state->difference,
                               state->repeats};
     int32_t where;
-    (void)pzs_sensor_check(&all, readings, &where);
+    bool is_repeated = true;
+    (void)pzs_sensor_check(&all, readings, &where, &is_repeated);
     for (size_t i = 0; i < sensors; i++)
         state->corrected[i] = sensor_is_unusable(&state->repeats[i], readings[i])
                                   ? (pzs_real)NAN

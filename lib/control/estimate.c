@@ -117,9 +117,10 @@ pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs
     const sensor_check all = {tables->sensors, estimate->state.expected, estimate->state.sensed,
                               estimate->state.difference, estimate->state.repeats};
     int32_t where = -1;
+    bool is_repeated = true;
     pzs_product_matrix(estimate->state.expected, tables->direct,
                        estimate->state.control->state.voltage, tables->sensors, tables->inputs);
-    const uint32_t unusable = pzs_sensor_check(&all, sensed, &where);
+    const uint32_t unusable = pzs_sensor_check(&all, sensed, &where, &is_repeated);
     pzs_control_predict(estimate->state.control);
     pzs_product_matrix(shape, tables->gain, estimate->state.difference, tables->outputs,
                        tables->sensors);

@@ -17,11 +17,13 @@
  *
  * In a loop with a vibration damper, an implausible amplitude is an alarm only if it lasts for two
  * periods of the first mode and does not fall from one half period to the next, because several
- * shocks by loads may follow each other.
+ * shocks by loads may follow each other. A wrong polarity and sensors that are all stuck have
+ * monitors of their own (polarity.h, stuck.h).
  */
 #include <string.h>
 #include "monitor.h"
 #include "polarity.h"
+#include "stuck.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
@@ -93,6 +95,7 @@ void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t ou
     monitor->move = memory + 3u * (size_t)outputs;
     monitor->wanted = memory + 4u * (size_t)outputs;
     monitor->polarity.direction = monitor->move;
+    monitor->stuck.reference = monitor->predicted;
 }
 
 void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs)
@@ -175,7 +178,10 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
     monitor->later = 0;
     monitor->vibrating = 0;
     monitor->polarity.remaining = 0;
+    monitor->stuck.repeats = 0;
+    monitor->stuck.moved = 0;
     monitor->is_opposed = false;
+    monitor->is_stuck = false;
     monitor->fixed = count_fixed(signals);
     monitor->is_started = true;
 }
@@ -366,7 +372,7 @@ static bool moves_against(pzs_monitor_state *monitor, const pzs_supervision *tab
     const pzs_real *predicted = signals->control->info.predicted;
     const bool is_first = monitor->is_first;
     monitor->is_first = false;
-    if (has_jumped)
+    if (has_jumped || (signals->is_repeated && !is_first))
         return false;
     if (!is_first)
         return pzs_polarity_is_opposed(&monitor->polarity, predicted, signals->measured, outputs);
@@ -380,6 +386,7 @@ static uint32_t judge_modes(pzs_monitor_state *monitor, const pzs_supervision *t
 {
     const bool has_jumped = follow_modes(monitor, tables, signals);
     monitor->is_opposed = moves_against(monitor, tables, signals, has_jumped);
+    monitor->is_stuck = pzs_stuck_judge(&monitor->stuck, tables, signals, has_jumped);
     if (keeps_vibrating(monitor, tables))
         return tables->alarm_ticks + 1u;
     return monitor->is_opposed ? over + 1u : lowered(over);
@@ -391,6 +398,7 @@ uint32_t pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tab
     guard_repair_bool(&monitor->is_started);
     guard_repair_bool(&monitor->is_first);
     guard_repair_bool(&monitor->is_opposed);
+    guard_repair_bool(&monitor->is_stuck);
     const bool has_modes = !(signals->deviation < 0);
     const bool has_other_inputs = count_fixed(signals) / 2u != monitor->fixed / 2u;
     if (!monitor->is_started || is_damaged(monitor) || has_other_inputs) {

@@ -45,7 +45,8 @@ static bool is_stuck(const sensor_check *sensors, uint32_t i, pzs_real measured,
     return false;
 }
 
-uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where)
+uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where,
+                          bool *is_repeated)
 {
     const uint32_t count = sensors->count;
     const pzs_real *expected = sensors->expected;
@@ -59,6 +60,7 @@ uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured,
             last[i] = seen;
             all[i] = difference;
             repeats[i] = 0;
+            *is_repeated = false;
             continue;
         }
         if (is_missing || is_stuck(sensors, i, seen, difference, &most))

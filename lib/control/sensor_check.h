@@ -32,8 +32,10 @@ typedef struct sensor_check {
  * Update the differences between the measurements of a tick and the values that the model predicts.
  * Returns the number of rejected (missing or stuck) measurements; *where receives the index of the
  * first one, and stays unchanged if there is none.
+ *   is_repeated out  false if a measurement differs from that of the last tick; otherwise unchanged
  */
-uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where);
+uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where,
+                          bool *is_repeated);
 
 /* Return whether the last call of pzs_sensor_check rejected a measurement. */
 static inline bool sensor_is_unusable(const uint8_t *repeats, pzs_real measured)

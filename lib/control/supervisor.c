@@ -407,6 +407,7 @@ static void report(pzs_supervisor *supervisor)
     supervisor->info.remaining = core->remaining;
     supervisor->info.amplitude = supervisor->state.monitor.amplitude;
     supervisor->info.is_opposed = supervisor->state.monitor.is_opposed;
+    supervisor->info.is_stuck = supervisor->state.monitor.is_stuck;
     supervisor->info.threshold =
         pzs_monitor_threshold(&supervisor->state.monitor, supervisor->state.tables);
 }
@@ -452,6 +453,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     judge_readings(supervisor, signals);
     carry_out_command(supervisor, signals);
     judge_health(supervisor, signals);
+    signals->control->state.is_stuck = supervisor->state.monitor.is_stuck;
     const bool is_controlled = is_in_control(core->mode);
     if (!is_controlled) {
         follow_ramp(supervisor, signals);

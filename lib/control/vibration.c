@@ -307,7 +307,8 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
     const sensor_check all = {sensors, damper->state.predicted, damper->state.sensed, innovation,
                               damper->state.repeats};
     predict_readings(damper);
-    const uint32_t rejected = pzs_sensor_check(&all, readings, where);
+    damper->info.is_repeated = true;
+    const uint32_t rejected = pzs_sensor_check(&all, readings, where, &damper->info.is_repeated);
     const pzs_real energy = pzs_product_dot(innovation, innovation, sensors);
     const bool is_usable = rejected == 0 && energy <= DEVIATION_LIMIT * DEVIATION_LIMIT;
     return is_usable ? 0 : replace_unusable(damper, readings, where);
@@ -567,9 +568,12 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
     const pzs_vibration *tables = damper->state.tables;
     uint32_t unusable = tables->sensors;
     int32_t where = -1;
+    damper->info.is_repeated = false;
     advance(damper, false);
     if (readings != NULL)
         unusable = compare(damper, readings, &where);
+    if (damper->info.is_repeated && damper->state.control->state.is_stuck)
+        unusable = tables->sensors;
     if (unusable < tables->sensors)
         correct(damper);
     else
@@ -651,6 +655,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
         set_initial_state(damper);
     }
     signals->measured = shape;
+    signals->is_repeated = damper->info.is_repeated;
+    signals->delay = tables->delay;
     signals->deviation = PZS_SQRT(damper->info.deviation * damper->info.deviation +
                                   damper->info.innovation * damper->info.innovation);
     signals->where = damper->info.where;

@@ -445,6 +445,7 @@ void damped_loop_supervise(damped_loop *loop)
     const double goal = sqrt(squares / (double)structure->outputs);
     loop->supervision = (pzs_supervision){.inputs = loop->problem.inputs,
                                           .scene = loop->problem.scene,
+                                          .timeout = 100,
                                           .ramp_ticks = 50,
                                           .alarm_ticks = (uint16_t)fmax(20, ceil(period)),
                                           .park = loop->problem.reference_voltage,
@@ -479,6 +480,10 @@ void damped_loop_reset(damped_loop *loop, plant_error error)
     loop->is_silent = loop->is_blind = loop->is_held = false;
     loop->stuck_input = -1;
     loop->bad_sensor = -1;
+    loop->quantum = 0;
+    loop->stuck_sensors = 0;
+    loop->sensor_gain = 1;
+    loop->sensor_offset = 0;
     memset(loop->position, 0, structure->modes * sizeof *loop->position);
     memset(loop->velocity, 0, structure->modes * sizeof *loop->velocity);
     memset(loop->shape, 0, structure->outputs * sizeof *loop->shape);
@@ -543,16 +548,26 @@ void damped_loop_keep(damped_loop *loop)
            outputs * sizeof *loop->history);
 }
 
+/* Reading of a sensor that measures a displacement: with noise, converter steps and offset. */
+static double read_sensor(damped_loop *loop, double displacement, double goal)
+{
+    const double noise = loop->error.noise * goal * uniform(&loop->seed, -1.7, 1.7);
+    const double reading = loop->sensor_gain * displacement + loop->sensor_offset * goal + noise;
+    const double step = loop->quantum * goal;
+    return step > 0 ? step * floor(reading / step + 0.5) : reading;
+}
+
 /* Readings of `error.delay` ticks ago, with noise and faults. */
 static void read_plant(damped_loop *loop)
 {
     const size_t outputs = loop->structure->outputs;
     const int then = loop->tick > loop->error.delay ? loop->tick - loop->error.delay : 0;
     const double *old = loop->history + (size_t)(then % HISTORY) * outputs;
-    const double noise = loop->error.noise * largest_goal(loop->structure);
+    const double goal = largest_goal(loop->structure);
     for (size_t i = 0; i < loop->sensors; i++) {
-        loop->sensed[i] =
-            (pzs_real)(old[output_of(loop, i)] + noise * uniform(&loop->seed, -1.7, 1.7));
+        const double reading = read_sensor(loop, old[output_of(loop, i)], goal);
+        if (i >= loop->stuck_sensors)
+            loop->sensed[i] = (pzs_real)reading;
         if (loop->is_blind)
             loop->sensed[i] = (pzs_real)NAN;
         else if ((int)i == loop->bad_sensor)

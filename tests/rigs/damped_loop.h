@@ -97,6 +97,11 @@ typedef struct damped_loop {
     int stuck_input;             /* index of the electrode whose voltage stays; -1: none */
     int bad_sensor;              /* index of the sensor that reads bad_value; -1: none */
     double bad_value;
+    double quantum;       /* step of the sensors' converters, relative to the largest entry of the
+                             target; 0: none */
+    size_t stuck_sensors; /* number of sensors, from the first on, whose readings stay */
+    double sensor_gain, sensor_offset; /* readings = gain * displacement + offset * largest entry of
+                                          the target */
 } damped_loop;
 
 /*
@@ -114,7 +119,8 @@ void damped_loop_close(damped_loop *loop);
 /*
  * Give the loop a supervisor, from the next reset on, with the settings that `pzs tables` gives a
  * scene with this target: it tolerates sudden loads of 0.3 times the target and noise of 0.005
- * times, and its alarm takes a period of the first mode. It parks the voltages at 0.
+ * times, and its alarm takes a period of the first mode. After 100 ticks without readings, or an
+ * alarm, it parks the voltages at 0.
  */
 void damped_loop_supervise(damped_loop *loop);
 

@@ -1,7 +1,8 @@
 /*
- * The supervisor of a loop that damps vibration: amplifiers of the wrong polarity raise the alarm
- * soon, and structures that merely differ from their model raise none, whatever targets, loads,
- * impulses, hysteresis and single stuck electrodes do.
+ * The supervisor of a loop that damps vibration: amplifiers of the wrong polarity and sensors that
+ * are all stuck raise the alarm soon, and structures that merely differ from their model raise
+ * none, whatever targets, loads, impulses, hysteresis, converter steps and single stuck electrodes
+ * do.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -110,6 +111,149 @@ static void wrong_polarity_is_found(void **state)
     }
 }
 
+/* Distance of the shape from the target, relative to the goal. */
+static double shape_error(const damped_loop *d, const double *wanted)
+{
+    double sum = 0, all = 0;
+    for (size_t i = 0; i < d->structure->outputs; i++) {
+        sum += pow(d->shape[i] - wanted[i], 2);
+        all += pow(d->structure->goal[i], 2);
+    }
+    return sqrt(sum / all);
+}
+
+/* Set the target to a part of the goal. */
+static void scale_target(const damped_loop *d, double factor, double *wanted)
+{
+    for (size_t i = 0; i < d->structure->outputs; i++)
+        wanted[i] = factor * d->structure->goal[i];
+}
+
+/*
+ * Let all readings stick just before the target jumps from half of the goal to another part of it.
+ * Returns the number of ticks from the jump to the first one that ignores the readings.
+ *   worst out  largest error of the shape until the end of control, relative to the jump
+ */
+static int ticks_to_hold(damped_loop *d, plant_error error, double after, double *worst)
+{
+    const int settled = 6 * d->supervision.alarm_ticks;
+    double *wanted = calloc(d->structure->outputs, sizeof *wanted);
+    int tick = 0, held = 0;
+    assert_non_null(wanted);
+    damped_loop_reset(d, error);
+    *worst = 0;
+    while (!is_stopped(d) && tick < 3 * settled) {
+        scale_target(d, tick < settled ? 0.5 : after, wanted);
+        if (tick == settled - 5)
+            d->stuck_sensors = d->sensors;
+        if (damped_loop_tick(d, wanted) == PZS_W_HELD && held == 0)
+            held = tick;
+        if (tick >= settled)
+            *worst = fmax(*worst, shape_error(d, wanted) / fabs(after - 0.5));
+        tick++;
+    }
+    free(wanted);
+    return held - settled;
+}
+
+/*
+ * Law: where all readings stick before the target jumps by 0.5 or 1 of the goal, the loop ignores
+ * them within a period of the first mode, and the supervisor ends control after its time-out and
+ * names the fault. Until then the shape is never further from the target than at the jump, but for
+ * an overshoot of 10 %.
+ */
+static void stuck_sensors_are_found(void **state)
+{
+    static const double play[] = {0, 0.1, 0.3}, after[] = {1, 0, -0.5};
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        damped_loop d;
+        int latest = 0;
+        double most = 0, worst;
+        open_structure(&s, &structures[k]);
+        damped_loop_open(&d, &s, structures[k].interval, s.limit / 15, 1, NULL, 0, &settings);
+        damped_loop_supervise(&d);
+        for (int i = 0; i < 9; i++) {
+            const plant_error error = {1, 1, 1, 1, play[i % 3], 0, 1e-4};
+            const int ticks = ticks_to_hold(&d, error, after[i / 3], &worst);
+            const pzs_supervisor *supervisor = pzs_loop_find(&d.loop, &pzs_supervisor_block);
+            assert_true(is_stopped(&d) && supervisor->info.cause == PZS_EVENT_TIMEOUT);
+            assert_true(supervisor->info.is_stuck);
+            assert_in_range(ticks, 1, d.supervision.alarm_ticks);
+            latest = ticks > latest ? ticks : latest;
+            most = fmax(most, worst);
+        }
+        print_message("%s: held after %d ticks at most, period %d, error %.2f jumps\n",
+                      structures[k].name, latest, d.supervision.alarm_ticks, most);
+        assert_true(most <= 1.1);
+        damped_loop_close(&d);
+        structure_close(&s);
+    }
+}
+
+/*
+ * Law: readings that repeat to the bit because nothing moves raise no alarm: neither with a target
+ * of zero nor after the structure has come to rest at the goal, without noise, and with steps of
+ * the converters of 0, 0.001 and 0.03 of the goal.
+ */
+static void resting_loops_raise_no_alarm(void **state)
+{
+    static const double quantum[] = {0, 1e-3, 0.03};
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        damped_loop d;
+        open_structure(&s, &structures[k]);
+        damped_loop_open(&d, &s, structures[k].interval, s.limit / 15, 1, NULL, 0, &settings);
+        damped_loop_supervise(&d);
+        double *wanted = calloc(s.outputs, sizeof *wanted);
+        assert_non_null(wanted);
+        for (int i = 0; i < 6; i++) {
+            damped_loop_reset(&d, EXACT_PLANT);
+            d.quantum = quantum[i / 2];
+            scale_target(&d, i % 2, wanted);
+            for (int tick = 0; tick < RUN_TICKS; tick++)
+                (void)damped_loop_tick(&d, wanted);
+            assert_int_equal(mode_of(&d), PZS_MODE_RUNNING);
+        }
+        free(wanted);
+        damped_loop_close(&d);
+        structure_close(&s);
+    }
+}
+
+/*
+ * Law: a loop whose readings change again before the time-out goes on, and reaches the best shape.
+ */
+static void readings_return(void **state)
+{
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    modal_structure s;
+    damped_loop d;
+    open_structure(&s, &structures[0]);
+    damped_loop_open(&d, &s, structures[0].interval, s.limit / 15, 1, NULL, 0, &settings);
+    damped_loop_supervise(&d);
+    damped_loop_reset(&d, EXACT_PLANT);
+    int held = 0;
+    for (int tick = 0; tick < RUN_TICKS; tick++) {
+        d.stuck_sensors = tick < 100 ? d.sensors : 0;
+        held += damped_loop_tick(&d, s.goal) == PZS_W_HELD;
+    }
+    assert_in_range(held, 10, 99);
+    assert_int_equal(mode_of(&d), PZS_MODE_RUNNING);
+    double *best = calloc(s.outputs, sizeof *best);
+    assert_non_null(best);
+    damped_loop_optimum(&d, s.goal, best);
+    assert_true(damped_loop_distance(&d, best) < 0.01);
+    free(best);
+    damped_loop_close(&d);
+    structure_close(&s);
+}
+
 /* Course of a run of a loop without faults: target, load, ticks of their next jumps. */
 typedef struct course {
     unsigned seed;
@@ -180,6 +324,15 @@ static plant_error random_plant(course *c, int delay)
                          1e-4};
 }
 
+/* Let sensors of half of the runs round, to steps of up to 0.01 of the target, without noise. */
+static void set_converters(damped_loop *d, course *c)
+{
+    if (uniform(&c->seed, 0, 1) < 0.5)
+        return;
+    d->error.noise = 0;
+    d->quantum = pow(10, uniform(&c->seed, -5, -2));
+}
+
 /* Run a healthy loop. Returns the tick of an alarm, or 0. */
 static int run_healthy(damped_loop *d, unsigned seed, int delay)
 {
@@ -187,6 +340,7 @@ static int run_healthy(damped_loop *d, unsigned seed, int delay)
     course c = {.seed = seed, .wanted = calloc(s->outputs, sizeof(double))};
     assert_non_null(c.wanted);
     damped_loop_reset(d, random_plant(&c, delay));
+    set_converters(d, &c);
     const int fails = uniform(&c.seed, 0, 1) < 0.5 ? RUN_TICKS / 2 : RUN_TICKS;
     const int which = (int)uniform(&c.seed, 0, (double)s->inputs),
               period = d->supervision.alarm_ticks;
@@ -233,7 +387,9 @@ static void healthy_loops_raise_no_alarm(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_polarity_is_found),
-                                       cmocka_unit_test(healthy_loops_raise_no_alarm)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(wrong_polarity_is_found), cmocka_unit_test(stuck_sensors_are_found),
+        cmocka_unit_test(readings_return), cmocka_unit_test(resting_loops_raise_no_alarm),
+        cmocka_unit_test(healthy_loops_raise_no_alarm)};
     return cmocka_run_group_tests_name("polarity", tests, NULL, NULL);
 }
