@@ -234,6 +234,9 @@ static double tolerated_unit(const design *design)
     return reachable > 0 ? fmin(target, reachable) : target;
 }
 
+/* Largest factor by which the tolerated effect of target changes decays in a tick. */
+static const double slowest_fading = 0.99999;
+
 /*
  * Make the tables of the supervisor, the block (stage of a control tick) that monitors the loop.
  * Unit W: tolerated_unit.
@@ -241,7 +244,8 @@ static double tolerated_unit(const design *design)
  *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
  *   fading       factor per tick of the tolerated effect of earlier target changes: 1/e in two
  *       periods of the first vibration mode, or in more, so that no storm of the certificate raises
- *       an alarm; 1/e in 50 ticks without a vibration model
+ *       an alarm; where no mode is observed, as slowly as the damper follows static errors of the
+ *       model, which until then look like a vibration; 1/e in 50 ticks without a vibration model
  *   alarm_ticks number of implausible ticks until an alarm: a period of the first vibration mode,
  *       at least 20 (for vibration twice as many)
  */
@@ -260,6 +264,8 @@ static const void *supervision_tables(loop_blocks *blocks)
                                 .fading = 0.98,
                                 .noise = fmax(design->simulate.noise, 0.005 * wanted),
                                 .load = fmax(0.3 * wanted, loop_loaded_rms(design))};
+    if (blocks->damper->is_used && blocks->damper->modes == 0)
+        tables->fading = fmin(1 - (double)blocks->damper->tables.slow, slowest_fading);
     if (blocks->damper->is_used && blocks->damper->modes > 0) {
         const double period = blocks->damper->rate / blocks->damper->frequency[0];
         tables->fading = exp(-1 / (blocks->damper->fading_periods * period));
