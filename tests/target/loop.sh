@@ -91,7 +91,7 @@ loop_sparse() {
 if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     loop double
     tap $? 'the loop in double'
-    [ "$(count "$scratch/double.json" found)" = 2 ]
+    [ "$(count "$scratch/double.json" detected)" = 2 ]
     tap $? 'both dead electrodes are found'
     board mps2-an500 double
     board netduinoplus2 netduinoplus2
