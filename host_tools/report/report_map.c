@@ -77,6 +77,14 @@ void shell_find_plans(shell *map)
     }
 }
 
+/* Margin on both sides of the text of a voltage, together, in pixels. */
+enum { MARGIN = 6 };
+
+/* Space for the text of a voltage in the picture: middle, width and height in pixels. */
+typedef struct text_room {
+    double middle[2], width, height;
+} text_room;
+
 /*
  * An electrode that is drawn on a map: a patch of whole elements, or an electrode of arbitrary
  * outline.
@@ -87,8 +95,15 @@ typedef struct electrode {
     const scene_patches *patches;
     int index; /* index of the electrode in its grid of patches or in its list of outlines */
     double low[2], high[2], area; /* bounding box (low, high) and area of the electrode in pixels */
-    bool is_hollow; /* whether the middle of the bounding box lies outside the patch, as of a ring
-                     */
+    bool is_hollow;   /* whether the middle of the bounding box lies outside the electrode, as of a
+                         ring */
+    int sides;        /* number of outer sides of a hollow patch of whole elements */
+    int pieces;       /* number of the electrode's parts, each of which lies in one element */
+    int tried;        /* number of parts that the search for the space of a text has passed */
+    double place[2];  /* a point of the picture (pixels) */
+    double clearance; /* its distance from the border of the electrode (pixels) */
+    double radius;    /* largest of these distances so far (pixels) */
+    text_room room;
 } electrode;
 
 /*
@@ -134,6 +149,7 @@ static void measure_piece(void *context, int element, const double (*natural)[2]
         }
     }
     electrode->area += fabs(twice) / 2;
+    electrode->pieces++;
 }
 
 /* Call a function for all parts of an electrode, or of its border (is_border). */
@@ -149,34 +165,113 @@ static void each_piece(electrode *electrode, bool is_border, piece_function *fun
             function(electrode, k, square, 4);
 }
 
-/*
- * Return the distance of a point of the picture from the outer sides of a mesh, which
- * shell_outer_sides has found; negative for a point outside.
- */
-static double clearance(const shell *part, int sides, const double at[2])
+/* Note that an electrode is not hollow if its part in one element contains the point `place`. */
+static void find_inside(void *context, int element, const double (*natural)[2], size_t count)
 {
-    double least = HUGE_VAL;
+    electrode *electrode = context;
+    const double *place = electrode->place;
     bool is_inside = false;
-    for (int k = 0; k < sides; k++) {
-        double end[2][2];
-        shell_outer_side(part, k, end);
-        const double along[2] = {end[1][0] - end[0][0], end[1][1] - end[0][1]};
-        const double from[2] = {at[0] - end[0][0], at[1] - end[0][1]};
-        const double square = along[0] * along[0] + along[1] * along[1];
-        const double share =
-            fmin(fmax((from[0] * along[0] + from[1] * along[1]) / square, 0), square > 0);
-        least = fmin(least, hypot(from[0] - share * along[0], from[1] - share * along[1]));
-        if ((end[0][1] > at[1]) != (end[1][1] > at[1]) && from[0] < from[1] * along[0] / along[1])
+    for (size_t k = 0; k < count; k++) {
+        double from[2], to[2];
+        corner_at(electrode, element, natural[k], from);
+        corner_at(electrode, element, natural[(k + 1) % count], to);
+        const double rise = to[1] - from[1], run = to[0] - from[0];
+        if ((from[1] > place[1]) != (to[1] > place[1]) &&
+            place[0] - from[0] < (place[1] - from[1]) * run / rise)
             is_inside = !is_inside;
     }
-    return is_inside ? least : -least;
+    electrode->is_hollow = electrode->is_hollow && !is_inside;
 }
 
-/* Prepare the drawing of an electrode: find its elements, bounding box and area. */
+/* Lower the clearance of an electrode to the distance of `place` from a part of its border. */
+static void approach(electrode *electrode, const double from[2], const double to[2])
+{
+    const double along[2] = {to[0] - from[0], to[1] - from[1]};
+    const double reach[2] = {electrode->place[0] - from[0], electrode->place[1] - from[1]};
+    const double square = along[0] * along[0] + along[1] * along[1];
+    const double dot = reach[0] * along[0] + reach[1] * along[1];
+    const double share = square > 0 ? fmin(fmax(dot / square, 0), 1) : 0;
+    electrode->clearance =
+        fmin(electrode->clearance, hypot(reach[0] - share * along[0], reach[1] - share * along[1]));
+}
+
+/* Lower the clearance of an electrode to the distance of `place` from its border in an element. */
+static void approach_piece(void *context, int element, const double (*natural)[2], size_t count)
+{
+    double from[2], to[2];
+    for (size_t k = 0; k + 1 < count; k++) {
+        corner_at(context, element, natural[k], from);
+        corner_at(context, element, natural[k + 1], to);
+        approach(context, from, to);
+    }
+}
+
+/*
+ * Make the circle around a point the space for the text of an electrode, if no circle inside the
+ * electrode was larger so far.
+ */
+static void try_place(electrode *electrode, int element, const double natural[2])
+{
+    corner_at(electrode, element, natural, electrode->place);
+    electrode->clearance = HUGE_VAL;
+    for (int k = 0; k < electrode->sides; k++) {
+        double end[2][2];
+        shell_outer_side(&electrode->part, k, end);
+        approach(electrode, end[0], end[1]);
+    }
+    if (electrode->patches->outlines)
+        each_piece(electrode, true, approach_piece);
+    const double radius = electrode->clearance;
+    if (!isfinite(radius) || radius <= electrode->radius)
+        return;
+    electrode->radius = radius;
+    /* A text of five digits, whose width is three times its font size, fits into the circle. */
+    electrode->room = (text_room){
+        {electrode->place[0], electrode->place[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
+}
+
+/* Try the middle and the first corner of one of some parts of an electrode (try_place). */
+static void try_piece(void *context, int element, const double (*natural)[2], size_t count)
+{
+    enum { PLACES = 100 };
+    electrode *electrode = context;
+    double middle[2] = {0, 0};
+    if (electrode->tried++ % (1 + electrode->pieces / PLACES) != 0)
+        return;
+    for (size_t k = 0; k < 2 * count; k++)
+        middle[k % 2] += natural[k / 2][k % 2] / (double)count;
+    try_place(electrode, element, middle);
+    try_place(electrode, element, natural[0]);
+}
+
+/*
+ * Find the space for text in an electrode: its mean width and height, around the middle of its
+ * bounding box. In a hollow electrode, such as a ring, the space is the largest circle, around the
+ * middle or a corner of the electrode's part in an element, that its border does not cross.
+ */
+static void find_room(electrode *electrode)
+{
+    const double *low = electrode->low, *high = electrode->high;
+    for (int i = 0; i < 2; i++)
+        electrode->place[i] = electrode->room.middle[i] = (low[i] + high[i]) / 2;
+    electrode->room.width = electrode->area / (high[1] - low[1]);
+    electrode->room.height = electrode->area / (high[0] - low[0]);
+    electrode->is_hollow = true;
+    each_piece(electrode, false, find_inside);
+    if (!electrode->is_hollow)
+        return;
+    electrode->sides = electrode->patches->outlines ? 0 : shell_outer_sides(&electrode->part);
+    each_piece(electrode, false, try_piece);
+}
+
+/* Prepare the drawing of an electrode: find its elements, bounding box, and space for text. */
 static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
 {
-    electrode electrode = {*map, patches, index, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL},
-                           0,    false};
+    electrode electrode = {.part = *map,
+                           .patches = patches,
+                           .index = index,
+                           .low = {HUGE_VAL, HUGE_VAL},
+                           .high = {-HUGE_VAL, -HUGE_VAL}};
     design_part found;
     if (!patches->outlines) {
         electrode.part.cell = map->cell + map->cells;
@@ -187,12 +282,7 @@ static electrode open_electrode(const shell *map, const scene_patches *patches, 
                        sizeof *map->cell);
     }
     each_piece(&electrode, false, measure_piece);
-    if (!patches->outlines) {
-        const double middle[2] = {(electrode.low[0] + electrode.high[0]) / 2,
-                                  (electrode.low[1] + electrode.high[1]) / 2};
-        const int sides = shell_outer_sides(&electrode.part);
-        electrode.is_hollow = sides > 0 && clearance(&electrode.part, sides, middle) < 0;
-    }
+    find_room(&electrode);
     return electrode;
 }
 
@@ -206,46 +296,6 @@ static void draw_pieces(electrode *electrode, bool is_border, const char *style)
     draw_path(electrode->part.file, style);
     each_piece(electrode, is_border, draw_piece);
     draw_path_end(electrode->part.file);
-}
-
-/* Space for the text of a voltage in the picture: middle, width and height in pixels. */
-typedef struct text_room {
-    double middle[2], width, height;
-} text_room;
-
-/* Margin on both sides of the text of a voltage, together, in pixels. */
-enum { MARGIN = 6 };
-
-/*
- * Return the space for text in an electrode: its mean width and height, around the middle of its
- * bounding box. If that middle lies outside a patch, as of a ring, the space is in the circle
- * around the centre or the first corner of some element that is farthest from the patch's border.
- */
-static text_room room_of(const electrode *electrode)
-{
-    enum { PLACES = 200 };
-    const double *low = electrode->low, *high = electrode->high;
-    const double width = high[0] - low[0], height = high[1] - low[1];
-    const int cells = electrode->part.cells;
-    double radius = 0;
-    text_room room = {{low[0] + width / 2, low[1] + height / 2},
-                      electrode->area / height,
-                      electrode->area / width};
-    if (!electrode->is_hollow)
-        return room;
-    const int sides = shell_outer_sides(&electrode->part);
-    for (int k = 0; k < 2 * cells; k += 1 + 2 * cells / PLACES) {
-        const double share[2] = {k % 2 / 2.0, k % 2 / 2.0};
-        double at[2];
-        shell_inside(&electrode->part, k / 2, share, at);
-        const double clear = clearance(&electrode->part, sides, at);
-        if (clear <= radius)
-            continue;
-        radius = clear;
-        /* A text of five digits, whose width is three times its font size, fits into the circle. */
-        room = (text_room){{at[0], at[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
-    }
-    return room;
 }
 
 void shell_extend(draw_scale *scale, const design *design, const double *value)
@@ -349,9 +399,8 @@ static void draw_actuator(const shell *map, const scene_actuator *actuator,
         const scene_drive *drive = &actuator->drive[k / count];
         electrode electrode = open_electrode(map, &map->design->patches[drive->patches], k % count);
         const drawn drawn = drawn_of(map->file, map->design, set, actuator->first + k % count);
-        const text_room room = room_of(&electrode);
         if (is_text)
-            write_voltage(&drawn, &room);
+            write_voltage(&drawn, &electrode.room);
         else
             draw_electrode(&electrode, &drawn);
     }

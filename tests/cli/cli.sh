@@ -516,6 +516,8 @@ check 'report: an electrode that closes on itself is drawn' $?
 run 0 shape "$dir/wide-rings.yaml" --set patches.p.grid=[4,1] --limit 8 --report "$dir/wide.html" && law wide.html over && law wide.html value v_4_1 &&
     law wide.html ring v_1_1 && law wide.html ring v_2_1 && law wide.html ring v_3_1 && law wide.html ring v_4_1
 check 'report: the voltages of rings are written inside them, over all patches' $?
+run 0 shape "$dir/wide-rings.yaml" --set 'patches=[{name: p, layer: back, plane: xy, outlines: [{rings: {radii: [0.01, 0.02, 0.03, 0.04], sectors: [1, 1, 1]}}]}]' --limit 8 --report "$dir/wide.html" &&
+    law wide.html over && law wide.html apart 3; check 'report: the voltages of rings of any outline are written apart' $?
 law s.html value ring && law s.html text '3.372 nm' '9.434 nm' 'rings <of> tests & co' "full of < > & \" '" 'm < & s' 'l<1>' 'w<&>'; check 'report: a value at its limit is written; markup in names is text' $?
 run 0 shape heated-patches --report "$dir/s.html" --svg "$dir/s.svg" && grep -q '^  temperatures  *limits (K)' "$dir/out" &&
     law s.html xml && law s.svg xml && law s.html text 'Temperatures by amplifier' 'Largest temperature' '7.246 K' '± 50 K' && ! law s.html text '7.246 V' && ! law s.html text '50 V' && law s.svg text 'Temperatures of the amplifiers' 'heat_3_1: 7.246 K'

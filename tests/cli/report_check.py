@@ -6,6 +6,7 @@
   text WORD...   the page's text holds each word, after its markup is read
   ring NAME      the elements of the patch of the amplifier NAME cover the area between two circles, its voltage is inside
   over           voltages in a picture are written over the patches, never under them
+  apart COUNT    COUNT voltages are written in a picture, and no two of them overlap
   value NAME     the patch of the amplifier NAME has its value written, and the mark of an active limit
   uniform        neighbouring colours of each scale are equally far apart in the OKLab space, within a factor of 1.6
   contrast       the text colours stand out from their backgrounds by 4.5 at least, in light and in dark
@@ -133,6 +134,19 @@ def law_value(page, name):
     assert any(abs(float(text.replace('−', '-')) - float(value.replace('−', '-'))) <= 0.5 for text in shown), (shown, value)
 
 
+def law_apart(page, count):
+    """The voltages of one picture lie apart: no two texts overlap."""
+    pictures = [[e for e in tree.fromstring(p).iter() if e.tag.endswith('text') and len(e) and e[0].tag.endswith('title')] for p in svgs(page)]
+    texts = max(pictures, key=len)
+    assert len(texts) == int(count), len(texts)
+    box = [(float(e.get('x')), float(e.get('y')), float(e.get('style').split(':')[1].rstrip('px')), len(e.text)) for e in texts]
+    for k, one in enumerate(box):
+        for other in box[:k]:
+            size = (one[2] + other[2]) / 2
+            apart = abs(one[0] - other[0]) > .3 * (one[2] * one[3] + other[2] * other[3]) or abs(one[1] - other[1]) > .7 * size
+            assert apart, f'two voltages overlap: {one}, {other}'
+
+
 def linear(channel):
     return channel / 12.92 if channel <= .04045 else ((channel + .055) / 1.055) ** 2.4
 
@@ -182,7 +196,7 @@ def law_contrast(page):
 def main():
     path, law, *arguments = sys.argv[1:]
     page = open(path, encoding='utf-8').read()
-    {'xml': law_xml, 'text': law_text, 'ring': law_ring, 'over': law_over, 'value': law_value, 'uniform': law_uniform,
+    {'xml': law_xml, 'text': law_text, 'ring': law_ring, 'over': law_over, 'apart': law_apart, 'value': law_value, 'uniform': law_uniform,
      'contrast': law_contrast}[law](page, *arguments)
 
 
