@@ -22,8 +22,8 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
 
 /*
  * Thinness and irregularity of an element in a mesh of quadrilaterals, and three numbers that
- * follow from both. bubble_share reduces the shear flexibility of the element, and asymptotic
- * corrects its shear strain 12. A mesh with an element whose lock is too large is refused.
+ * follow from both: two of them change the stiffness of the element, and one estimates how much too
+ * stiff it is.
  */
 typedef struct quad_rule {
     double thinness;     /* thinness of the element (dimensionless): largest of its curvatures times

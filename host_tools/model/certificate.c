@@ -103,12 +103,14 @@ static void add_driven(const transition *transition, double *row, size_t i, doub
 }
 
 /*
- * Fill the two rows of vibration mode i in the transition matrix for the states e and p. At the
- * tick the equilibrium moves by `change`; then the mode vibrates freely until the next tick:
+ * Fill two rows of vibration mode i in the transition matrix: those of e, the deviation of its
+ * modal coordinate from equilibrium, and of p, its modal velocity divided by the angular frequency.
+ * At the tick the equilibrium moves by `change`; then the mode vibrates freely until the next tick:
  *   e' = turn[0] (e - change) + turn[1] p
  *   p' = turn[2] (e - change) + turn[3] p
  *   turn    2 x 2 propagator of free vibration over a tick interval
- *   change  static coordinate after the tick minus that before, times conditions->gain
+ *   change  static coordinate (modal coordinate in equilibrium) after the tick minus that before,
+ *           times conditions->gain
  */
 static void fill_vibration(const transition *transition, size_t i, const double turn[4])
 {
@@ -127,10 +129,11 @@ static void fill_vibration(const transition *transition, size_t i, const double 
 }
 
 /*
- * Fill the rows of vibration mode i in the transition matrix for the states other than e and p: h
- * for the newest measurement; h for `delay` older measurements, each taken over from the state that
- * was one tick newer; and, if the amplifiers lag, the static coordinates under their output
- * voltages and under their mean output voltages.
+ * Fill those rows of vibration mode i in the transition matrix whose states are static coordinates
+ * of the mode, its modal coordinates in equilibrium under certain voltages:
+ *   - the controller's corrections for the newest measurement and for `delay` older ones; each row
+ *     for an older measurement copies the state of the next newer one
+ *   - if the amplifiers lag, their output voltages and their mean output voltages
  */
 static void fill_memory(const transition *transition, size_t i)
 {

@@ -30,10 +30,11 @@ typedef struct estimate {
     /* [TRENDS][rows] orthonormal vectors of constant and drift; zeros where voltages explain them
      */
     double *trend;
-    double scale[TRENDS]; /* component of each trend (constant, number of the measurement) along its
-                             own vector in `trend`; 0: the measurements do not determine it */
-    double mixed; /* component of the second trend, the number of the measurement, along the vector
-                     of the constant */
+    double scale[TRENDS]; /* component of each trend along its own vector in `trend`: of the
+                             constant, and of the linear drift (number of the measurement); 0: the
+                             measurements do not determine it */
+    double mixed; /* the numbers of the measurements (0, 1, 2 ...) are a linear trend: component of
+                     this trend along the vector of the constant in `trend` */
     double *before; /* [rows][outputs] shapes that the influence matrix predicts for the voltages of
                        the preceding measurements, without the parts that the trends (constant
                        offset and linear drift) explain */
