@@ -25,7 +25,7 @@
 #include <string.h>
 #include "hysteresis.h"
 #include "control.h"
-#include "step_bounds.h"
+#include "effect_range.h"
 #include "scrub.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
@@ -725,16 +725,8 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
 static bool set_range(pzs_compensator *compensator, const pzs_control *control, uint32_t k,
                       pzs_real given)
 {
-    const pzs_real lower = control->state.lower[k], upper = control->state.upper[k];
-    const pzs_real down = step_down(given, control->state.step_limit[k]);
-    const pzs_real up = step_up(given, control->state.step_limit[k]);
-    const pzs_real low = down > lower ? down : lower;
-    const pzs_real high = up < upper ? up : upper;
-    const bool overlaps = low <= high;
-    const pzs_real limit = given < lower ? lower : upper;
-    compensator->state.lower[k] = overlaps ? low : limit;
-    compensator->state.upper[k] = overlaps ? high : limit;
-    return overlaps;
+    return effect_set_range(control, k, given, &compensator->state.lower[k],
+                            &compensator->state.upper[k]);
 }
 
 /*
@@ -756,13 +748,6 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 }
 
 /*
- * A change of the effect (voltage that would move the structure as far without hysteresis) of an
- * input since the controller last predicted the shape counts as a rounding error if it is at most
- * this multiple of the machine epsilon times the largest voltage.
- */
-#define ROUNDING 256
-
-/*
  * Replace the controller's voltages of the last tick, from which it starts, by their effects. The
  * effect of a voltage is the voltage that would move the structure as far without hysteresis and
  * creep (V).
@@ -778,14 +763,9 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
     for (uint32_t k = 0; k < tables->inputs && is_known; k++) {
         const size_t set = set_of(tables, k);
         const pzs_real size = number_absolute(tables->middle[set]) + tables->half_range[set];
-        is_known = number_absolute(effect[k] - base[k]) <= ROUNDING * PZS_EPSILON * size;
+        is_known = number_absolute(effect[k] - base[k]) <= EFFECT_ROUNDING * PZS_EPSILON * size;
     }
-    for (uint32_t k = 0; k < tables->inputs; k++)
-        control->state.voltage[k] = is_known ? base[k] : effect[k];
-    if (!is_known)
-        pzs_control_moved(control);
-    control->state.has_step_limits = false;
-    pzs_control_share_bounds(&control->state.optimiser, control);
+    effect_take(control, effect, is_known);
 }
 
 /*
