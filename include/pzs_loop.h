@@ -92,8 +92,13 @@ typedef struct pzs_loop_signals {
                                             not compensate hysteresis */
     bool has_inverse; /* during the initialisation of the loop: whether pzs_inverse_block, the
                          second stage of the compensation of hysteresis, is in its list of blocks */
-    uint32_t missed;  /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
-                       */
+    /*
+     * Actuator curves of the loop: during the initialisation, those of pzs_curve_inverse_block;
+     * during a tick, those by which pzs_curve_block has replaced voltages by effects. NULL: none.
+     */
+    const struct pzs_actuator_curves *curves;
+    uint32_t missed; /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
+                      */
     pzs_real deviation; /* RMS amplitude by which the measured motion of the structure deviates from
                            the prediction of the model (m), for the divergence monitor of the
                            supervisor; negative: not computed in this tick */
@@ -1092,6 +1097,80 @@ extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_compensator)) +                                             \
                 (4u + (size_t)(plays) + (size_t)(creeps)) * (size_t)(inputs) * sizeof(pzs_real))
 #define PZS_INVERSE_BLOCK_BYTES(inputs) (0u * (size_t)(inputs) * sizeof(pzs_real))
+
+/* ---- actuators that are not linear (lib/control/actuator_curve.c) ------- */
+
+/* Largest number of points of an actuator curve. */
+#define PZS_CURVE_POINTS 128u
+
+/*
+ * Curves of actuators whose displacement is not proportional to their voltage v. The effect e of an
+ * actuator is the function of its voltage to which its displacement is proportional, in any unit;
+ * the influence matrix is the displacement per unit of effect. Between two points (v0, e0) and (v1,
+ * e1) of a curve
+ *
+ *   e = e0 + (e1 - e0) t (1 - b (1 - t)),  t = (v - v0) / (v1 - v0),  with the bend b
+ *
+ * A measured curve has the bend 0, which gives straight lines. The square e = v^2 of an
+ * electrostatic actuator has two points, at its voltage limits v0 >= 0 and v1, and the bend
+ * (v1 - v0) / (v1 + v0). All arrays are const and may stay in flash.
+ */
+typedef struct pzs_actuator_curves {
+    uint32_t format, scene; /* format: format number of the actuator curves; scene: hash of the
+                               scene file from which `pzs tables` generated them, equal to the hash
+                               in the controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the actuator curves and their arrays, computed by
+                               pzs_actuator_curves_seal */
+    uint16_t inputs;
+    uint16_t sets;   /* number of actuator curves: 1 for all actuators together, otherwise one for
+                        each input */
+    uint16_t points; /* number of points of each actuator curve, from 2 to PZS_CURVE_POINTS */
+    const pzs_real *voltage; /* [curves: 1 or inputs][points] voltages of the points of an actuator
+                                curve, ascending; the first is at most the lower voltage limit and
+                                the last at least the upper one (V) */
+    const pzs_real *effect;  /* [curves: 1 or inputs][points] effects at the points of an actuator
+                                curve, ascending; the displacement of an actuator is proportional to
+                                its effect */
+    const pzs_real *bend; /* [curves: 1 or inputs][points - 1] bends of the segments of an actuator
+                             curve, from -1 to 1 (dimensionless); NULL: all are 0 */
+} pzs_actuator_curves;
+
+/*
+ * Write the format number and the checksum into actuator curves that a firmware has built itself.
+ * Errors: PZS_E_ARGUMENT.
+ */
+pzs_status pzs_actuator_curves_seal(pzs_actuator_curves *tables);
+
+/* Memory of pzs_curve_block, returned by pzs_loop_find. */
+typedef struct pzs_actuator_effects {
+    const pzs_real *effect; /* [inputs] effects of the voltages from which the last tick started, to
+                               which the displacements of the actuators are proportional */
+} pzs_actuator_effects;
+
+/*
+ * Control of actuators that are not linear, by two blocks (stages of the control tick) with common
+ * tables pzs_actuator_curves.
+ *
+ *   - pzs_curve_block, in PZS_PHASE_READINGS and first in the list, replaces the last voltages and
+ *     the limits of this tick by effects. The blocks between both blocks work with effects.
+ *   - pzs_curve_inverse_block, the first one of PZS_PHASE_VOLTAGE, restores the voltages that have
+ *     the chosen effects. They stay inside voltage limits and step limits to the last bit, and
+ *     reach both.
+ *   - The work of a tick is bounded, for each input 7 bisections of each curve lookup.
+ *
+ * Errors of the initialisation of pzs_curve_block: PZS_E_FORMAT, PZS_E_CRC, and
+ *   PZS_E_ARGUMENT  also for tables of other sizes; where sums of voltages are limited, because
+ * such limits do not hold for effects; and where regularisation is used although the reference
+ * voltage of input info.where is not its own effect PZS_E_STAGE     no curve inverse block with
+ * these tables in the list, or compensation of hysteresis beside the curves PZS_E_LIMITS    the
+ * curve of input info.where is not finite or not ascending, has bends outside -1 to 1, or ends
+ * inside the voltage limits Late readings, vibration damper, governor, self-test and both fault
+ * detectors assume linear actuators: their blocks are refused beside curves with PZS_E_STAGE.
+ */
+extern const pzs_block_type pzs_curve_block, pzs_curve_inverse_block;
+#define PZS_CURVE_BLOCK_BYTES(inputs)                                                              \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_actuator_effects)) + (size_t)(inputs) * sizeof(pzs_real))
+#define PZS_CURVE_INVERSE_BLOCK_BYTES(inputs) (0u * (size_t)(inputs) * sizeof(pzs_real))
 
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */
 

@@ -174,6 +174,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = check(delay, problem, signals->sensors);
     if (status != PZS_OK)
         return status;
+    /* The first expected readings would follow from voltages, not from effects of actuator curves.
+     */
+    if (signals->curves != NULL)
+        return PZS_E_STAGE;
     if (delay->direct == NULL && signals->control->state.influence == NULL)
         return PZS_E_ARGUMENT; /* Without a table of readings per volt in its own tables, the block
                                   that corrects late readings reads the full influence matrix. It is

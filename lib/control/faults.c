@@ -725,6 +725,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     pzs_fault_detector *detector = self;
     if (!(detection->amplitude >= 0) || !number_is_finite(detection->amplitude))
         return PZS_E_ARGUMENT;
+    /* The fault detector predicts shapes from voltages, not from effects of actuator curves. */
+    if (signals->curves != NULL)
+        return PZS_E_STAGE;
     const pzs_status status = pzs_fault_detector_init(
         detector, signals->control, detection->delay, work_of(detector),
         PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, detection->delay));

@@ -631,6 +631,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
 {
     const pzs_vibration *vibration = tables;
     pzs_damper *damper = self;
+    /* The damper would start from the equilibrium of voltages, not of effects of actuator curves.
+     */
+    if (signals->curves != NULL)
+        return PZS_E_STAGE;
     const pzs_status status = pzs_damper_init(damper, signals->control, vibration, work_of(damper),
                                               workspace_of(vibration));
     signals->where = damper->info.where;

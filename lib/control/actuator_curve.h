@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Curve of one actuator: the effect of a voltage and the voltage of an effect. The displacement of
+ * the actuator is proportional to the effect.
+ */
+#ifndef PZS_LIB_ACTUATOR_CURVE_H
+#define PZS_LIB_ACTUATOR_CURVE_H
+
+#include "pzs_loop.h"
+
+/*
+ * Return the checksum of the counts and arrays of actuator curves, which their member crc must
+ * equal.
+ */
+uint32_t pzs_actuator_curve_crc(const pzs_actuator_curves *tables);
+
+/*
+ * Return the effect of a voltage (V) on the actuator of an input. Outside the curve this is the
+ * effect at the nearer end; for NaN, that at the lower end.
+ */
+pzs_real pzs_actuator_curve_effect(const pzs_actuator_curves *tables, uint32_t input,
+                                   pzs_real voltage);
+
+/*
+ * Return the voltage (V) at which the actuator of an input has a wanted effect, exact up to
+ * rounding. An effect outside the curve gives the voltage of the nearer end; NaN, that of the lower
+ * end.
+ */
+pzs_real pzs_actuator_curve_voltage(const pzs_actuator_curves *tables, uint32_t input,
+                                    pzs_real effect);
+
+#endif
