@@ -97,6 +97,11 @@ typedef struct pzs_loop_signals {
      * during a tick, those by which pzs_curve_block has replaced voltages by effects. NULL: none.
      */
     const struct pzs_actuator_curves *curves;
+    /*
+     * Function that replaces voltages [inputs] by their effects on actuators with these curves, for
+     * blocks that find voltages where the influence matrix belongs to effects; NULL: no curves.
+     */
+    void (*take_effects)(const struct pzs_loop_signals *signals, pzs_real *voltage);
     uint32_t missed; /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
                       */
     pzs_real deviation; /* RMS amplitude by which the measured motion of the structure deviates from
@@ -1158,14 +1163,18 @@ typedef struct pzs_actuator_effects {
  *     reach both.
  *   - The work of a tick is bounded, for each input 7 bisections of each curve lookup.
  *
- * Errors of the initialisation of pzs_curve_block: PZS_E_FORMAT, PZS_E_CRC, and
- *   PZS_E_ARGUMENT  also for tables of other sizes; where sums of voltages are limited, because
- * such limits do not hold for effects; and where regularisation is used although the reference
- * voltage of input info.where is not its own effect PZS_E_STAGE     no curve inverse block with
- * these tables in the list, or compensation of hysteresis beside the curves PZS_E_LIMITS    the
- * curve of input info.where is not finite or not ascending, has bends outside -1 to 1, or ends
- * inside the voltage limits Late readings, vibration damper, governor, self-test and both fault
- * detectors assume linear actuators: their blocks are refused beside curves with PZS_E_STAGE.
+ * Errors of the initialisation, besides PZS_E_FORMAT and PZS_E_CRC:
+ *
+ *   - PZS_E_ARGUMENT: the tables have other sizes than the controller; or sums of voltages are
+ *     limited, which says nothing about effects; or there is regularisation, and the reference
+ *     voltage of input info.where is not its own effect.
+ *   - PZS_E_STAGE: no curve inverse block with these tables is in the list, or hysteresis is
+ *     compensated beside the curves.
+ *   - PZS_E_LIMITS: the curve of input info.where is not finite or not ascending, has bends outside
+ *     -1 to 1, or ends inside the voltage limits.
+ *
+ * Vibration damper, governor, self-test and both fault detectors assume linear actuators. Their
+ * blocks are refused beside curves with PZS_E_STAGE.
  */
 extern const pzs_block_type pzs_curve_block, pzs_curve_inverse_block;
 #define PZS_CURVE_BLOCK_BYTES(inputs)                                                              \

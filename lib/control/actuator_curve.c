@@ -195,7 +195,7 @@ static bool is_reference_kept(const actuator_curve *curve, const pzs_problem *pr
     const pzs_real reference = problem->reference_voltage[k];
     const pzs_real error = number_absolute(effect_at(curve, reference) - reference);
     return !(problem->regularisation > 0) ||
-           error <= EFFECT_ROUNDING * PZS_EPSILON * number_absolute(reference);
+           error <= EFFECT_ROUNDING * PZS_EPSILON * largest_effect(curve);
 }
 
 static pzs_status check_curves(const pzs_actuator_curves *tables, const pzs_problem *problem,
@@ -239,7 +239,7 @@ static pzs_real *effects_of(pzs_actuator_effects *effects)
 
 /*
  * Compute the effects of the voltages of the last tick.
- *   effect [inputs] out
+ *   effect [inputs] out, may be the array of the voltages
  */
 static void find_effects(const pzs_actuator_curves *tables, pzs_real *effect,
                          const pzs_real *voltage)
@@ -248,18 +248,20 @@ static void find_effects(const pzs_actuator_curves *tables, pzs_real *effect,
         effect[k] = pzs_actuator_curve_effect(tables, k, voltage[k]);
 }
 
+/* Replace voltages [inputs] by their effects (pzs_loop_signals.take_effects). */
+static void take_effects(const pzs_loop_signals *signals, pzs_real *voltage)
+{
+    find_effects(signals->curves, voltage, voltage);
+}
+
 static pzs_status curve_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     pzs_actuator_effects *effects = self;
-    const pzs_control *control = signals->control;
-    const pzs_status status = check(tables, control->state.problem, &signals->where);
-    if (status != PZS_OK)
-        return status;
     /* The inverse of hysteresis would take the effects of the curves for voltages. */
     if (signals->has_inverse || signals->curves != tables)
         return PZS_E_STAGE;
     effects->effect = effects_of(effects);
-    find_effects(tables, effects_of(effects), control->state.voltage);
+    find_effects(tables, effects_of(effects), signals->control->state.voltage);
     return PZS_OK;
 }
 
@@ -305,6 +307,7 @@ static pzs_status curve_tick(void *self, pzs_loop_signals *signals)
     }
     effect_take(control, effect, is_known(tables, control, effect));
     signals->curves = tables;
+    signals->take_effects = take_effects;
     return signals->where < 0 ? PZS_OK : PZS_W_STEP_LIMIT;
 }
 
@@ -317,8 +320,12 @@ static size_t inverse_bytes(const void *tables, const pzs_problem *problem)
 
 static pzs_status inverse_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
+    const pzs_status status = check(tables, signals->control->state.problem, &signals->where);
     (void)self;
+    if (status != PZS_OK)
+        return status;
     signals->curves = tables;
+    signals->take_effects = take_effects;
     return PZS_OK;
 }
 

@@ -10,6 +10,7 @@
  */
 #include <string.h>
 #include "control.h"
+#include "effect_range.h"
 #include "estimate.h"
 #include "scrub.h"
 #include "../core/guard.h"
@@ -86,18 +87,18 @@ static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 }
 
 /*
- * Store the present voltages, and the readings that they produce according to the model, as the
- * newest rows of two ring buffers, which hold the voltages and the readings of the last delay + 1
- * ticks (delay: age of the readings in ticks).
+ * Store voltages (effects, in a loop with actuator curves), and the readings that they produce
+ * according to the model, as the newest rows of two ring buffers, which hold the voltages and the
+ * readings of the last delay + 1 ticks (delay: age of the readings in ticks).
+ *   voltage [inputs] in
  */
-static void push_voltages(pzs_reading_delay_state *state)
+static void push_voltages(pzs_reading_delay_state *state, const pzs_real *voltage)
 {
     const size_t inputs = state->tables->inputs, sensors = state->tables->sensors;
     state->newest = (uint16_t)((state->newest + 1u) % (state->tables->delay + 1u));
-    memcpy(state->voltage + state->newest * inputs, state->control->state.voltage,
-           inputs * sizeof *state->voltage);
-    pzs_product_matrix(state->expected + state->newest * sensors, direct_of(state),
-                       state->control->state.voltage, sensors, inputs);
+    memcpy(state->voltage + state->newest * inputs, voltage, inputs * sizeof *state->voltage);
+    pzs_product_matrix(state->expected + state->newest * sensors, direct_of(state), voltage,
+                       sensors, inputs);
 }
 
 /*
@@ -174,18 +175,15 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = check(delay, problem, signals->sensors);
     if (status != PZS_OK)
         return status;
-    /* The first expected readings would follow from voltages, not from effects of actuator curves.
-     */
-    if (signals->curves != NULL)
-        return PZS_E_STAGE;
     if (delay->direct == NULL && signals->control->state.influence == NULL)
         return PZS_E_ARGUMENT; /* Without a table of readings per volt in its own tables, the block
                                   that corrects late readings reads the full influence matrix. It is
                                   therefore refused if the controller has a sparse one. */
     memset(state, 0, block_bytes(tables, problem));
     place(state, delay, signals->control);
+    const pzs_real *effect = effect_of_voltages(signals);
     for (uint32_t i = 0; i <= delay->delay; i++)
-        push_voltages(state);
+        push_voltages(state, effect);
     return PZS_OK;
 }
 
@@ -196,7 +194,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     place(state, tables, signals->control);
     const uint32_t missed = signals->missed < tables->delay ? signals->missed : tables->delay;
     for (uint32_t i = 0; i <= missed; i++)
-        push_voltages(state);
+        push_voltages(state, signals->control->state.voltage);
     if (signals->readings == NULL)
         return PZS_OK;
     correct(state, signals->readings);

@@ -7,7 +7,9 @@
 #ifndef PZS_LIB_EFFECT_RANGE_H
 #define PZS_LIB_EFFECT_RANGE_H
 
+#include <string.h>
 #include "control.h"
+#include "pzs_loop.h"
 #include "step_bounds.h"
 
 /*
@@ -54,6 +56,40 @@ static inline void effect_take(pzs_control *control, const pzs_real *effect, boo
         pzs_control_moved(control);
     control->state.has_step_limits = false;
     pzs_control_share_bounds(&control->state.optimiser, control);
+}
+
+/*
+ * Return the effects of the present voltages of the controller (V), which are the voltages
+ * themselves in a loop without actuator curves. Effects stand in the work array of the optimiser.
+ */
+static inline const pzs_real *effect_of_voltages(const pzs_loop_signals *signals)
+{
+    const pzs_control *control = signals->control;
+    pzs_real *effect = control->state.optimiser.scratch;
+    if (signals->take_effects == NULL)
+        return control->state.voltage;
+    memcpy(effect, control->state.voltage, control->state.problem->inputs * sizeof *effect);
+    signals->take_effects(signals, effect);
+    return effect;
+}
+
+/*
+ * Predict the shape under the present voltages, unless it is that of the last prediction. In a loop
+ * with actuator curves it is the shape under the effects of the voltages.
+ */
+static inline void effect_predict(const pzs_loop_signals *signals)
+{
+    pzs_control *control = signals->control;
+    pzs_real *voltage = control->state.voltage, *kept = control->state.optimiser.scratch;
+    const size_t bytes = control->state.problem->inputs * sizeof *voltage;
+    if (signals->take_effects == NULL || control->state.behind == PZS_BEHIND_NOTHING) {
+        pzs_control_predict(control);
+        return;
+    }
+    memcpy(kept, voltage, bytes);
+    signals->take_effects(signals, voltage);
+    pzs_control_predict(control);
+    memcpy(voltage, kept, bytes);
 }
 
 #endif

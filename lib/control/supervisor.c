@@ -6,6 +6,7 @@
  */
 #include <string.h>
 #include "control.h"
+#include "effect_range.h"
 #include "limit_rows.h"
 #include "monitor.h"
 #include "supervisor.h"
@@ -255,7 +256,7 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
      * The shape is predicted in every tick of a ramp. Otherwise the first tick in which the loop
      * controls the voltages would have to make this prediction, and would take longer than others.
      */
-    pzs_control_predict(signals->control);
+    effect_predict(signals);
 }
 
 /* ---- events ------------------------------------------------------------- */
@@ -449,7 +450,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     pzs_guard_vote(&core[0], &core[1], &core[2], sizeof core[0]);
     pzs_monitor_place(&supervisor->state.monitor, work_of(supervisor),
                       supervisor->state.problem->outputs);
-    pzs_control_predict(signals->control);
+    effect_predict(signals);
     judge_readings(supervisor, signals);
     carry_out_command(supervisor, signals);
     judge_health(supervisor, signals);

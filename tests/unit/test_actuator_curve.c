@@ -460,6 +460,128 @@ static void test_kept(void **state)
     }
 }
 
+/* ---- other blocks --------------------------------------------------------- */
+
+/* Supervisor tables that never alarm, with parking voltages at the lower limits. */
+static void seal_supervision(rig *r, pzs_supervision *supervision)
+{
+    *supervision = (pzs_supervision){.scene = SCENE,
+                                     .inputs = N,
+                                     .timeout = 0,
+                                     .ramp_ticks = 8,
+                                     .alarm_ticks = 60000,
+                                     .park = r->problem.lower,
+                                     .fading = PZS_R(0.9),
+                                     .noise = 1,
+                                     .load = 1};
+    assert_int_equal(pzs_supervision_seal(supervision), PZS_OK);
+}
+
+/*
+ * Rounding error of a shape: shapes are about 1e-5 m, and the terms of their sums have the size of
+ * the largest effect of a curve over its range.
+ */
+static double shape_rounding(const rig *r)
+{
+    double size = 0;
+    for (int k = 0; k < N; k++) {
+        const pzs_real *effect = r->effect + k * POINTS;
+        size = fmax(size, range_of(effect) / (double)(effect[POINTS - 1] - effect[0]));
+    }
+    return 1e-5 * N * size * 256 * (double)PZS_EPSILON;
+}
+
+/* The displacement of an output under the effects of given voltages (m). */
+static double displaced(const rig *r, const pzs_real *voltage, int output)
+{
+    double shape = 0;
+    for (int k = 0; k < N; k++)
+        shape += (double)r->problem.influence[output * N + k] * (double)effect_of(r, k, voltage[k]);
+    return shape;
+}
+
+/*
+ * Law: the shape that the supervisor compares with the readings is the influence matrix times the
+ * effects of the voltages that the amplifiers give, also where their converters round the voltages
+ * and while the supervisor ramps them.
+ */
+static void test_predicted(void **state)
+{
+    (void)state;
+    for (unsigned seed = 200; seed < 220; seed++) {
+        static rig r;
+        pzs_supervision supervision;
+        open_rig(&r, seed);
+        seal_supervision(&r, &supervision);
+        list_blocks(&r, true);
+        append(&r, &pzs_supervisor_block, &supervision);
+        assert_int_equal(init(&r), PZS_OK);
+        pzs_supervisor *supervisor = pzs_loop_find(&r.loop, &pzs_supervisor_block);
+        for (int tick = 0; tick < 100; tick++) {
+            if (tick % 10 == 0)
+                throw_target(&r, 0.9);
+            if (tick == 50)
+                assert_int_equal(pzs_supervisor_give(supervisor, PZS_COMMAND_PARK), PZS_OK);
+            measure(&r, 1);
+            assert_false(PZS_IS_ERROR(pzs_loop_tick(&r.loop, r.wanted, r.measured)));
+            const pzs_real *predicted = r.loop.info.control->info.predicted;
+            for (int i = 0; i < M; i++)
+                assert_true(fabs(displaced(&r, r.loop.info.voltage, i) - (double)predicted[i]) <=
+                            shape_rounding(&r));
+            take(&r, NULL, NULL);
+        }
+        assert_memory_equal(r.loop.info.voltage, r.problem.lower, N * sizeof(pzs_real));
+        free(r.work);
+    }
+}
+
+/*
+ * Law: where readings are late by some ticks, and the loop corrects them for the changes of the
+ * effects since then, the shape is that of a loop with punctual readings, on a plant that equals
+ * the tables. Both differ by the noise of the readings, 1e-12 m, and by rounding, once a tick.
+ */
+static void test_late(void **state)
+{
+    enum { DELAY = 3, TICKS = 40 };
+    (void)state;
+    for (unsigned seed = 230; seed < 245; seed++) {
+        static rig r, late;
+        static pzs_real history[TICKS + DELAY][M];
+        pzs_reading_delay delay = {.scene = SCENE, .inputs = N, .sensors = M, .delay = DELAY};
+        assert_int_equal(pzs_reading_delay_seal(&delay), PZS_OK);
+        open_rig(&r, seed);
+        open_rig(&late, seed);
+        late.count = 0;
+        append(&late, &pzs_curve_block, &late.curves);
+        append(&late, &pzs_reading_delay_block, &delay);
+        append(&late, &pzs_step_block, &late.problem.tables);
+        append(&late, &pzs_curve_inverse_block, &late.curves);
+        assert_int_equal(init(&r), PZS_OK);
+        assert_int_equal(init(&late), PZS_OK);
+        for (int i = 0; i < DELAY; i++) {
+            measure(&late, 1);
+            memcpy(history[i], late.measured, sizeof late.measured);
+        }
+        const double more = TICKS * (2e-12 * sqrt(M) + shape_rounding(&r));
+        for (int tick = 0; tick < TICKS; tick++) {
+            if (tick % 8 == 0)
+                throw_target(&r, 0.9);
+            measure(&r, 1);
+            measure(&late, 1);
+            memcpy(history[tick + DELAY], late.measured, sizeof late.measured);
+            assert_false(PZS_IS_ERROR(pzs_loop_tick(&r.loop, r.wanted, r.measured)));
+            assert_false(PZS_IS_ERROR(pzs_loop_tick(&late.loop, r.wanted, history[tick])));
+            take(&r, NULL, NULL);
+            take(&late, NULL, NULL);
+            for (int i = 0; i < M; i++)
+                assert_true(fabs(displaced(&r, r.given, i) - displaced(&late, late.given, i)) <=
+                            more);
+        }
+        free(r.work);
+        free(late.work);
+    }
+}
+
 /* ---- refused -------------------------------------------------------------- */
 
 static pzs_status init_with(rig *r, pzs_real *entry, double value)
@@ -549,7 +671,8 @@ int main(void)
         cmocka_unit_test(test_textbook),     cmocka_unit_test(test_inverse),
         cmocka_unit_test(test_square),       cmocka_unit_test(test_inside_limits),
         cmocka_unit_test(test_optimum),      cmocka_unit_test(test_target_reached),
-        cmocka_unit_test(test_kept),         cmocka_unit_test(test_refused_curves),
+        cmocka_unit_test(test_kept),         cmocka_unit_test(test_predicted),
+        cmocka_unit_test(test_late),         cmocka_unit_test(test_refused_curves),
         cmocka_unit_test(test_refused_lists)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
