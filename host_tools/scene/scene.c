@@ -149,6 +149,10 @@ void scene_free(scene *scene)
     free(scene->influence.output_name);
     free(scene->influence.amplifier_of);
     free(scene->influence.tied_name);
+    free(scene->influence.curve.voltage);
+    free(scene->influence.curve.effect);
+    free(scene->influence.curve.bend);
+    free(scene->influence.curve.unit);
     memset(scene, 0, sizeof *scene);
 }
 

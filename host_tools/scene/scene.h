@@ -862,12 +862,14 @@ typedef struct scene_simulate {
     scene_kinematics kinematics;     /* kinematics of the simulated plant, linear or nonlinear */
     double *stiffness, *d; /* [materials] factors by which stiffness and piezoelectric constants of
                               the plant differ from what the controller knows */
-    double *gain;      /* [amplifiers] factor by which each column of a measured influence matrix is
-                          multiplied in the plant; the controller does not know it */
-    double scatter;    /* standard deviation of the relative error of each entry of a measured
-                          influence matrix */
-    double hysteresis; /* width of the hysteresis loop of an actuator over a full voltage cycle, as
-                          a fraction of the voltage range */
+    double *gain;   /* [amplifiers] factor by which each column of a measured influence matrix is
+                       multiplied in the plant; the controller does not know it */
+    double scatter; /* standard deviation of the relative error of each entry of a measured
+                       influence matrix */
+    double curve_error; /* largest deviation of the actuators' curves in the plant from those of the
+                           scene, in the middle of the range of effects, as a fraction of it */
+    double hysteresis;  /* width of the hysteresis loop of an actuator over a full voltage cycle, as
+                           a fraction of the voltage range */
     scene_sight sight;
     double noise; /* standard deviation of the noise of a measured shape (length unit of the scene
                      file); the readings of the section `estimate` have their own noise */
@@ -896,11 +898,6 @@ typedef struct scene_simulate {
     scene_at at;
 } scene_simulate;
 
-/*
- * Measured influence matrix in place of a structural model. Its columns are the actuators of the
- * scene, with one amplifier for each. Outputs that the scene ignores are left out of every array
- * except output_name.
- */
 /* One vibration mode of a structure whose influence matrix is measured. */
 typedef struct scene_measured_mode {
     double frequency; /* natural frequency of a measured vibration mode (Hz) */
@@ -912,6 +909,36 @@ typedef struct scene_measured_mode {
                          does not give it */
 } scene_measured_mode;
 
+/*
+ * Curves of actuators whose displacement is not proportional to their voltage. The effect e of an
+ * actuator is the function of its voltage to which its displacement is proportional. Between two
+ * points (v0, e0) and (v1, e1) of a curve
+ *
+ *   e = e0 + (e1 - e0) t (1 - b (1 - t)),  t = (v - v0) / (v1 - v0),  with the bend b
+ *
+ * Effects are scaled so that the largest absolute effect of a curve equals its largest absolute
+ * voltage, and are then volts.
+ */
+enum { SCENE_CURVE_POINTS = 128 }; /* largest number of points of a curve */
+typedef struct scene_curves {
+    bool given;
+    bool is_square; /* whether the effect is the square of the voltage; voltages and effects are
+                       then known when the voltage limits are known */
+    int sets;       /* number of curves: 1 for all amplifiers together, otherwise one for each */
+    int points;     /* number of points of each curve */
+    double *voltage, *effect; /* [sets][points] voltages and effects of the points of a curve, both
+                                 ascending (V) */
+    double *bend; /* [sets][points - 1] bends of the segments of a curve (dimensionless); NULL: all
+                     segments are straight */
+    double *unit; /* [sets] effect in the unit of the scene file for each volt of effect */
+    scene_at at;
+} scene_curves;
+
+/*
+ * Measured influence matrix in place of a structural model. Its columns are the actuators of the
+ * scene, with one amplifier for each. Outputs that the scene ignores are left out of every array
+ * except output_name.
+ */
 typedef struct scene_influence {
     bool given;
     char file[256]; /* name of the file of the influence matrix as it is written in the scene file
@@ -924,7 +951,9 @@ typedef struct scene_influence {
                  file of the influence matrix, some of which the scene may ignore */
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
-    double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
+    double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt,
+                           or per volt of effect where the actuators have curves */
+    scene_curves curve; /* curves of actuators that are not linear */
     double drop_below;  /* fraction of the largest entry of a column of the influence matrix: the
                            controller treats smaller entries of this column as zero (dimensionless)
                          */

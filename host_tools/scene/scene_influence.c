@@ -20,7 +20,7 @@ enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
  * file.
  */
 typedef struct influence_text {
-    int file, coordinates, actuators, outputs, ignore, mask, tied,
+    int file, coordinates, actuators, outputs, ignore, mask, tied, curve,
         modes; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
     bool rows_are_actuators;
     double scale, drop_below;
@@ -449,6 +449,8 @@ static int build(reader *reader, influence_text *text)
         return -1;
     if ((text->tied && scene_tie(reader, text->tied) != 0) || copy_matrix(reader, text) != 0)
         return -1;
+    if (text->curve && read_curves(reader, text->curve, reader->s, NULL) != 0)
+        return -1;
     return text->modes ? read_measured_modes(reader, text->modes, reader->s, NULL) : 0;
 }
 
@@ -459,7 +461,8 @@ static const range below_half = {0, 0.5, 0, "must be from 0 to 0.5"};
 static const field influence_fields[] = {
     {"file", read_node, offsetof(influence_text, file), .required = 1, .form = &label_form,
      .help = "File of the matrix, beside the scene file: displacement per volt, a row for each "
-             "output and a column for each actuator; columns x, y, z are coordinates."},
+             "output and a column for each actuator; columns x, y, z are coordinates. With curve, "
+             "displacement per unit of effect."},
     {"rows", read_either, offsetof(influence_text, rows_are_actuators), row_meanings,
      .help = "Meaning of the rows of the file; default outputs."},
     {"scale", read_real, offsetof(influence_text, scale), &above_zero, .of = OF_NUMBER,
@@ -475,6 +478,11 @@ static const field influence_fields[] = {
      .help = "Groups of actuators that one amplifier drives, as {left: [a1, a2], right: [a3, a4]}: "
              "their columns are added, and the group is an actuator with the narrowest limits of "
              "its members."},
+    {"curve", read_node, offsetof(influence_text, curve), .of = OF_VOLTAGE, .form = &curves_form,
+     .help = "Effect of a voltage, to which the displacement of an actuator is proportional: "
+             "quadratic (its square), points [[voltage, effect], ...] with straight lines between "
+             "them, or a file with a column of voltages and one of effects, or one for each "
+             "actuator; default the voltage itself."},
     {"outputs", read_node, offsetof(influence_text, outputs), .form = &labels_form,
      .help = "Names of the outputs in the order of the file."},
     {"coordinates", read_node, offsetof(influence_text, coordinates), .of = OF_LENGTH,

@@ -150,6 +150,21 @@ field_read read_measured_modes;
 extern const form measured_modes_form;
 
 /*
+ * Reader of the curves of actuators that are not linear into the scene, to which its argument `to`
+ * points (scene_curves.c). It must be called after the influence matrix is read.
+ */
+field_read read_curves;
+extern const form curves_form;
+
+/*
+ * Complete the curves of actuators that are not linear after the scene has been read: square curves
+ * end at the voltage limits, effects are scaled to volts, and the influence matrix becomes the
+ * displacement per volt of effect. Refuses curves that end inside the voltage limits, and functions
+ * of the control loop that assume linear actuators. Returns 0, or -1 with error filled.
+ */
+int scene_check_curves(scene *scene, char *error);
+
+/*
  * Reader of the target of a scene with a measured influence matrix; the target has one value for
  * each output of the matrix.
  */

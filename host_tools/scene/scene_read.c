@@ -233,7 +233,8 @@ static int fill_measured(reader *reader, char *error)
     if (check_sections(reader->t) != 0 ||
         read_map(reader, reader->t->root, measured_sections, scene) != 0)
         return -1;
-    if (scene_check_names(scene, error) != 0 || scene_check_rows(scene, error) != 0)
+    if (scene_check_names(scene, error) != 0 || scene_check_rows(scene, error) != 0 ||
+        scene_check_curves(scene, error) != 0)
         return -1;
     return scene_check_influence(scene, error);
 }

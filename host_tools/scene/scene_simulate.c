@@ -108,6 +108,9 @@ static const range loop_width = {
     0, 0.3, 0,
     "must lie between 0 and 0.3; it is the width of the loop over the range of voltages"};
 
+static const range curve_part = {
+    -0.2, 0.2, 0, "must lie between -0.2 and 0.2; it is a part of the range of effects"};
+
 static const form loop_width_form = {.type = FORM_NUMBER, .range = &loop_width};
 
 /*
@@ -175,6 +178,9 @@ static const field measured_plant_fields[] = {
     {"scatter", read_real, offsetof(scene_simulate, scatter), &share, .of = OF_NUMBER,
      .help = "Measured matrix: standard deviation of the relative error of its entries; default "
              "0."},
+    {"curve_error", read_real, offsetof(scene_simulate, curve_error), &curve_part, .of = OF_NUMBER,
+     .help = "Deviation of the plant's actuator curves from influence.curve in the middle of the "
+             "range of effects, over this range, towards larger effects; default 0."},
     HYSTERESIS_ROWS,
     {"inertia", read_inertia, .form = &flag_form,
      .help = "Whether the plant vibrates; default true where influence.modes are given."},
