@@ -2,6 +2,7 @@
 /* Description of a measured influence matrix (print_matrix.h). */
 #include "print_matrix.h"
 #include <stdio.h>
+#include "../model/curves.h"
 #include "../model/matrix_facts.h"
 #include "../model/matrix_modes.h"
 #include "../text/words.h"
@@ -85,6 +86,15 @@ static void print_tied(const scene_influence *influence, const design *design)
     }
 }
 
+/* Print the curves of actuators that are not linear. */
+static void print_curves(const design *design)
+{
+    char text[CURVES_TEXT];
+    curves_text(design, text);
+    if (*text)
+        printf("  %s\n", text);
+}
+
 void print_matrix(const analysis *analysis)
 {
     const design *design = &analysis->design;
@@ -101,11 +111,13 @@ void print_matrix(const analysis *analysis)
     if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;
     words_unit(&design->units, QUANTITY_INFLUENCE, unit);
-    printf("  largest entry %.4g%s%s", facts.entry, *unit ? " " : "", unit);
+    printf("  largest entry %.4g%s%s%s", facts.entry, *unit ? " " : "", unit,
+           curves_are_used(design) ? " of effect" : "");
     if (facts.rank >= 0)
         printf("; rank %d, singular values %.3g to %.3g (ratio %.3g)", facts.rank, facts.most,
                facts.least, facts.most / facts.least);
     putchar('\n');
+    print_curves(design);
     print_dropped(design);
     print_matrix_modes(design);
 }
@@ -115,6 +127,11 @@ void print_matrix_json(json *json, const analysis *analysis)
     const design *design = &analysis->design;
     matrix_facts facts;
     json_string(json, "influence_file", design->measured.file);
+    if (curves_are_used(design)) {
+        json_string(json, "actuator_curves",
+                    design->measured.curve.is_square ? "quadratic" : "points");
+        json_number(json, "actuator_curve_points", design->measured.curve.points);
+    }
     json_number(json, "outputs", design->measured.outputs);
     json_modes(json, design);
     json_number(json, "ignored_outputs", design->measured.file_outputs - design->measured.outputs);

@@ -125,6 +125,8 @@ typedef struct design {
     double *park; /* [amplifiers] park voltages: voltages of rest, to which the supervisor ramps by
                      command or after a fault (V) */
     pzs_problem problem;
+    pzs_actuator_curves curves; /* tables of the curves of actuators that are not linear, filled by
+                                   design_control; all zero if the scene has none */
     design_rows rows; /* limit rows of the voltage optimisation problem (limits of weighted sums of
                          voltages); empty if the scene has none */
 

@@ -3,7 +3,7 @@
  * Voltage optimisation problem of a scene: Hessian, voltage limits, step limits, reference voltages
  * (design.h).
  */
-#include "design.h"
+#include "curves.h"
 #include "design_rows.h"
 #include <math.h>
 #include <stdlib.h>
@@ -194,15 +194,22 @@ int design_limits(const design *design, common_limits common, double *lower, dou
     const size_t bytes = (size_t)design->amplifiers * sizeof *lower;
     memcpy(lower, design->lower, bytes);
     memcpy(upper, design->upper, bytes);
+    if (common.source == LIMITS_SCENE)
+        return 0;
     if (common.source == LIMITS_NONE)
         remove_limits(&bounds);
-    if (common.source != LIMITS_GIVEN)
-        return 0;
-    set_all(&bounds, -HUGE_VAL, HUGE_VAL);
-    narrow_by_fields(&bounds);
-    narrow_by_common(&bounds, common.lower, common.upper);
+    if (common.source == LIMITS_GIVEN) {
+        set_all(&bounds, -HUGE_VAL, HUGE_VAL);
+        narrow_by_fields(&bounds);
+        narrow_by_common(&bounds, common.lower, common.upper);
+    }
+    curves_narrow(design, lower, upper);
     return check_limits(
-        &bounds, "the limits asked for, its own limits and the material's field_limit", error);
+        &bounds,
+        curves_are_used(design)
+            ? "the limits asked for, its own limits and the ends of its actuator curve"
+            : "the limits asked for, its own limits and the material's field_limit",
+        error);
 }
 
 bool design_is_held(const design *design, int amplifier)
@@ -352,6 +359,7 @@ int design_control(design *design, const double *influence, char *error)
         design->wanted[i] = design->target[i] - design->wanted[i];
     if (build_limits(design, error) < 0 || drop_entries(design, error) < 0)
         return -1;
+    curves_fill(design);
     problem->regularisation = build_hessian(design);
     problem->format = PZS_TABLE_FORMAT;
     problem->scene = design->scene->hash;

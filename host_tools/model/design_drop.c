@@ -4,7 +4,7 @@
  * that its tables may hold the matrix as sparse rows.
  */
 #include <math.h>
-#include "design.h"
+#include "curves.h"
 
 /* Return the absolute value of the largest entry of column k of the influence matrix. */
 static double largest_of_column(const design *design, size_t k)
@@ -19,19 +19,21 @@ static double largest_of_column(const design *design, size_t k)
 /*
  * Set the small entries of column k of the influence matrix to zero. For each output, add the
  * largest displacement that is lost by this: absolute value of the entry times largest absolute
- * voltage.
+ * effect of the voltages.
  *   error [targets] in/out  displacements that are left out (length unit)
  */
 static void drop_of_column(design *design, size_t k, double *error)
 {
     const size_t amplifiers = (size_t)design->amplifiers;
     const double least = design->measured.drop_below * largest_of_column(design, k);
-    const double voltage = fmax(fabs(design->lower[k]), fabs(design->upper[k]));
+    const actuator_curves curves = curves_of(design);
+    const double effect = fmax(fabs(actuator_effect(&curves, (int)k, design->lower[k])),
+                               fabs(actuator_effect(&curves, (int)k, design->upper[k])));
     for (size_t i = 0; i < (size_t)design->targets; i++) {
         double *entry = &design->influence[i * amplifiers + k];
         if (!(fabs(*entry) > 0) || !(fabs(*entry) < least))
             continue;
-        error[i] += voltage > 0 ? fabs(*entry) * voltage : 0;
+        error[i] += effect > 0 ? fabs(*entry) * effect : 0;
         *entry = 0;
         design->dropped.entries++;
     }

@@ -12,6 +12,7 @@
 #include "../../lib/control/control.h"
 #include "../../lib/control/limit_rows.h"
 #include "clipped.h"
+#include "curves.h"
 #include "design_rows.h"
 #include "../../lib/core/guard.h"
 
@@ -22,8 +23,10 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *limits; /* [4][amplifiers] lower voltage limits, upper voltage limits, step limits
-                       (largest change in one tick) and voltages inside all limits (V) */
+    double *limits; /* [6][amplifiers] lower and upper limits of the effects of the voltages, step
+                       limits (largest change in one tick), voltages inside all limits, lower and
+                       upper voltage limits (V) */
+    const double *lower, *upper; /* [amplifiers] voltage limits (V) */
     pzs_limit_rows rows;
     void *work;
 } trial;
@@ -49,12 +52,17 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
                  bytes = pzs_control_bytes(&design->problem);
     memset(trial, 0, sizeof *trial);
     trial->problem = design->problem;
-    trial->limits = calloc(4 * amplifiers, sizeof *trial->limits);
+    trial->limits = calloc(6 * amplifiers, sizeof *trial->limits);
     trial->work = malloc(bytes);
     if (!trial->limits || !trial->work)
         return PZS_E_WORKSPACE;
-    if (design_limits(design, common, trial->limits, trial->limits + amplifiers, error) < 0)
+    double *lower = trial->limits + 4 * amplifiers, *upper = trial->limits + 5 * amplifiers;
+    if (design_limits(design, common, lower, upper, error) < 0)
         return PZS_E_LIMITS;
+    trial->lower = lower;
+    trial->upper = upper;
+    curves_limits(design, lower, trial->limits);
+    curves_limits(design, upper, trial->limits + amplifiers);
     for (size_t k = 0; k < amplifiers; k++)
         trial->limits[2 * amplifiers + k] = HUGE_VAL;
     trial->problem.lower = trial->limits;
@@ -84,26 +92,26 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
  * number of held amplifiers (limits that allow only one voltage), the number of amplifiers with a
  * narrower range, and the number of voltages at a limit.
  */
-static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
+static void note_limits(const trial *trial, voltages *result)
 {
-    const size_t inputs = problem->inputs;
+    const int inputs = trial->problem.inputs;
+    const double *lower = trial->lower, *upper = trial->upper, *voltage = result->voltage;
     double lowest = HUGE_VAL, highest = -HUGE_VAL;
-    memcpy(result->bounds, problem->lower, inputs * sizeof *result->bounds);
-    memcpy(result->bounds + inputs, problem->upper, inputs * sizeof *result->bounds);
+    memcpy(result->bounds, lower, (size_t)inputs * sizeof *result->bounds);
+    memcpy(result->bounds + inputs, upper, (size_t)inputs * sizeof *result->bounds);
     result->active_limits = result->held = result->narrowed = 0;
-    for (int k = 0; k < problem->inputs; k++) {
-        if (problem->lower[k] == problem->upper[k]) {
+    for (int k = 0; k < inputs; k++) {
+        if (lower[k] == upper[k]) {
             result->held++;
             continue;
         }
-        lowest = fmin(lowest, problem->lower[k]);
-        highest = fmax(highest, problem->upper[k]);
-        result->at_limit[k] = voltage[k] == problem->lower[k] || voltage[k] == problem->upper[k];
+        lowest = fmin(lowest, lower[k]);
+        highest = fmax(highest, upper[k]);
+        result->at_limit[k] = voltage[k] == lower[k] || voltage[k] == upper[k];
         result->active_limits += result->at_limit[k];
     }
-    for (int k = 0; k < problem->inputs; k++)
-        result->narrowed += problem->lower[k] != problem->upper[k] &&
-                            (problem->lower[k] > lowest || problem->upper[k] < highest);
+    for (int k = 0; k < inputs; k++)
+        result->narrowed += lower[k] != upper[k] && (lower[k] > lowest || upper[k] < highest);
     result->limit[0] = fmin(lowest, highest); /* The stored pair is the lowest and the highest limit
                                                  of all amplifiers that are not held at one voltage.
                                                  If there is no such amplifier, `lowest` is still
@@ -129,13 +137,14 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
  *   influence [targets][amplifiers] in      influence matrix; NULL: that of the reference state
  *   wanted    [targets]             in      displacements that the voltages are to cause
  *   reach                           in      largest change of any voltage (V), or INFINITY
- *   voltage   [amplifiers]          in/out  voltages before and after (V)
+ *   result                          in/out  voltages before and after (V), and how the limits act
  */
 static pzs_status optimise_voltages(const design *design, common_limits common,
                                     const double *influence, const double *wanted, double reach,
-                                    voltages *result, double *voltage, char *error)
+                                    voltages *result, char *error)
 {
     trial trial;
+    const double *voltage = result->voltage;
     pzs_status status = trial_start(&trial, design, common, influence, error);
     for (int k = 0; status == PZS_OK && isfinite(reach) && k < design->amplifiers; k++) {
         trial.control.state.lower[k] = fmax(trial.problem.lower[k], voltage[k] - reach);
@@ -151,12 +160,14 @@ static pzs_status optimise_voltages(const design *design, common_limits common,
         status = PZS_OK;
     }
     if (!PZS_IS_ERROR(status)) {
-        memcpy(voltage, trial.control.info.voltage, (size_t)design->amplifiers * sizeof *voltage);
+        curves_voltages(design, trial.control.info.voltage, trial.lower, trial.upper,
+                        result->voltage);
         pzs_report report;
         (void)pzs_assess(&trial.control, wanted, &report);
         result->optimality = report.kkt_violation;
-        note_limits(&trial.problem, voltage, result);
-        result->active_rows = trial.problem.limit_rows ? design_rows_active(design, voltage) : 0;
+        note_limits(&trial, result);
+        result->active_rows =
+            trial.problem.limit_rows ? design_rows_active(design, result->voltage) : 0;
         status = PZS_OK;
     }
     trial_free(&trial);
@@ -266,7 +277,14 @@ static void measure_errors(const analysis *analysis, voltages *result)
  */
 static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 {
-    if (analysis_reach(analysis, result->voltage, warm, result->displacement, error) < 0)
+    const design *design = &analysis->design;
+    double *effect = calloc((size_t)design->amplifiers + 1, sizeof *effect);
+    if (!effect)
+        return out_of_memory(analysis, error);
+    curves_effects(design, result->voltage, effect);
+    const int failed = analysis_reach(analysis, effect, warm, result->displacement, error);
+    free(effect);
+    if (failed < 0)
         return -1;
     measure_errors(analysis, result);
     result->residual = analysis->is_nonlinear ? analysis->equilibrium.solver.info.residual
@@ -296,9 +314,8 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
                     common.source == LIMITS_NONE ? "linear optimum, no limits"
                                                  : "linear optimum in limits") < 0)
         return out_of_memory(analysis, error);
-    const pzs_status status =
-        optimise_voltages(&analysis->design, common, NULL, analysis->design.wanted, HUGE_VAL,
-                          result, result->voltage, error);
+    const pzs_status status = optimise_voltages(&analysis->design, common, NULL,
+                                                analysis->design.wanted, HUGE_VAL, result, error);
     if (status != PZS_OK)
         return explain(analysis, status, error);
     if (evaluate_or_none(analysis, result, error) < 0)
@@ -333,8 +350,10 @@ static pzs_status clip_voltages(const design *design, common_limits common, bool
         (void)pzs_scale_back_rows(&trial.problem, trial.rows.safe, result->voltage);
         result->active_rows = design_rows_active(design, result->voltage);
     }
-    if (status == PZS_OK)
-        note_limits(&trial.problem, result->voltage, result);
+    if (status == PZS_OK) {
+        curves_voltages(design, result->voltage, trial.lower, trial.upper, result->voltage);
+        note_limits(&trial, result);
+    }
     if (status == PZS_OK && !tuned)
         result->dependent = (int)fmax(0, design->amplifiers - result->held - clipped.solver.rank);
     clipped_close(&clipped);
@@ -524,7 +543,7 @@ static double make_trust_region_step(analysis *analysis, common_limits common, n
     const double before = objective(analysis, result);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
         *status = optimise_voltages(&analysis->design, common, newton->influence, newton->wanted,
-                                    newton->trust_radius, result, result->voltage, error);
+                                    newton->trust_radius, result, error);
         if (*status != PZS_OK)
             return 0;
         const double change = largest_change(analysis, newton, result),
@@ -612,7 +631,9 @@ int voltages_optimum(analysis *analysis, common_limits common, voltages *result,
     if (voltages_linear(analysis, common, result, error) < 0 ||
         (isnan(result->error) && halve_voltages(analysis, common, result, error) < 0))
         return -1;
+    const char *none =
+        curves_are_used(&analysis->design) ? "optimum, ends of curves" : "optimum, no limits";
     snprintf(result->name, sizeof result->name, "%s",
-             common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");
+             common.source == LIMITS_NONE ? none : "optimum within limits");
     return analysis->is_nonlinear ? gauss_newton(analysis, common, result, error) : 0;
 }

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Effects of voltages on actuators that are not linear. The displacement of an actuator is
+ * proportional to its effect. `pzs shape`, `pzs simulate` and the plants that `pzs fmu` exports use
+ * this function; the controller has its own (lib/control/actuator_curve.c).
+ */
+#ifndef ACTUATOR_EFFECT_H
+#define ACTUATOR_EFFECT_H
+
+/*
+ * Curves of the effects of voltages. Between two points (v0, e0) and (v1, e1) of a curve
+ *
+ *   e = e0 + (e1 - e0) t (1 - b (1 - t)),  t = (v - v0) / (v1 - v0),  with the bend b
+ *
+ * The first and the last segment continue outside the curve.
+ */
+typedef struct actuator_curves {
+    int sets;   /* number of curves: 1 for all amplifiers together, otherwise one for each; 0: the
+                   actuators are linear, and an effect is the voltage */
+    int points; /* number of points of each curve */
+    const double *voltage, *effect; /* [sets][points] voltages and effects of the points of a curve,
+                                       both ascending (V) */
+    const double *bend; /* [sets][points - 1] bends of the segments of a curve (dimensionless);
+                           NULL: all segments are straight */
+    double error; /* deviation of the effects from these curves in the middle of the range of a
+                     curve's effects, as a fraction of this range; at both ends there is none */
+} actuator_curves;
+
+/* Return the effect of a voltage of an amplifier (V). */
+double actuator_effect(const actuator_curves *curves, int amplifier, double voltage);
+
+#endif

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Actuators that are not linear, in the model of the controller: their voltages and effects. The
+ * displacement of an actuator is proportional to its effect, and the influence matrix of a design
+ * is the displacement per volt of effect. Where a scene has no actuator curves, effects are
+ * voltages.
+ */
+#ifndef CURVES_H
+#define CURVES_H
+
+#include "actuator_effect.h"
+#include "design.h"
+
+/* Whether the scene gives curves of its actuators. */
+bool curves_are_used(const design *design);
+
+/* Return the curves of the scene as a simulated plant without errors has them. */
+actuator_curves curves_of(const design *design);
+
+/*
+ * Make the tables of the curves for the controller (design.curves). The hash of the scene must be
+ * known; the tables point to arrays of the scene.
+ */
+void curves_fill(design *design);
+
+/*
+ * Compute the effects of voltages. Effects of voltages beyond the ends of the curves follow from
+ * their first and last segments.
+ *   voltage, effect [amplifiers] in, out (V)
+ */
+void curves_effects(const design *design, const double *voltage, double *effect);
+
+/*
+ * Narrow voltage limits to the ends of the curves. Limits of amplifiers that are held at one
+ * voltage stay.
+ *   lower, upper [amplifiers] in/out (V)
+ */
+void curves_narrow(const design *design, double *lower, double *upper);
+
+/*
+ * Compute the effects of voltage limits inside the curves, as the controller computes them.
+ *   limit, effect [amplifiers] in, out (V)
+ */
+void curves_limits(const design *design, const double *limit, double *effect);
+
+/*
+ * Compute the voltages inside limits that have given effects, as the controller computes them. An
+ * effect at that of a limit gives exactly the limit.
+ *   effect       [amplifiers] in   wanted effects (V)
+ *   lower, upper [amplifiers] in   voltage limits (V)
+ *   voltage      [amplifiers] out  voltages (V); may be the array of the effects
+ */
+void curves_voltages(const design *design, const double *effect, const double *lower,
+                     const double *upper, double *voltage);
+
+/*
+ * Return half the range of the effects of an amplifier between its voltage limits (V); infinite
+ * where a limit is infinite.
+ */
+double curves_half_range(const design *design, int amplifier);
+
+/* Length of the text that describes the curves, with its NUL. */
+enum { CURVES_TEXT = 400 };
+
+/*
+ * Describe the curves in words: their kind, and how much the slopes of the effects over the
+ * voltages vary between the voltage limits. The text is empty where the scene has no curves.
+ */
+void curves_text(const design *design, char text[CURVES_TEXT]);
+
+#endif
