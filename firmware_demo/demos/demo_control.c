@@ -6,6 +6,10 @@
 #include "demo.h"
 #include DEMO_TABLES
 
+#ifdef DEMO_CURVES
+#error "actuators with curves need the blocks of the control loop: build demo_loop.c"
+#endif
+
 #define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))
 
 static pzs_real control_work[REALS(DEMO_CONTROL_BYTES)];

@@ -17,6 +17,7 @@ static const char *const sources[] = {"include/pzs_base.h",
                                       "lib/core/linalg_wide.h",
                                       "lib/core/lane.h",
                                       "lib/core/unrolled.h",
+                                      "host_tools/model/actuator_effect.[ch]",
                                       "host_tools/model/modal_tables.h",
                                       "host_tools/model/propagator.[ch]",
                                       "host_tools/simulate/amplifier.[ch]",
@@ -235,6 +236,7 @@ static void write_list(const char *name, const int *value, int count, FILE *file
 
 static void write_imperfections(const imperfection_tables *tables, FILE *file)
 {
+    const actuator_curves *curves = &tables->curves;
     write_list("reversed", tables->reversed, tables->reversals, file);
     write_list("swapped", tables->swapped, tables->swaps, file);
     fprintf(file,
@@ -243,9 +245,23 @@ static void write_imperfections(const imperfection_tables *tables, FILE *file)
             "    .hysteresis = %.17g, .bandwidth = %.17g, .creep = %.17g, .drift = %.17g,\n"
             "    .quantum = %.17g, .outlier_chance = %.17g, .outlier_size = %.17g,\n"
             "    .reversals = %d, .reversed = plant_reversed, .swaps = %d, .swapped = "
-            "plant_swapped};\n",
+            "plant_swapped,\n"
+            "    .curves = {%d, %d, plant_curve_voltage, plant_curve_effect, %s, %.17g}};\n",
             tables->hysteresis, tables->bandwidth, tables->creep, tables->drift, tables->quantum,
-            tables->outlier_chance, tables->outlier_size, tables->reversals, tables->swaps);
+            tables->outlier_chance, tables->outlier_size, tables->reversals, tables->swaps,
+            curves->sets, curves->points, curves->bend ? "plant_curve_bend" : "0", curves->error);
+}
+
+/* Write the arrays of the actuator curves; a plant with linear actuators has empty ones. */
+static void write_curves(emitter *emitter, const actuator_curves *curves)
+{
+    const size_t sets = (size_t)curves->sets, points = sets * (size_t)curves->points;
+    emit_reals(emitter, "curve_voltage", curves->voltage, points,
+               "voltages of the points of each actuator curve (V)");
+    emit_reals(emitter, "curve_effect", curves->effect, points, "effects at these points (V)");
+    if (curves->bend)
+        emit_reals(emitter, "curve_bend", curves->bend, points - sets,
+                   "bends of the segments of each actuator curve");
 }
 
 static void write_arrays(emitter *emitter, const design *nominal, const plant_rows *rows,
@@ -287,6 +303,7 @@ static bool write_tables(fmu *fmu, const plant *plant)
         emitter emitter = {file, "plant", "PLANT", 0, 0, 0};
         write_sizes(plant, &rows, file);
         write_arrays(&emitter, nominal, &rows, &plant->modal, inputs);
+        write_curves(&emitter, &imperfections.curves);
         write_imperfections(&imperfections, file);
         fmu_end_file(fmu);
     }

@@ -133,6 +133,18 @@ static void add_creep(const imperfections *on, double *voltage, double interval)
     }
 }
 
+static bool has_curves(const imperfection_tables *tables)
+{
+    return tables->curves.sets > 0;
+}
+
+static void apply_curves(const imperfections *on, double *voltage, double interval)
+{
+    (void)interval;
+    for (int k = 0; k < on->tables.amplifiers; k++)
+        voltage[k] = actuator_effect(&on->tables.curves, k, voltage[k]);
+}
+
 /*
  * Table of the imperfections between the amplifiers and the ceramic, in the order in which they
  * act.
@@ -142,7 +154,8 @@ static const struct {
     void (*apply)(const imperfections *on, double *voltage, double interval);
 } actuator_stages[] = {{has_bandwidth, apply_lag},         {has_swaps, swap_cables},
                        {has_reversals, reverse_wires},     {may_fail, set_faulty},
-                       {has_hysteresis, apply_hysteresis}, {has_creep, add_creep}};
+                       {has_hysteresis, apply_hysteresis}, {has_creep, add_creep},
+                       {has_curves, apply_curves}};
 enum { ACTUATOR_STAGES = sizeof actuator_stages / sizeof *actuator_stages };
 
 bool imperfections_vary(const imperfection_tables *tables)

@@ -10,6 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "../model/actuator_effect.h"
 
 enum { PLAYS = 4, CREEPS = 3 };
 
@@ -59,14 +60,15 @@ typedef struct imperfection_tables {
                        the strain that the voltage causes */
     double drift;   /* largest drift of a sensor (unit of the reading per second) */
     double quantum; /* quantisation step of the sensor readings (unit of the reading) */
-    double outlier_chance; /* probability that a sensor reading is an outlier */
-    double outlier_size;   /* largest error of a sensor reading that is an outlier (unit of the
-                              reading) */
-    int reversals;         /* number of amplifiers whose two wires are exchanged */
-    const int *reversed;   /* [reversals] indices of the amplifiers with exchanged wires */
-    int swaps;             /* number of amplifiers whose cables are exchanged in pairs */
-    const int *swapped;    /* [swaps] indices of the amplifiers with exchanged cables: the first is
-                              exchanged with the second, the third with the fourth */
+    double outlier_chance;  /* probability that a sensor reading is an outlier */
+    double outlier_size;    /* largest error of a sensor reading that is an outlier (unit of the
+                               reading) */
+    int reversals;          /* number of amplifiers whose two wires are exchanged */
+    const int *reversed;    /* [reversals] indices of the amplifiers with exchanged wires */
+    int swaps;              /* number of amplifiers whose cables are exchanged in pairs */
+    const int *swapped;     /* [swaps] indices of the amplifiers with exchanged cables: the first is
+                               exchanged with the second, the third with the fourth */
+    actuator_curves curves; /* effects of the voltages on actuators that are not linear */
 } imperfection_tables;
 
 /*
@@ -110,7 +112,8 @@ bool imperfections_vary(const imperfection_tables *tables);
  *   output [amplifiers] in   commanded output voltages of the amplifiers (V)
  *   interval            in   length of the interval (s)
  *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval (V); for length
- *                            0 the present ones
+ *                            0 the present ones. Where the actuators have curves, the effects of
+ *                            these voltages
  */
 void imperfections_actuate(const imperfections *imperfections, const double *output,
                            double interval, double *effect);

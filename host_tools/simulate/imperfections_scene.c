@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "../model/curves.h"
 
 /*
  * Width of the hysteresis loop of a soft piezoceramic relative to the voltage range, used if the
@@ -45,6 +46,8 @@ int imperfections_check(const design *design, char *error)
 imperfection_tables imperfections_of_scene(const design *design)
 {
     const scene_imperfections *settings = &design->simulate.imperfections;
+    actuator_curves curves = curves_of(design);
+    curves.error = design->simulate.curve_error;
     return (imperfection_tables){.amplifiers = design->amplifiers,
                                  .lower = design->lower,
                                  .upper = design->upper,
@@ -58,7 +61,8 @@ imperfection_tables imperfections_of_scene(const design *design)
                                  .reversals = settings->reversals,
                                  .reversed = settings->reversed,
                                  .swaps = settings->swaps,
-                                 .swapped = settings->swapped};
+                                 .swapped = settings->swapped,
+                                 .curves = curves};
 }
 
 /*
@@ -80,16 +84,18 @@ void imperfections_text(const design *design, char *text, size_t room)
     const struct {
         const char *format;
         double value;
-    } rows[] = {{"entries of the matrix wrong by %g", design->simulate.scatter},
-                {"gains of the matrix up to %g off", largest_gain_error(design)},
-                {"hysteresis %g of the range", imperfections_hysteresis(design)},
-                {"creep %g a decade", settings->creep},
-                {"amplifiers of %g Hz", settings->bandwidth},
-                {"%g reversed wires", settings->reversals},
-                {"%g swapped cables", settings->swaps},
-                {"drift of sensors up to %g a second", settings->drift},
-                {"outliers in a share of %g of the readings", settings->outlier_chance},
-                {"readings in steps of %g", settings->quantum}};
+    } rows[] = {
+        {"entries of the matrix wrong by %g", design->simulate.scatter},
+        {"gains of the matrix up to %g off", largest_gain_error(design)},
+        {"actuator curves off by %g of the range of effects", fabs(design->simulate.curve_error)},
+        {"hysteresis %g of the range", imperfections_hysteresis(design)},
+        {"creep %g a decade", settings->creep},
+        {"amplifiers of %g Hz", settings->bandwidth},
+        {"%g reversed wires", settings->reversals},
+        {"%g swapped cables", settings->swaps},
+        {"drift of sensors up to %g a second", settings->drift},
+        {"outliers in a share of %g of the readings", settings->outlier_chance},
+        {"readings in steps of %g", settings->quantum}};
     size_t at = 0;
     text[0] = '\0';
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {

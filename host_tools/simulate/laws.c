@@ -32,18 +32,21 @@ void law_close(law *law)
 /* ---- clipping of voltages to limits ----------------------------------- */
 
 /*
- * Copy the voltages that a control law for comparison has computed and clipped to the limits into
- * the library's controller.
+ * Copy the voltages (effects, where the actuators have curves) that a control law for comparison
+ * has computed and clipped to the limits into the library's controller.
  */
-static void set_voltages(const law *law, pzs_control *control)
+static void set_voltages(const law *law, const pzs_loop_signals *signals)
 {
+    pzs_control *control = signals->control;
     const pzs_control_info *info = &control->info;
     for (int k = 0; k < law->problem.inputs; k++) {
         const double clipped = fmin(fmax(law->next[k], info->lower[k]), info->upper[k]);
         const bool is_held = !(info->lower[k] < info->upper[k]);
+        /* The limits of effects of actuator curves contain the step limits of the voltages. */
         control->state.voltage[k] =
-            is_held ? clipped
-                    : amplifier_limited(info->voltage[k], clipped, law->problem.step_limit[k]);
+            is_held || signals->curves
+                ? clipped
+                : amplifier_limited(info->voltage[k], clipped, law->problem.step_limit[k]);
     }
     pzs_control_moved(control);
 }
@@ -93,7 +96,7 @@ static pzs_status clipped_tick(void *self, pzs_loop_signals *signals)
     }
     if (!unconstrained_solve(&law->solver, law->required, law->next))
         return PZS_E_NONFINITE;
-    set_voltages(law, signals->control);
+    set_voltages(law, signals);
     return PZS_OK;
 }
 
@@ -110,7 +113,7 @@ static pzs_status leaky_tick(void *self, pzs_loop_signals *signals)
         return PZS_E_NONFINITE;
     for (size_t k = 0; k < law->problem.inputs; k++)
         law->next[k] = (1 - law->leak) * voltage[k] + law->gain * law->next[k];
-    set_voltages(law, signals->control);
+    set_voltages(law, signals);
     return PZS_OK;
 }
 

@@ -82,6 +82,8 @@ static int change_scene(plant *plant)
     scene *scene = &plant->scene;
     const scene_simulate *simulate = &scene->simulate;
     scale_matrix(scene);
+    /* The inputs of a plant are the effects of its voltages (imperfections_actuate). */
+    memset(&scene->influence.curve, 0, sizeof scene->influence.curve);
     scene->kinematics = simulate->kinematics;
     for (int i = 0; i < scene->materials; i++) {
         const double stiffness = simulate->stiffness ? simulate->stiffness[i] : 1;

@@ -382,10 +382,32 @@ static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
                                            law_init, board_tick,     NULL};
 
 /*
+ * Whether a control law for comparison, or the host beside a controller on a board, runs a block of
+ * the scene that comes before the step block.
+ */
+static bool is_kept(const pzs_block_type *type, int is_board)
+{
+    return type != &pzs_effect_block && type != &pzs_selftest_block &&
+           !(is_board && type == &pzs_curve_block);
+}
+
+/*
+ * Append the block that restores voltages from the effects of actuator curves to the list of a
+ * control law for comparison, where the scene has such curves. Returns the new number of blocks.
+ */
+static size_t add_curve_inverse(loop *loop, const loop_blocks *all, size_t count)
+{
+    for (int k = 0; k < all->count; k++)
+        if (all->block[k].type == &pzs_curve_inverse_block)
+            loop->block[count++] = all->block[k];
+    return count;
+}
+
+/*
  * List the blocks (stages of the control tick) that the simulated loop runs: on the host, all
  * blocks of the scene. Clipped least squares, and a controller on a board, have a step block of
- * their own, and neither later blocks nor self-test and compensation of hysteresis. Returns their
- * number.
+ * their own, and neither later blocks nor self-test and compensation of hysteresis; clipped least
+ * squares keep the blocks of actuator curves. Returns their number.
  */
 static size_t list_blocks(loop *loop)
 {
@@ -397,12 +419,13 @@ static size_t list_blocks(loop *loop)
     if (loop->law == LAW_CONTROLLER && !is_board)
         return (size_t)all->count;
     for (int k = 0; all->block[k].type->phase != PZS_PHASE_STEP; k++)
-        if (all->block[k].type != &pzs_effect_block && all->block[k].type != &pzs_selftest_block)
+        if (is_kept(all->block[k].type, is_board))
             loop->block[count++] = all->block[k];
     loop->tables = (law_tables){*loop->simulation->problem, loop};
     loop->block[count] = is_board ? (pzs_block){&board_block, &loop->tables}
                                   : (pzs_block){&law_clipped_block, &loop->compared};
-    return count + 1;
+    count++;
+    return is_board ? count : add_curve_inverse(loop, all, count);
 }
 
 /*

@@ -8,6 +8,7 @@
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
+#include "../model/curves.h"
 #include "../../lib/control/control.h"
 #include "../../lib/control/limit_rows.h"
 #include "../../lib/core/guard.h"
@@ -88,6 +89,11 @@ static bool has_governor(const loop_blocks *blocks)
 static bool has_compensation(const loop_blocks *blocks)
 {
     return blocks->compensation.is_used;
+}
+
+static bool has_curves(const loop_blocks *blocks)
+{
+    return curves_are_used(blocks->design);
 }
 
 static bool has_amplifier(const loop_blocks *blocks)
@@ -183,6 +189,11 @@ static const void *compensation_tables(loop_blocks *blocks)
     return &blocks->compensation.tables;
 }
 
+static const void *curve_tables(loop_blocks *blocks)
+{
+    return &blocks->design->curves;
+}
+
 static const void *amplifier_tables(loop_blocks *blocks)
 {
     blocks->amplifier.step = blocks->design->simulate.step;
@@ -210,7 +221,7 @@ double loop_reachable_rms(const design *design)
 {
     double sum = 0;
     for (int k = 0; k < design->amplifiers; k++) {
-        const double half = (design->upper[k] - design->lower[k]) / 2;
+        const double half = curves_half_range(design, k);
         for (int i = 0; i < design->targets && isfinite(half); i++) {
             const double moved =
                 half * design->influence[(size_t)i * (size_t)design->amplifiers + (size_t)k];
@@ -438,6 +449,28 @@ static void write_compensation(emitter *emitter, const loop_blocks *blocks)
     fputs("\n};\n", emitter->file);
 }
 
+static void write_curves(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_actuator_curves *tables = &blocks->design->curves;
+    const size_t points = (size_t)tables->sets * tables->points;
+    const uint16_t counts[3] = {tables->inputs, tables->sets, tables->points};
+    emit_comment(emitter,
+                 "actuator curves: number of amplifiers, number of curves, points of a curve");
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emit_reals(emitter, "curve_voltage", tables->voltage, points,
+               "voltages of the points of each actuator curve (V)");
+    emit_reals(emitter, "curve_effect", tables->effect, points,
+               "effects at these points, to which the displacements are proportional (V)");
+    if (tables->bend)
+        emit_reals(emitter, "curve_bend", tables->bend, points - tables->sets,
+                   "bends of the segments of each actuator curve");
+    emit_begin(emitter, "actuator_curves", "actuator_curves", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u,\n    %s_curve_voltage, %s_curve_effect, ", counts[0],
+            counts[1], counts[2], emitter->prefix, emitter->prefix);
+    write_shared(emitter, tables->bend, "curve_bend");
+    fputs("\n};\n", emitter->file);
+}
+
 static void write_supervision(emitter *emitter, const loop_blocks *blocks)
 {
     const pzs_supervision *tables = &blocks->supervision;
@@ -556,6 +589,8 @@ BLOCK_BYTES(vibration, PZS_VIBRATION_BLOCK_BYTES(of->modes, of->inputs, of->outp
                                                  of->damper_delay))
 BLOCK_BYTES(effect, PZS_EFFECT_BLOCK_BYTES(of->inputs, of->plays, of->creeps))
 BLOCK_BYTES(inverse, PZS_INVERSE_BLOCK_BYTES(of->inputs))
+BLOCK_BYTES(curve, PZS_CURVE_BLOCK_BYTES(of->inputs))
+BLOCK_BYTES(curve_inverse, PZS_CURVE_INVERSE_BLOCK_BYTES(of->inputs))
 BLOCK_BYTES(step, PZS_STEP_BLOCK_BYTES(of->inputs, of->outputs))
 BLOCK_BYTES(row_step, PZS_STEP_BLOCK_ROW_BYTES(of->inputs, of->outputs, of->rows))
 BLOCK_BYTES(amplifier, PZS_AMPLIFIER_BLOCK_BYTES(of->inputs))
@@ -590,6 +625,8 @@ static const struct {
 } block_types[] = {
     {&pzs_selftest_block, has_selftest, selftest_tables, write_selftest, "selftest", "selftest",
      selftest_bytes, selftest_macro, loop_work_selftest},
+    {&pzs_curve_block, has_curves, curve_tables, write_curves, "curve", "actuator_curves",
+     curve_bytes, curve_macro, loop_work_curve},
     {&pzs_effect_block, has_compensation, compensation_tables, write_compensation, "effect",
      "hysteresis", effect_bytes, effect_macro, loop_work_effect},
     {&pzs_reading_delay_block, has_delay, delay_tables, write_delay, "reading_delay",
@@ -606,6 +643,8 @@ static const struct {
      loop_work_step},
     {&pzs_step_block, has_rows, problem_tables, NULL, "step", "problem", row_step_bytes,
      row_step_macro, loop_work_row_step},
+    {&pzs_curve_inverse_block, has_curves, curve_tables, NULL, "curve_inverse", "actuator_curves",
+     curve_inverse_bytes, curve_inverse_macro, loop_work_curve_inverse},
     {&pzs_inverse_block, has_compensation, compensation_tables, NULL, "inverse", "hysteresis",
      inverse_bytes, inverse_macro, loop_work_inverse},
     {&pzs_amplifier_block, has_amplifier, amplifier_tables, write_amplifier, "amplifier",
@@ -722,7 +761,8 @@ static block_counts count(const loop_blocks *blocks)
         .near_plays = near_plays(blocks),
         .is_damped = blocks->damper->is_used,
         .detects_faults = has_detector(blocks),
-        .moves_outside = has_amplifier(blocks) || has_compensation(blocks) || has_detector(blocks),
+        .moves_outside = has_amplifier(blocks) || has_compensation(blocks) || has_curves(blocks) ||
+                         has_detector(blocks),
         .work_limit = blocks->problem.work_limit};
     return of;
 }

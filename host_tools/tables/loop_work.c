@@ -150,6 +150,20 @@ double loop_work_inverse(const block_counts *of, const loop_processor *on)
 }
 
 /*
+ * Upper bounds of the instructions of the blocks of actuator curves: for each input, three effects
+ * of voltages before the step; after it two effects and a voltage, which needs a square root.
+ */
+double loop_work_curve(const block_counts *of, const loop_processor *on)
+{
+    return loops(of, on, 0, 700, 600);
+}
+
+double loop_work_curve_inverse(const block_counts *of, const loop_processor *on)
+{
+    return loops(of, on, 0, 700, 300);
+}
+
+/*
  * Upper bound of the instructions of the control step. A step without vibration damping also checks
  * the measurements.
  */

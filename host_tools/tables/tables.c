@@ -13,6 +13,7 @@
 #include "../../lib/core/guard.h"
 #include "../../lib/model/shell.h"
 #include "../mesh/compact_types.h"
+#include "../model/curves.h"
 #include "../text/words.h"
 #include "loop_blocks.h"
 #include "tables_nonlinear.h"
@@ -517,6 +518,22 @@ static void write_sparse(emitter *emitter, const pzs_sparse_influence *sparse)
 }
 
 /*
+ * State in a comment and a macro, where the actuators have curves, that the least-squares problem
+ * is one for effects, so that the controller is not used without the blocks of these curves.
+ */
+static void write_curve_note(const emitter *emitter, const design *design)
+{
+    if (!curves_are_used(design))
+        return;
+    emit_comment(emitter,
+                 "The actuators have curves: the influence matrix is the displacement per volt of "
+                 "effect. Use %s_blocks; pzs_step and pzs_tick alone would take effects for "
+                 "voltages.",
+                 emitter->prefix);
+    fprintf(emitter->file, "#define %s_CURVES 1\n", emitter->upper);
+}
+
+/*
  * Write the arrays and the C struct of the least-squares problem for the voltages.
  *   problem  in  problem with the arrays that the tables are to hold
  */
@@ -524,6 +541,7 @@ static void write_voltage_problem(emitter *emitter, const design *design,
                                   const pzs_problem *problem)
 {
     const uint16_t counts[2] = {problem->inputs, problem->outputs};
+    write_curve_note(emitter, design);
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_influence(emitter, design, problem);
     write_limits(emitter, design);

@@ -57,6 +57,9 @@ check 'a quasi-static plant, few sensors, a known load' $?
 "$PZS" new measured >"$dir/measured.yaml" && "$PZS" new measured-matrix >"$dir/measured-matrix.csv" &&
     coupled measured '[{at: 50, target: -0.5}]' 0 "$dir/measured.yaml" --set safety=none --set 'limits.absolute_sum={limit: 60}' --set 'limits.difference={limit: 20}'
 check 'a measured mirror with limits of differences and of a sum of absolute values' $?
+coupled curved '[{at: 50, target: 0.5}]' 0 "$dir/measured.yaml" --set safety=none --set influence.curve=quadratic --set 'limits.voltage=[0, 60]' \
+    --set 'target.value=1e-3 + 8e-6*(x^2 - y^2)' --set 'simulate.plant={gain: 0.9, curve_error: 0.1}' --set 'simulate.amplifiers={step: 0.5, bandwidth: 100}'
+check 'a measured mirror with quadratic actuators' $?
 loop faults "$dir/vibrating-plant.fmu" "$dir/vibrating-controller.fmu"
 check 'order of calls, states, instances, bad input' $?
 "$PZS" fmu "$dir/measured.yaml" --controller --build --set simulate.sensors.delay=1 --set 'safety={park: {e1: -5, e4: 3 V}, ramp_ticks: 20}' -o "$dir/late.fmu" >"$dir/said" 2>&1 &&

@@ -88,6 +88,17 @@ loop_sparse() {
     "$PZS" simulate "$scratch/narrow.yaml" --json --csv "$scratch/$name.csv" "$@" >"$scratch/$name.json" 2>"$scratch/found"
 }
 
+# loop_curved NAME ARGUMENTS: electrostatic actuators from 0 to 200 V, on a mirror whose curves are another
+loop_curved() {
+    name=$1
+    shift
+    "$PZS" new measured >"$scratch/measured.yaml" && "$PZS" new measured-matrix >"$scratch/measured-matrix.csv" &&
+        "$PZS" simulate "$scratch/measured.yaml" --set 'influence={file: measured-matrix.csv, scale: 6e-6, curve: quadratic}' \
+            --set 'limits={voltage: [0, 200], step_limit: 30}' --set 'target={value: "1.5e-3 + 8e-6*(x^2 - y^2)"}' --set simulate.plant.curve_error=0.1 \
+            --set 'simulate.events=[{at: 40, target: 0.5}, {at: 60, dead: [e3], announced: 2}, {at: 80, alive: [e3]}]' \
+            --json --csv "$scratch/$name.csv" "$@" >"$scratch/$name.json" 2>"$scratch/found"
+}
+
 if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     loop double
     tap $? 'the loop in double'
@@ -116,6 +127,11 @@ if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     tap $? 'mps2-an500: sparse influence matrix, 60 ticks with the bits of the full matrix on this computer'
     loop_sparse sparse-m4 --device netduinoplus2 && [ "$(count "$scratch/sparse-m4.json" device_same)" = 60 ]
     tap $? 'netduinoplus2: sparse influence matrix, 60 ticks with the bits of the same C here'
+    loop_curved curved-double && loop_curved curved-m7 --device mps2-an500 && [ "$(count "$scratch/curved-m7.json" device_same)" = 100 ] &&
+        cmp "$scratch/curved-double.csv" "$scratch/curved-m7.csv" >"$scratch/found" 2>&1
+    tap $? 'mps2-an500: quadratic actuators, 100 ticks with the bits of the loop on this computer'
+    loop_curved curved-m4 --device netduinoplus2 && [ "$(count "$scratch/curved-m4.json" device_same)" = 100 ]
+    tap $? 'netduinoplus2: quadratic actuators, 100 ticks with the bits of the same C here'
     ! cmp -s "$scratch/double.csv" "$scratch/netduinoplus2.csv"
     tap $? 'float and double differ'
     ARM_CC=false
