@@ -111,8 +111,9 @@ void print_matrix(const analysis *analysis)
     if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;
     words_unit(&design->units, QUANTITY_INFLUENCE, unit);
-    printf("  largest entry %.4g%s%s%s", facts.entry, *unit ? " " : "", unit,
-           curves_are_used(design) ? " of effect" : "");
+    printf("  largest entry %.4g%s%s", facts.entry, *unit ? " " : "", unit);
+    if (curves_are_used(design))
+        printf(" of effect");
     if (facts.rank >= 0)
         printf("; rank %d, singular values %.3g to %.3g (ratio %.3g)", facts.rank, facts.most,
                facts.least, facts.most / facts.least);
