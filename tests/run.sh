@@ -78,6 +78,7 @@ part fmu 'sh tests/cli/fmu.sh'
 part install 'sh tests/cli/install.sh'
 part measured 'sh tests/bench/measured.sh --check'
 part scipy 'sh tests/oracle/boxls.sh'
+part scipy-curves "/usr/bin/python3 tests/oracle/curves.py $B/pzs"
 part gmsh 'sh tests/cli/gmsh.sh'
 part target-start 'sh tests/target/start.sh'
 part target-bound 'sh tests/target/bound.sh'

@@ -110,6 +110,11 @@ static int fit_to_matrix(run *run, char *error)
 {
     const scene_influence *influence = &run->scene->influence;
     pokes acting = run->pokes;
+    if (influence->curve.given)
+        return scene_fault(influence->curve.at, error,
+                           "calibrate finds displacements per volt, and influence.curve makes them "
+                           "those of effects; write the effects of the pokes into the file of "
+                           "voltages, and name no scene");
     if ((size_t)influence->outputs != run->pokes.outputs ||
         (size_t)run->scene->amplifiers != run->pokes.actuators)
         return scene_fault(influence->at, error,

@@ -136,6 +136,18 @@ run 0 check "$dir/measured.yaml" --set 'influence.tied={pair: [e4, e1], rest: [e
     run 2 simulate "$dir/measured.yaml" --set 'influence.tied={pair: [e1, e2]}' && says "'e2' is tied to others; write the group, 'pair'" &&
     run 0 tables "$dir/measured.yaml" --set 'influence.tied={pair: [e1, e4]}' --set 'safety={park: {pair: 5}}' --prefix tied -o "$dir/tied.h" && grep -q 'tied_park\[6\]' "$dir/tied.h"
 check 'tied actuators are one amplifier, with the narrowest limits' $?
+curve='influence={file: measured-matrix.csv, scale: 6e-6, curve: quadratic}' unipolar='limits.voltage=[0, 200]' raised='target={value: "1.5e-3 + 8e-6*(x^2 - y^2)"}'
+run 0 check "$dir/measured.yaml" --set "$curve" --set "$unipolar" --set "$raised" && grep -qF 'actuator curves: the effect is the square of the voltage' "$dir/out" &&
+    grep -qE '^    curve inverse +[0-9]+' "$dir/out" &&
+    run 0 shape "$dir/measured.yaml" --set "$curve" --set "$unipolar" --set "$raised" --limit 60 --json && json "j['limits'] == [0, 60] and max(j['voltages'].values()) == 60 and min(j['voltages'].values()) >= 0" &&
+    run 0 simulate "$dir/measured.yaml" --set "$curve" --set "$unipolar" --set "$raised" --set simulate.events=[] --set simulate.plant.curve_error=0.1 --json && json "j['phases'][0]['controller']['settled'] >= 0" &&
+    run 0 tables "$dir/measured.yaml" --set "$curve" --set "$unipolar" --prefix curved -o "$dir/curved.h" && grep -q '^#define CURVED_CURVES 1' "$dir/curved.h" && grep -qF '{&pzs_curve_inverse_block, &curved_actuator_curves}' "$dir/curved.h" &&
+    run 2 check "$dir/measured.yaml" --set "$curve" && says "curve: quadratic, but 'centre' goes down to -60 V"
+check 'quadratic actuators: check, shape, simulate and tables; both signs are refused' $?
+cp "$dir/measured-matrix.csv" "$dir/twin.csv"
+run 2 check "$dir/measured.yaml" --set 'simulate.plant={curve_error: 0.1}' && says 'add influence.curve' &&
+    run 2 calibrate "$dir/measured.yaml" --set "$curve" --set "$unipolar" --voltages "$dir/measured-matrix.csv" --shapes "$dir/twin.csv" && says 'influence.curve'
+check 'an error of a curve needs a curve, and calibrate has none' $?
 run 2 solve "$dir/measured.yaml" && says 'needs a structure'; check 'solve of a measured matrix is refused by name' $?
 run 2 modes "$dir/measured.yaml" && says 'need a structure'; check 'modes of a measured matrix are refused by name' $?
 for image in linear nonlinear; do
