@@ -11,15 +11,13 @@ bool law_open(law *law, const pzs_problem *problem, double regularisation)
 {
     const size_t outputs = problem->outputs;
     memset(law, 0, sizeof *law);
-    law->problem = *problem;
-    law->problem.regularisation += regularisation;
-    law->problem.crc = 0;
-    law->problem.crc = pzs_problem_crc(&law->problem);
+    law->problem = law->regularised = *problem;
+    law->regularised.regularisation += regularisation;
     law->memory = calloc(2 * outputs + problem->inputs + 1, sizeof *law->memory);
     law->disturbance = law->memory;
     law->required = law->memory ? law->memory + outputs : NULL;
     law->next = law->memory ? law->required + outputs : NULL;
-    return unconstrained_open(&law->solver, &law->problem) && law->memory;
+    return unconstrained_open(&law->solver, &law->regularised) && law->memory;
 }
 
 void law_close(law *law)

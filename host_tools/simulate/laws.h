@@ -16,11 +16,11 @@
  * contain the memory of the block.
  */
 typedef struct law {
-    pzs_problem problem; /* least-squares problem for the voltages; must stay the first member,
-                            because the library casts a pointer to this struct to a pointer to the
-                            problem */
-    unconstrained solver;
-    double gain, leak; /* gain and leak of the leaky integrator, both without unit */
+    pzs_problem problem; /* least-squares problem for the voltages; must stay the first member, as
+                            the library casts a pointer to this struct to one to the problem */
+    pzs_problem regularised; /* the same problem with the regularisation of the law added */
+    unconstrained solver;    /* solver of the problem `regularised` */
+    double gain, leak;       /* gain and leak of the leaky integrator, both without unit */
     double *memory; /* one allocation that holds the arrays disturbance, required and next of this
                        struct */
     double *disturbance; /* [outputs] last known difference between the measured and the predicted

@@ -303,6 +303,7 @@ static simulate_course simulated(scene_run *run, double shape[OUTPUTS])
     if (simulate_open(&simulation, &run->analysis, run->error) < 0 ||
         simulate_run(&simulation, LAW_CONTROLLER, NULL, NULL, run->error) < 0 ||
         simulate_run(&simulation, LAW_CLAMP, NULL, NULL, run->error) < 0 ||
+        simulate_run(&simulation, LAW_REGULARISED, NULL, NULL, run->error) < 0 ||
         simulate_optima(&simulation, run->error) < 0)
         fail_msg("%s", run->error);
     simulate_course course = simulation.phase[0].course[LAW_CONTROLLER];
@@ -348,6 +349,11 @@ static void test_loop(void **state)
             assert_true(i == 4 || fabs(shape[k] - expected[k]) <= 1e-5 * 5e3);
         scene_run_close(&curved);
     }
+    /* A curve whose effect at 0 V is not 0, beside the regularised law. */
+    write_scene(", curve: [[0, 1e4], [200, 5e4]]", "{voltage: [0, 200]}", 5e3);
+    open_scene(&curved, "");
+    (void)simulated(&curved, shape);
+    scene_run_close(&curved);
 }
 
 /* ---- refused ------------------------------------------------------------ */
