@@ -582,6 +582,58 @@ static void test_late(void **state)
     }
 }
 
+/* Distance of the shape under the given voltages from the target, over the size of the target. */
+static double misfit_of(const rig *r)
+{
+    double missed = 0, size = 0;
+    for (int i = 0; i < M; i++) {
+        missed += pow(displaced(r, r->given, i) - (double)r->wanted[i], 2);
+        size += pow((double)r->wanted[i], 2);
+    }
+    return sqrt(missed / size);
+}
+
+/*
+ * Run some ticks with readings. Where bytes > 0, a bit of so many bytes of the workspace flips
+ * before every tenth tick.
+ */
+static void run_ticks(rig *r, int ticks, size_t bytes)
+{
+    for (int tick = 0; tick < ticks; tick++) {
+        if (bytes > 0 && tick % 10 == 0)
+            ((uint8_t *)r->work)[(size_t)draw(r, 0, (double)bytes - 1e-6)] ^=
+                (uint8_t)(1u << (int)draw(r, 0, 7.999));
+        measure(r, 1);
+        assert_false(PZS_IS_ERROR(pzs_loop_tick(&r->loop, r->wanted, r->measured)));
+        take(r, NULL, NULL);
+    }
+}
+
+/*
+ * Law: whatever bit of the workspace flips between two ticks, no voltage leaves its limits, its
+ * step limit or the finite numbers. 400 ticks after the last flip the loop is as near to its target
+ * as before.
+ */
+static void test_flipped_bits(void **state)
+{
+    static rig r;
+    (void)state;
+    open_rig(&r, 250);
+    assert_int_equal(init(&r), PZS_OK);
+    const size_t bytes = PZS_LOOP_BYTES(3, N) + PZS_STEP_BLOCK_BYTES(N, M) +
+                         PZS_CURVE_BLOCK_BYTES(N) + PZS_CURVE_INVERSE_BLOCK_BYTES(N);
+    for (int turn = 0; turn < 100 / SHARE; turn++) {
+        throw_target(&r, 0.9);
+        run_ticks(&r, 400, 0);
+        const double before = misfit_of(&r);
+        run_ticks(&r, 200, bytes - 8);
+        run_ticks(&r, 400, 0);
+        if (!(fabs(misfit_of(&r) - before) < 1e-3))
+            fail_msg("turn %d: misfit %g, %g before", turn, misfit_of(&r), before);
+    }
+    free(r.work);
+}
+
 /* ---- refused -------------------------------------------------------------- */
 
 static pzs_status init_with(rig *r, pzs_real *entry, double value)
@@ -668,11 +720,11 @@ static void test_refused_lists(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_textbook),     cmocka_unit_test(test_inverse),
-        cmocka_unit_test(test_square),       cmocka_unit_test(test_inside_limits),
-        cmocka_unit_test(test_optimum),      cmocka_unit_test(test_target_reached),
-        cmocka_unit_test(test_kept),         cmocka_unit_test(test_predicted),
-        cmocka_unit_test(test_late),         cmocka_unit_test(test_refused_curves),
-        cmocka_unit_test(test_refused_lists)};
+        cmocka_unit_test(test_textbook),       cmocka_unit_test(test_inverse),
+        cmocka_unit_test(test_square),         cmocka_unit_test(test_inside_limits),
+        cmocka_unit_test(test_optimum),        cmocka_unit_test(test_target_reached),
+        cmocka_unit_test(test_kept),           cmocka_unit_test(test_predicted),
+        cmocka_unit_test(test_late),           cmocka_unit_test(test_flipped_bits),
+        cmocka_unit_test(test_refused_curves), cmocka_unit_test(test_refused_lists)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
