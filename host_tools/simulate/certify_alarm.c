@@ -12,10 +12,11 @@
  */
 static const double longest_fading = 128;
 
-enum {
-    MORE = 4 /* largest ratio of the chosen fading time to the shortest one that the storms permit
-              */
-};
+/*
+ * Smallest ratio of the fading time that the slowest vibration of the certificate needs to the
+ * default time at which it is taken instead of the default.
+ */
+static const double slower = 1.5;
 
 /* Alarms of the supervisor in a batch of storms. */
 typedef struct alarms {
@@ -47,17 +48,16 @@ static int count_alarms(const storm_rig *rig, int enough, int *count, char *erro
 }
 
 /*
- * Return the fading time for a loop with which the default time gives false alarms (periods). The
- * storms are a sample, so that the tolerance is made to fade as slowly as the slowest vibration of
- * all structures of the certificate, but at most `MORE` times as slowly as the storms need.
- *   needed in  shortest time with which no storm ends in an alarm (periods)
+ * Return the fading time with which the search begins (periods): the default, but for a loop that
+ * damps slower the time in which the slowest vibration on all structures of the certificate falls
+ * by e.
  */
-static double longer_fading(const trial *trial, double needed)
+static double first_fading(const trial *trial, double usual)
 {
     const double radius = trial->analysis->certificate.loop.radius,
                  period = trial->damper.rate / trial->damper.frequency[0];
-    const double slowest = radius > 0 && radius < 1 ? -1 / (log(radius) * period) : HUGE_VAL;
-    return fmin(fmax(needed, slowest), MORE * needed);
+    const double needed = radius > 0 && radius < 1 ? -1 / (log(radius) * period) : longest_fading;
+    return needed > slower * usual ? fmin(needed, longest_fading) : usual;
 }
 
 /* Run the storms with one fading time of the supervisor. Returns 0, or -1 with error filled. */
@@ -77,21 +77,18 @@ int trial_choose_fading(trial *trial, char *error)
     certificate *certificate = &trial->analysis->certificate;
     certificate_loop *loop = &certificate->loop;
     damper_options options = damper_options_of(trial->analysis);
-    const double first = options.settings.fading_periods;
     if (trial_use(trial, &options, error) < 0)
         return -1;
     if (trial->rig.supervision == NULL || trial->damper.modes == 0)
         return 0;
+    options.settings.fading_periods = first_fading(trial, options.settings.fading_periods);
     int failed = try_fading(trial, &options, &loop->alarms, error);
     while (!failed && loop->alarms > 0 && 2 * options.settings.fading_periods <= longest_fading) {
         options.settings.fading_periods *= 2;
         failed = try_fading(trial, &options, &loop->alarms, error);
     }
     loop->fading = options.settings.fading_periods;
-    if (loop->fading > first)
-        loop->fading = longer_fading(trial, loop->fading);
     certificate->settings = options.settings;
-    certificate->settings.fading_periods = loop->fading;
     certificate->has_settings = true;
     return failed;
 }

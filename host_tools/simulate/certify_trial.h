@@ -165,8 +165,8 @@ int trial_choose(trial *trial, char *error);
 
 /*
  * Choose the time in which the supervisor's tolerance after a jump of the target fades: the default
- * time, or the first of its doubles with which no storm (simulation with fast jumps of the target)
- * ends in an alarm. A loop that damps slowly needs more. The results are the settings of the
+ * time, or for a loop that damps slower that of its slowest vibration, doubled until no storm
+ * (simulation with fast jumps of the target) ends in an alarm. The results are the settings of the
  * certificate, loop.fading and loop.alarms. A loop without supervisor or observed modes is left
  * unchanged. Returns 0, or -1 with error filled.
  */

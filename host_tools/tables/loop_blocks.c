@@ -257,8 +257,8 @@ static const double slowest_fading = 0.99999;
  *       periods of the first vibration mode, or in more, so that no storm of the certificate raises
  *       an alarm; where no mode is observed, as slowly as the damper follows static errors of the
  *       model, which until then look like a vibration; 1/e in 50 ticks without a vibration model
- *   alarm_ticks number of implausible ticks until an alarm: a period of the first vibration mode,
- *       at least 20 (for vibration twice as many)
+ *   alarm_ticks number of implausible ticks until an alarm: half the time of `fading`, in general
+ *       a period of the first vibration mode, at least 20 (for vibration twice as many)
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -280,7 +280,8 @@ static const void *supervision_tables(loop_blocks *blocks)
     if (blocks->damper->is_used && blocks->damper->modes > 0) {
         const double period = blocks->damper->rate / blocks->damper->frequency[0];
         tables->fading = exp(-1 / (blocks->damper->fading_periods * period));
-        tables->alarm_ticks = (uint16_t)fmin(fmax(20, ceil(period)), 60000);
+        tables->alarm_ticks =
+            (uint16_t)fmin(fmax(20, ceil(blocks->damper->fading_periods / 2 * period)), 60000);
     }
     (void)pzs_supervision_seal(tables);
     return tables;
