@@ -269,10 +269,10 @@ static int write_solution(const options *options, analysis *analysis, solution *
  */
 static int write_stressed(const options *options, analysis *analysis, solution *result)
 {
-    const stress_state state = {&analysis->design, result->displacement, analysis->input_value,
-                                analysis->is_nonlinear};
     stress_field field;
-    int status = stress_recover(&field, &state) < 0 ? complain("out of memory", 1) : 0;
+    int status = analysis_stresses(analysis, result->displacement, &field) < 0
+                     ? complain("out of memory", 1)
+                     : 0;
     result->stress = &field;
     if (status == 0)
         plausible_stress(&analysis->warnings, &field);

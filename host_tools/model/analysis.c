@@ -15,6 +15,7 @@
 #include "electrodes.h"
 #include "mass.h"
 #include "ramp.h"
+#include "stress_corrected.h"
 #include "stress_output.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/core/linalg.h"
@@ -422,6 +423,15 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
     return failed;
 }
 
+int analysis_stresses(analysis *analysis, const double *displacement, stress_field *field)
+{
+    const stress_state state = {&analysis->design, displacement, analysis->input_value,
+                                analysis->is_nonlinear};
+    if (analysis->is_nonlinear || factor_reference_state(analysis) != PZS_OK)
+        return stress_recover(field, &state);
+    return stress_recover_corrected(field, &state, &analysis->model);
+}
+
 /*
  * Compute the strains and stresses that the scene names as outputs, from a displacement of the
  * structure. Returns 0, or -1 with error filled.
@@ -429,8 +439,6 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
 static int recover_outputs(analysis *analysis, const double *displacement, char *error)
 {
     const design *design = &analysis->design;
-    const stress_state state = {design, displacement, analysis->input_value,
-                                analysis->is_nonlinear};
     bool is_wanted = false;
     for (int k = 0; k < design->outputs; k++)
         is_wanted |= design->output[k].recovered != RECOVERED_NONE;
@@ -439,9 +447,14 @@ static int recover_outputs(analysis *analysis, const double *displacement, char 
     if (!analysis->recovered)
         analysis->recovered =
             calloc((size_t)design->place_first[design->outputs] + 1, sizeof *analysis->recovered);
-    if (analysis->recovered && stress_outputs(&state, analysis->recovered) == 0)
-        return 0;
-    return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+    stress_field field;
+    if (!analysis->recovered)
+        return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+    const int status = analysis_stresses(analysis, displacement, &field);
+    if (status == 0)
+        stress_outputs(&field, analysis->recovered);
+    stress_free(&field);
+    return status == 0 ? 0 : analysis_explain(analysis, PZS_E_WORKSPACE, error);
 }
 
 int analysis_find_reactions(analysis *analysis, const double *displacement, char *error)

@@ -123,6 +123,14 @@ int analysis_solve(analysis *analysis, double *displacement, char *error);
 int analysis_needs_structure(const analysis *analysis, const char *what, char *error);
 
 /*
+ * Recover the stresses of a displacement that analysis_solve or analysis_continue computed; with
+ * linear kinematics corrected for what the theory of the elements leaves out (stress_corrected.h).
+ *   displacement [free_dof] in  must remain valid as long as the field is used
+ * Returns 0, or -1 if memory runs out; call stress_free in both cases.
+ */
+int analysis_stresses(analysis *analysis, const double *displacement, struct stress_field *field);
+
+/*
  * Compute the linear displacement under input values.
  *   value        [inputs]   in   voltages (V), load factors and temperature changes (K)
  *   displacement [free_dof] out  displacement vector of the structure

@@ -15,4 +15,11 @@
  */
 int stress_recover(stress_field *field, const stress_state *state);
 
+/*
+ * Recover the stresses with a corrected displacement (stress_corrected.h), whose arrays the field
+ * then owns. Arguments and return value are those of stress_field_fill.
+ */
+int stress_recover_with(stress_field *field, const stress_state *state,
+                        const stress_correction *correction);
+
 #endif

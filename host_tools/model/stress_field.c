@@ -311,7 +311,9 @@ static void fill_resultants(const stress_field *field, int element)
     if (heat.temperature[0] != 0 || heat.temperature[1] != 0)
         add_prescribed(mesh, element, &heat, 1, resultant);
     for (int i = 0; i < 10; i++)
-        own->resultant[i] = resultant[i] / place_of(mesh, element)->area;
+        own->resultant[i] =
+            resultant[i] / place_of(mesh, element)->area +
+            (field->correction.resultant ? field->correction.resultant[element][i] : 0);
     own->normal_stress = own->resultant[MEAN_33] / present_thickness(mesh, element);
 }
 
@@ -428,7 +430,8 @@ static void fill_samples(const stress_field *field, int element)
         sample[i].plane[0] = stress[0];
         sample[i].plane[1] = stress[1];
         sample[i].plane[2] = stress[5];
-        sample[i].normal = stress[2];
+        sample[i].normal = sample[i].own_normal = stress[2];
+        sample[i].thickening = strain[2];
     }
 }
 
@@ -479,12 +482,16 @@ void stress_shear_strains(const stress_field *field, int element, int layer, int
 /*
  * Add the in-plane strains of bent cross-sections (stress_warp.h) to the strains of a layer, and
  * the thickness strain 33 that they cause while the normal stress 33 stays the same. Replace the
- * in-plane stresses by those stored in `sample`, which belong to these strains.
+ * in-plane stresses by those stored in `sample`, which belong to these strains. Where the in-plane
+ * stresses contain the effect of the normal stress 33 of each height (has_squeeze), the thickness
+ * strain 33 does, too.
  */
-static void add_warp(const laminate_ply *ply, const stress_sample *sample, double strain[6],
-                     double stress[6])
+static void add_warp(const laminate_ply *ply, const stress_sample *sample, bool has_squeeze,
+                     double strain[6], double stress[6])
 {
     static const int plane[3] = {0, 1, 5};
+    if (has_squeeze)
+        strain[2] += (sample->normal - sample->own_normal) / ply->c[2][2];
     for (int i = 0; i < 3; i++) {
         strain[plane[i]] += sample->warp[i];
         strain[2] -= ply->c[2][plane[i]] / ply->c[2][2] * sample->warp[i];
@@ -510,7 +517,10 @@ void stress_layer_of(const stress_field *field, int element, int layer, stress_l
         shear_strains(ply, sample[height].shear, given, strain);
         if (height == 1)
             result->displacement = electric_displacement(field, element, layer, z, strain);
-        add_warp(ply, &sample[height], strain, stress);
+        if (field->correction.electric)
+            result->displacement =
+                field->correction.electric[(size_t)element * (size_t)field->layers + (size_t)layer];
+        add_warp(ply, &sample[height], field->has_squeeze, strain, stress);
         strain_turn_stress(stress, angle, result->at[height].stress);
         strain_turn(strain, angle, result->at[height].strain);
     }
@@ -595,10 +605,25 @@ static bool allocate(stress_field *field)
            field->node_element;
 }
 
-int stress_field_fill(stress_field *field, const stress_state *state)
+/* Fill stress_sample.balanced. */
+static void fill_balanced(stress_field *field)
+{
+    const int samples = field->elements * field->layers * STRESS_HEIGHTS;
+    for (int i = 0; i < samples && field->correction.lacking; i++)
+        memcpy(field->sample[i].balanced, field->correction.lacking[i],
+               sizeof field->sample[i].balanced);
+}
+
+int stress_field_fill(stress_field *field, const stress_state *state,
+                      const stress_correction *correction)
 {
     memset(field, 0, sizeof *field);
     field->state = *state;
+    if (correction) {
+        field->correction = *correction;
+        field->state.displacement = correction->displacement;
+    }
+    field->has_squeeze = correction != NULL;
     field->elements = state->design->mesh.elements;
     field->layers = state->design->mesh.laminate.plies;
     if (!allocate(field) || fill_patches(field) < 0)
@@ -608,11 +633,16 @@ int stress_field_fill(stress_field *field, const stress_state *state)
         fill_element(field, element);
         fill_samples(field, element);
     }
+    fill_balanced(field);
     return 0;
 }
 
 void stress_free(stress_field *field)
 {
+    free(field->correction.displacement);
+    free(field->correction.resultant);
+    free(field->correction.lacking);
+    free(field->correction.electric);
     free(field->element);
     free(field->voltage);
     free(field->heat);

@@ -4,7 +4,8 @@
  * displacement on the host; at large rotations Green's strains and second Piola-Kirchhoff stresses,
  * in the directions of the undeformed shell.
  *   in-plane strains   linear through the thickness, with the exact lengths at each height of a
- *       curved shell, and those of cross-sections that shear bends (stress_warp.h)
+ *       curved shell, and those of cross-sections that shear bends (stress_warp.h); with linear
+ *       kinematics of a displacement that is corrected for them (stress_corrected.h)
  *   thickness strain   linear, or with the element option lin33 that of each ply under one normal
  *       stress 33 of all plies
  *   shear and normal stresses 13, 23, 33   from equilibrium (stress_equilibrium.c)
@@ -78,9 +79,33 @@ typedef struct stress_layer {
  */
 typedef struct stress_sample {
     double plane[3], shear[2], normal;
-    double warp[3]; /* in-plane strains 11 22 12 (twice the tensor's) of bent cross-sections, which
-                       `plane` contains (stress_warp.h) */
+    double warp[3];     /* in-plane strains 11 22 12 (twice the tensor's) of bent cross-sections,
+                           which `plane` contains (stress_warp.h) */
+    double squeeze[3];  /* in-plane stresses 11 22 12 which `plane` contains because the normal
+                           stress 33 differs from that of the element (stress_warp.h; Pa) */
+    double lacking[3];  /* in-plane stresses 11 22 12 that straight cross-sections and the normal
+                           stress 33 of the element leave out while the displacement of the
+                           structure remains the same (Pa) */
+    double balanced[3]; /* such stresses of an earlier recovery, with which the displacement of the
+                           structure was corrected (stress_corrected.h; Pa) */
+    double own_normal;  /* normal stress 33 of the element at this height (Pa) */
+    double thickening;  /* thickness strain 33 under this normal stress, without `warp` */
 } stress_sample;
+
+/*
+ * Correction of a displacement for what the theory of the elements leaves out
+ * (stress_corrected.h). All members are 0 without it.
+ */
+typedef struct stress_correction {
+    double *displacement;    /* [free_dof] corrected displacement, of which the stresses are */
+    double (*resultant)[10]; /* [elements] resultants added to those that follow from the strains of
+                                an element, in the order of its ten strains (N/m) */
+    double (*lacking)[3];    /* [elements][layers][STRESS_HEIGHTS] values of
+                                stress_sample.balanced (Pa) */
+    double *electric;        /* [elements][layers] electric displacement of the layers before the
+                                correction; the charges of the electrodes are its integrals (C/m2)
+                              */
+} stress_correction;
 
 /*
  * Recovered stresses of a structure. Two elements are neighbours if they share a node, have equal
@@ -102,16 +127,30 @@ typedef struct stress_field {
                               layers that are absent in the element */
     int *node_start; /* [nodes + 1] index in node_element at which the list of elements of each node
                         begins */
-    int *node_element; /* numbers of the elements that have a node as a corner: the list of node 0,
-                          then that of node 1, and so on */
+    int *node_element;  /* numbers of the elements that have a node as a corner: the list of node 0,
+                           then that of node 1, and so on */
+    double bend_share;  /* first change of the in-plane stresses by bent cross-sections over these
+                           stresses (stress_warp.h) */
+    double bend_change; /* second change of the in-plane stresses by bent cross-sections over the
+                           first one (stress_warp.h) */
+    bool is_straight;   /* whether the stresses are those of straight cross-sections, because the
+                           strains of bent ones did not converge (stress_warp.h) */
+    bool has_squeeze;   /* whether the in-plane stresses contain the effect of the normal stress 33
+                           of each height */
+    stress_correction correction; /* correction of the displacement; empty without it */
+    double theory_error; /* estimated error of the displacement by the theory of the elements:
+                            largest change at a node by the correction over the largest
+                            displacement; 0 where it was not computed */
 } stress_field;
 
 /*
  * Compute the strains and resultants of all elements and the in-plane stresses of their layers
- * (stress_equilibrium computes the other stresses). The field keeps pointers into `state`. Returns
- * 0, or -1 if memory runs out; call stress_free in both cases.
+ * (stress_equilibrium computes the other stresses). The field keeps pointers into `state`.
+ *   correction in  correction of the displacement, whose arrays the field then owns; NULL: none
+ * Returns 0, or -1 if memory runs out; call stress_free in both cases.
  */
-int stress_field_fill(stress_field *field, const stress_state *state);
+int stress_field_fill(stress_field *field, const stress_state *state,
+                      const stress_correction *correction);
 void stress_free(stress_field *field);
 
 /* Return whether a layer is present in an element. */

@@ -44,15 +44,11 @@ static double value_at(const stress_field *field, const scene_output *output, in
     return sum;
 }
 
-int stress_outputs(const stress_state *state, double *value)
+void stress_outputs(const stress_field *field, double *value)
 {
-    const design *design = state->design;
-    stress_field field;
-    const int status = stress_recover(&field, state);
-    for (int k = 0; status == 0 && k < design->outputs; k++)
+    const design *design = field->state.design;
+    for (int k = 0; k < design->outputs; k++)
         for (int i = design->place_first[k]; i < design->place_first[k + 1]; i++)
             if (design->output[k].recovered != RECOVERED_NONE)
-                value[i] = value_at(&field, &design->output[k], design->place_node[i]);
-    stress_free(&field);
-    return status;
+                value[i] = value_at(field, &design->output[k], design->place_node[i]);
 }

@@ -10,12 +10,11 @@
 #include "stress.h"
 
 /*
- * Compute the values of all outputs of a scene that are strains or stresses, for a computed
- * displacement and its input values (the state).
+ * Compute the values of all outputs of a scene that are strains or stresses from its recovered
+ * stresses.
  *   value in/out  one value for each node of each output, output after output in the order of the
  *       scene file; values of outputs of other types are left unchanged
- * Returns 0, or -1 if memory runs out.
  */
-int stress_outputs(const stress_state *state, double *value);
+void stress_outputs(const stress_field *field, double *value);
 
 #endif

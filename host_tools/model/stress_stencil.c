@@ -239,6 +239,16 @@ void stencil_turn_vector(const double vector[2], double angle, double turned[2])
     turned[1] = cos(angle) * vector[1] - sin(angle) * vector[0];
 }
 
+void stencil_to_shell_axes(const stencil *stencil, const double principal[3], double own[3])
+{
+    const double all[6] = {principal[0], principal[1], 0, 0, 0, principal[2]};
+    double turned[6];
+    strain_turn(all, -stencil->angle, turned);
+    own[0] = turned[0];
+    own[1] = turned[1];
+    own[2] = turned[5];
+}
+
 /* ---- plies ------------------------------------------------------------------ */
 
 void stencil_stretches(const stress_field *field, const stencil *stencil, int sample, double c[2])

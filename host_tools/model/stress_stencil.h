@@ -79,4 +79,10 @@ void stencil_turn_plane(const double stress[3], double angle, double turned[3]);
  */
 void stencil_turn_vector(const double vector[2], double angle, double turned[2]);
 
+/*
+ * Compute in-plane strains 11, 22 and 12 (twice the tensor's) in the shell axes of an element from
+ * those along its directions of principal curvature.
+ */
+void stencil_to_shell_axes(const stencil *stencil, const double principal[3], double own[3]);
+
 #endif

@@ -4,184 +4,269 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "strain.h"
+#include "../mesh/invert.h"
+#include "stress_bend.h"
 #include "stress_equilibrium.h"
-#include "stress_stencil.h"
 
-/* Displacement of the bent cross-sections at each height of an element along its shell axes (m). */
-typedef double bend[STENCIL_SAMPLES][2];
+/* Number of unit strains that keep the resultants: membrane strain and curvature of 11, 22, 12. */
+enum { UNITS = 6 };
 
-/* ---- bent cross-sections --------------------------------------------------------- */
+/* In-plane strains 11, 22 and 12 (twice the tensor's) at all heights of an element. */
+typedef double strains[STENCIL_SAMPLES][3];
 
-/*
- * Compute the displacement w of the bent cross-section of an element from its transverse shear
- * strains. With c_a, the length along direction a at a height relative to that in the reference
- * surface, w_a/c_a is the integral of (shear strain a3)/c_a over the height, from the inner face.
- */
-static void fill_bend(const stress_field *field, const stencil *stencil, bend out)
-{
-    const int samples = field->layers * STRESS_HEIGHTS;
-    double rate[2][STENCIL_SAMPLES], sum[2][STENCIL_SAMPLES], c[2];
-    memset(rate, 0, sizeof rate);
-    for (int i = 0; i < samples; i++) {
-        double shear[2], turned[2];
-        if (!stress_is_present(field, stencil->element, i / STRESS_HEIGHTS))
-            continue;
-        stress_shear_strains(field, stencil->element, i / STRESS_HEIGHTS, i % STRESS_HEIGHTS,
-                             shear);
-        stencil_turn_vector(shear, stencil->angle, turned);
-        stencil_stretches(field, stencil, i, c);
-        for (int a = 0; a < 2; a++)
-            rate[a][i] = turned[a] / c[a];
-    }
-    for (int a = 0; a < 2; a++)
-        stencil_integrate(field, stencil->element, rate[a], sum[a]);
-    for (int i = 0; i < samples; i++) {
-        stencil_stretches(field, stencil, i, c);
-        const double along[2] = {c[0] * sum[0][i], c[1] * sum[1][i]};
-        stencil_turn_vector(along, -stencil->angle, out[i]);
-    }
-}
+/* ---- resultants ------------------------------------------------------------------- */
 
 /*
- * Compute the in-plane strains 11, 22 and 12 (twice the tensor's) of the gradient of the
- * displacement of the cross-sections, in the shell axes of the element.
+ * Compute the in-plane strains at all heights per unit of membrane strain (0 to 2: 11, 22, 12) or
+ * curvature (3 to 5), along the directions of principal curvature.
  */
-static void gradient_strain(const stress_field *field, const stencil *stencil, bend *all,
-                            int sample, double strain[3])
+static void unit_strains(const stress_field *field, const stencil *stencil, int unit, strains out)
 {
-    double c[2], here[2], slope[2][2] = {{0, 0}, {0, 0}};
-    stencil_turn_vector(all[stencil->element][sample], stencil->angle, here);
-    stencil_stretches(field, stencil, sample, c);
-    for (int k = 0; k < stencil->count; k++) {
-        double there[2];
-        stencil_turn_vector(all[stencil->neighbour[k]][sample], -stencil->turn[k], there);
-        for (int a = 0; a < 2; a++)
-            for (int b = 0; b < 2; b++)
-                slope[a][b] += stencil->weight[k][b] * (there[a] - here[a]) / c[b];
-    }
-    const double turned[6] = {slope[0][0], slope[1][1], 0, 0, 0, slope[0][1] + slope[1][0]};
-    double own[6];
-    strain_turn(turned, -stencil->angle, own);
-    strain[0] = own[0];
-    strain[1] = own[1];
-    strain[2] = own[5];
-}
-
-/*
- * Compute the forces and moments per length of the in-plane stresses that given strains at the
- * sample heights cause (resultant [6] out: 11 22 12 of the forces, then of the moments).
- */
-static void resultants_of(const stress_field *field, int element, double (*strain)[3],
-                          double resultant[6])
-{
-    memset(resultant, 0, 6 * sizeof *resultant);
-    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
-        const int layer = i / STRESS_HEIGHTS, height = i % STRESS_HEIGHTS;
-        const laminate_ply *ply = &field->state.design->mesh.laminate.ply[layer];
-        const double z = stress_height(field, layer, height);
-        const double bent[6] = {strain[i][0], strain[i][1], strain[i][2], 0, 0, 0};
-        const double weight = (ply->z[1] - ply->z[0]) * (height == 1 ? 4 : 1) / 6;
-        double stress[3];
-        if (!stress_is_present(field, element, layer))
-            continue;
-        stencil_plane_stress(ply, bent, 0, stress);
-        for (int k = 0; k < 3; k++) {
-            resultant[k] += weight * stress[k];
-            resultant[3 + k] += weight * z * stress[k];
-        }
-    }
-}
-
-/*
- * Compute the strains of the bent cross-sections of an element at all sample heights, with the
- * membrane strains and curvatures that keep the resultants of the element.
- */
-static void warp_strains(const stress_field *field, int element, bend *all, double (*strain)[3])
-{
-    double flex[6][6], resultant[6], bent[6] = {0};
-    stencil stencil;
-    memset(strain, 0, STENCIL_SAMPLES * sizeof *strain);
-    if (stencil_flexure(field, element, flex) < 0)
-        return;
-    stencil_find(field, element, &stencil);
-    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++)
-        gradient_strain(field, &stencil, all, i, strain[i]);
-    resultants_of(field, element, strain, resultant);
-    for (int i = 0; i < 6; i++)
-        for (int j = 0; j < 6; j++)
-            bent[i] -= flex[i][j] * resultant[j];
     for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
         const double z = stress_height(field, i / STRESS_HEIGHTS, i % STRESS_HEIGHTS);
-        for (int k = 0; k < 3; k++)
-            strain[i][k] += bent[k] + z * bent[3 + k];
+        double c[2], principal[3] = {0, 0, 0};
+        stencil_stretches(field, stencil, i, c);
+        const double length[3] = {c[0], c[1], c[0] * c[1]};
+        principal[unit % 3] = (unit < 3 ? 1 : z) / length[unit % 3];
+        stencil_to_shell_axes(stencil, principal, out[i]);
     }
+}
+
+/* Return the work of in-plane stresses on in-plane strains of an element, per area (N/m). */
+static double work_of(const stress_field *field, const stencil *stencil, strains stress,
+                      strains strain)
+{
+    double work = 0;
+    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
+        const double *z = field->state.design->mesh.laminate.ply[i / STRESS_HEIGHTS].z;
+        double c[2];
+        if (!stress_is_present(field, stencil->element, i / STRESS_HEIGHTS))
+            continue;
+        stencil_stretches(field, stencil, i, c);
+        const double weight = c[0] * c[1] * (z[1] - z[0]) * (i % STRESS_HEIGHTS == 1 ? 4 : 1) / 6;
+        for (int k = 0; k < 3; k++)
+            work += weight * stress[i][k] * strain[i][k];
+    }
+    return work;
+}
+
+/* Compute the in-plane stresses of strains at all heights of an element; no normal stress 33. */
+static void stresses_of(const stress_field *field, strains strain, strains stress)
+{
+    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
+        const laminate_ply *ply = &field->state.design->mesh.laminate.ply[i / STRESS_HEIGHTS];
+        const double bent[6] = {strain[i][0], strain[i][1], strain[i][2], 0, 0, 0};
+        stencil_plane_stress(ply, bent, 0, stress[i]);
+    }
+}
+
+/*
+ * Add membrane strains and curvatures to in-plane strains of an element, so that their stresses,
+ * together with further stresses, have no forces and moments. Returns 0, or -1 if the plies have no
+ * bending stiffness.
+ *   strain  in/out  in-plane strains
+ *   further in      in-plane stresses that these strains are to balance, too (Pa)
+ */
+static int keep_resultants(const stress_field *field, const stencil *stencil, strains strain,
+                           strains further)
+{
+    double matrix[UNITS * UNITS], force[UNITS];
+    strains unit[UNITS], stress, total;
+    stresses_of(field, strain, total);
+    for (int i = 0; i < 3 * field->layers * STRESS_HEIGHTS; i++)
+        total[i / 3][i % 3] += further[i / 3][i % 3];
+    for (int i = 0; i < UNITS; i++) {
+        unit_strains(field, stencil, i, unit[i]);
+        force[i] = work_of(field, stencil, total, unit[i]);
+    }
+    for (int i = 0; i < UNITS; i++) {
+        stresses_of(field, unit[i], stress);
+        for (int j = 0; j < UNITS; j++)
+            matrix[UNITS * i + j] = work_of(field, stencil, stress, unit[j]);
+    }
+    if (invert(matrix, UNITS, UNITS) < 0)
+        return -1;
+    for (int i = 0; i < 3 * field->layers * STRESS_HEIGHTS; i++)
+        for (int j = 0; j < UNITS * UNITS; j++)
+            strain[i / 3][i % 3] -= unit[j / UNITS][i / 3][i % 3] * matrix[j] * force[j % UNITS];
+    return 0;
 }
 
 /* ---- corrections ------------------------------------------------------------------ */
 
 /*
- * Replace the in-plane strains of the bent cross-section at one sample (height of a layer) of an
- * element. Add to the in-plane stresses there the stresses that this change of the strains causes,
- * and return the sum of the squares of these added stresses.
+ * Compute the in-plane stresses that the normal stress 33 of each height causes at unchanged
+ * in-plane strains, beyond the normal stress 33 of the element (squeeze out, Pa).
  */
-static double replace_strain(const stress_field *field, int element, int sample,
-                             const double strain[3])
+static void squeeze_of(const stress_field *field, int element, strains squeeze)
 {
-    const laminate_ply *ply = &field->state.design->mesh.laminate.ply[sample / STRESS_HEIGHTS];
-    stress_sample *own = &stencil_samples(field, element)[sample];
+    static const int plane[3] = {0, 1, 5};
+    const stress_sample *own = stencil_samples(field, element);
+    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
+        const laminate_ply *ply = &field->state.design->mesh.laminate.ply[i / STRESS_HEIGHTS];
+        for (int k = 0; k < 3; k++)
+            squeeze[i][k] =
+                stress_is_present(field, element, i / STRESS_HEIGHTS)
+                    ? ply->c[plane[k]][2] / ply->c[2][2] * (own[i].normal - own[i].own_normal)
+                    : 0;
+    }
+}
+
+/* Store the in-plane stresses that an element lacks: those of strains, and further stresses. */
+static void store_lacking(const stress_field *field, int element, strains strain, strains further)
+{
+    stress_sample *own = stencil_samples(field, element);
+    strains stress;
+    stresses_of(field, strain, stress);
+    for (int i = 0; i < 3 * field->layers * STRESS_HEIGHTS; i++)
+        own[i / 3].lacking[i % 3] = stress_is_present(field, element, i / 3 / STRESS_HEIGHTS)
+                                        ? stress[i / 3][i % 3] + further[i / 3][i % 3]
+                                        : 0;
+}
+
+/*
+ * Compute the strains of the bent cross-sections of an element at all heights, with the membrane
+ * strains and curvatures that keep its resultants, and the in-plane stresses caused by the normal
+ * stress 33 (squeeze out).
+ */
+static void warp_strains(const stress_field *field, int element, section *all, strains strain,
+                         strains squeeze)
+{
+    const stress_sample *own = stencil_samples(field, element);
+    strains excess;
+    stencil stencil;
+    stencil_find(field, element, &stencil);
+    squeeze_of(field, element, squeeze);
+    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++)
+        bend_strain(field, &stencil, all, i, strain[i]);
+    store_lacking(field, element, strain, squeeze);
+    for (int i = 0; i < 3 * field->layers * STRESS_HEIGHTS; i++) {
+        squeeze[i / 3][i % 3] *= field->has_squeeze;
+        excess[i / 3][i % 3] = squeeze[i / 3][i % 3] - own[i / 3].balanced[i % 3];
+    }
+    if (keep_resultants(field, &stencil, strain, excess) == 0)
+        return;
+    memset(strain, 0, sizeof(strains));
+    for (int i = 0; i < 3 * field->layers * STRESS_HEIGHTS; i++)
+        squeeze[i / 3][i % 3] = own[i / 3].balanced[i % 3];
+}
+
+/*
+ * Replace the in-plane strains of the bent cross-section and the stresses caused by the normal
+ * stress 33 at one sample (height of a layer) of an element. Add what this changes to the in-plane
+ * stresses there, and return the sum of the squares of these added stresses.
+ */
+static double replace_strain(const laminate_ply *ply, stress_sample *own, const double strain[3],
+                             const double squeeze[3])
+{
     const double change[6] = {strain[0] - own->warp[0], strain[1] - own->warp[1],
                               strain[2] - own->warp[2]};
     double stress[3], square = 0;
     stencil_plane_stress(ply, change, 0, stress);
     for (int k = 0; k < 3; k++) {
+        stress[k] += squeeze[k] - own->squeeze[k];
         own->warp[k] = strain[k];
+        own->squeeze[k] = squeeze[k];
         own->plane[k] += stress[k];
         square += stress[k] * stress[k];
     }
     return square;
 }
 
+/* Replace the strains and stresses of replace_strain at all heights of an element. */
+static double replace_all(const stress_field *field, int element, strains strain, strains squeeze)
+{
+    stress_sample *own = stencil_samples(field, element);
+    double square = 0;
+    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++)
+        if (stress_is_present(field, element, i / STRESS_HEIGHTS))
+            square += replace_strain(&field->state.design->mesh.laminate.ply[i / STRESS_HEIGHTS],
+                                     &own[i], strain[i], squeeze[i]);
+    return square;
+}
+
 /*
- * Compute the strains of bent cross-sections of all elements from the present shear stresses, and
- * the in-plane stresses with these strains.
- *   bends   [elements] out  work array
- *   factor  in  1, or 0 for straight cross-sections
+ * Compute the strains of bent cross-sections of all elements from the present transverse stresses,
+ * and the in-plane stresses with these strains.
+ *   all [elements] out  work array
  * Returns the square root of the sum of the squared changes of the in-plane stresses (Pa).
  */
-static double correct(stress_field *field, bend *bends, double factor)
+static double correct(stress_field *field, section *all)
 {
     double square = 0;
+    bend_fill(field, all);
     for (int element = 0; element < field->elements; element++) {
-        stencil stencil;
-        stencil_find(field, element, &stencil);
-        fill_bend(field, &stencil, bends[element]);
-    }
-    for (int element = 0; element < field->elements; element++) {
-        double strain[STENCIL_SAMPLES][3];
-        warp_strains(field, element, bends, strain);
-        for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
-            const double wanted[3] = {factor * strain[i][0], factor * strain[i][1],
-                                      factor * strain[i][2]};
-            if (stress_is_present(field, element, i / STRESS_HEIGHTS))
-                square += replace_strain(field, element, i, wanted);
-        }
+        strains strain, squeeze;
+        warp_strains(field, element, all, strain, squeeze);
+        square += replace_all(field, element, strain, squeeze);
     }
     return sqrt(square);
 }
 
+/*
+ * Return the square root of the sum of the squared differences of the in-plane stresses from those
+ * of straight cross-sections (Pa).
+ */
+static double size_of_correction(const stress_field *field)
+{
+    double square = 0;
+    for (int element = 0; element < field->elements; element++)
+        for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
+            const stress_sample *own = &stencil_samples(field, element)[i];
+            const double bent[6] = {own->warp[0], own->warp[1], own->warp[2], 0, 0, 0};
+            double stress[3];
+            stencil_plane_stress(&field->state.design->mesh.laminate.ply[i / STRESS_HEIGHTS], bent,
+                                 0, stress);
+            for (int k = 0; k < 3; k++)
+                square += (stress[k] + own->squeeze[k]) * (stress[k] + own->squeeze[k]);
+        }
+    return sqrt(square);
+}
+
+/* Return the square root of the sum of the squared in-plane stresses (Pa). */
+static double size_of_stresses(const stress_field *field)
+{
+    double square = 0;
+    for (int i = 0; i < 3 * field->elements * field->layers * STRESS_HEIGHTS; i++)
+        square += field->sample[i / 3].plane[i % 3] * field->sample[i / 3].plane[i % 3];
+    return sqrt(square);
+}
+
+/* Return to the stresses of straight cross-sections. */
+static void straighten(stress_field *field)
+{
+    strains none;
+    memset(none, 0, sizeof none);
+    for (int element = 0; element < field->elements; element++) {
+        const stress_sample *own = stencil_samples(field, element);
+        strains squeeze;
+        for (int i = 0; i < 3 * field->layers * STRESS_HEIGHTS; i++)
+            squeeze[i / 3][i % 3] = own[i / 3].balanced[i % 3];
+        (void)replace_all(field, element, none, squeeze);
+    }
+    stress_equilibrium(field);
+}
+
+double stress_bend_limit(const stress_field *field)
+{
+    return field->correction.lacking ? 1.0 / 3 : 0.5;
+}
+
 int stress_warp(stress_field *field)
 {
-    bend *bends = calloc((size_t)field->elements, sizeof *bends);
-    if (!bends)
+    section *all = calloc((size_t)field->elements, sizeof *all);
+    if (!all)
         return -1;
-    const double first = correct(field, bends, 1);
+    const double whole = size_of_stresses(field);
+    (void)correct(field, all);
+    const double first = size_of_correction(field);
+    field->bend_share = whole > 0 ? first / whole : 0;
     stress_equilibrium(field);
-    const double second = correct(field, bends, 1);
-    if (!(second <= 0.5 * first)) {
-        (void)correct(field, bends, 0);
-        stress_equilibrium(field);
-    }
-    free(bends);
+    const double second = correct(field, all);
+    field->bend_change = first > 0 ? second / first : 0;
+    field->is_straight = !(field->bend_change <= stress_bend_limit(field));
+    if (field->is_straight)
+        straighten(field);
+    free(all);
     return 0;
 }

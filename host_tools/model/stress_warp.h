@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * In-plane strains of cross-sections that the transverse shear bends. A shell's cross-sections stay
- * straight on the mean; in its plies the shear strains g_a3 = dw_a/dz displace them by w_a(z) along
- * direction a, and where the shear changes along the surface, w causes in-plane strains:
- *   e_ab = (w_a,b + w_b,a)/2 + m_ab + z b_ab
- * The membrane strains m and curvatures b keep the resultants of the element. The shear stresses
- * follow from equilibrium with the in-plane stresses (stress_equilibrium.h), which the strains e
- * change: the strains are computed, then the shear stresses, then the strains once more (Noor,
- * Burton and Peters 1990). Further shear stresses would contain third derivatives of the moments,
- * which a mesh does not have.
+ * In-plane stresses that the straight cross-sections and the one normal stress 33 of the elements
+ * leave out.
+ *   bent cross-sections  The shear strains g_a3 of the plies and the gradient of their rise w_3
+ *       displace a cross-section by w_a(z), where shells with straight cross-sections have a line
+ *       in z (the line that has the same work with forces and moments is subtracted):
+ *         c_a (w_a/c_a),z = g_a3 - w_3,a/c_a       w_3,z = e_33
+ *         e_ab = (w_a,b/c_b + w_b,a/c_a)/2, and e_aa contains k_a w_3/c_a
+ *   normal stress 33     At unchanged strains it causes the stress c_ab33/c_3333 s_33.
+ * Without a corrected displacement (stress_corrected.h) the second part and the rise are left out,
+ * and membrane strains and curvatures are added that keep the resultants of the element. With it
+ * the resultants of both parts belong to the equilibrium of the structure, and only what is left of
+ * them is so removed.
+ *
+ * The shear stresses follow from equilibrium with the in-plane stresses (stress_equilibrium.h),
+ * which change: the strains are computed, then the transverse stresses, then the strains once more
+ * (Noor, Burton and Peters 1990). Further transverse stresses would contain higher derivatives than
+ * a mesh has.
+ *   c_a, k_a  lengths along direction a over those in the reference surface, principal curvature
  */
 #ifndef STRESS_WARP_H
 #define STRESS_WARP_H
@@ -16,12 +25,18 @@
 #include "stress_field.h"
 
 /*
- * Add the strains of bent cross-sections to the recovered stresses, whose transverse shear stresses
- * are known, and compute the transverse shear stresses anew. Where the second change of the
- * in-plane stresses is not less than half the first one, as in a soft core whose faces bend by
- * themselves, the stresses remain those of straight cross-sections. Returns 0, or -1 if memory runs
+ * Add these stresses to the recovered ones, whose transverse stresses are known, and compute the
+ * transverse stresses anew. Where the second change of the in-plane stresses, relative to the first
+ * one (bend_change), exceeds a limit, as in a soft core whose faces bend by themselves, the
+ * stresses remain those of straight cross-sections (is_straight). Returns 0, or -1 if memory runs
  * out.
  */
 int stress_warp(stress_field *field);
+
+/*
+ * Return this limit: 1/2, or 1/3 with a corrected displacement, which contains higher derivatives
+ * with larger errors at edges.
+ */
+double stress_bend_limit(const stress_field *field);
 
 #endif

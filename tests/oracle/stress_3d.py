@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Stresses through the thickness by three-dimensional elasticity, at three heights of each ply."""
+"""Stresses through the thickness by three-dimensional elasticity, at three heights of each ply; and
+the deflection of the same cylinders by the first-order theory of shells."""
 
 import numpy as np
 from scipy.linalg import expm
@@ -48,8 +49,37 @@ def strip(side_to_h, name):
     return np.array(out)
 
 
+def plate(side_to_h, name):
+    """Amplitudes [plies][3][6] of a simply supported square plate (Pagano 1970).
+
+    Unit side, load sin(pi x) sin(pi y) along e3 on the upper face.  Order 11, 22, 12, 13, 23, 33;
+    with sx, cx of pi x and sy, cy of pi y the stresses vary as sx sy, sx sy, cx cy, cx sy, sx cy,
+    sx sy.  State (U, V, W, s13, s23, s33)' = A state, with u1 = U cx sy, u2 = V sx cy.
+    """
+    p, plies, unit = np.pi, stiffnesses(name), np.eye(6)
+    half = 1 / side_to_h / len(plies) / 2
+    through, states = np.eye(6), []
+    for c in plies:
+        e11, e22 = -p * unit[0], -p * unit[1]
+        e33 = (unit[5] - c[0, 2] * e11 - c[1, 2] * e22) / c[2, 2]
+        s11 = c[0, 0] * e11 + c[0, 1] * e22 + c[0, 2] * e33
+        s22 = c[0, 1] * e11 + c[1, 1] * e22 + c[1, 2] * e33
+        s12 = c[5, 5] * p * (unit[0] + unit[1])
+        a = np.array([unit[3] / c[4, 4] - p * unit[2], unit[4] / c[3, 3] - p * unit[2], e33,
+                      p * (s12 - s11), p * (s12 - s22), p * (unit[3] + unit[4])])
+        step = expm(a * half)
+        states.append((s11, s22, s12, [through, step @ through, step @ step @ through]))
+        through = step @ step @ through
+    bottom = np.append(np.linalg.solve(through[3:, :3], [0, 0, 1]), [0, 0, 0])
+    return np.array([[[s11 @ t @ bottom, s22 @ t @ bottom, s12 @ t @ bottom, *(t @ bottom)[3:]]
+                      for t in heights] for s11, s22, s12, heights in states])
+
+
 def cylinder(radius_to_h, name, waves=4, length=4.0):
-    """Amplitudes [plies][3][6] of a simply supported cylinder (Varadan and Bhaskar 1991).
+    """Stresses and deflection of a simply supported cylinder (Varadan and Bhaskar 1991).
+
+    Returns the amplitudes [plies][3][6] of the stresses, and that of the displacement along the
+    normal at the middle of the thickness.
 
     R = 1, axis along 1, pressure sin(pi x/L) cos(waves t) on the true inner face.  Order 11, 22, 12,
     13, 23, 33; with sx, cx of pi x/L and st, ct of waves t the stresses vary as sx ct, sx ct, cx st,
@@ -92,9 +122,64 @@ def cylinder(radius_to_h, name, waves=4, length=4.0):
             a, b = system(r + dr * (0.5 - gauss), c), system(r + dr * (0.5 + gauss), c)
             through = expm(dr / 2 * (a + b) + gauss / 2 * dr**2 * (b @ a - a @ b)) @ through
     bottom = np.append(np.linalg.solve(through[3:, :3], through[3:, 3]), [-1, 0, 0])
-    out = np.zeros((len(plies), 3, 6))
+    out, deflection = np.zeros((len(plies), 3, 6)), 0.0
     for number, place, r, c, t in kept:
         y = t @ bottom
         sxx, stt, sxt = stresses(r, c)
         out[number, place] = [sxx @ y, stt @ y, sxt @ y, y[4], y[5], y[3]]
+        if abs(r - 1) < dr / 4:
+            deflection = y[2]
+    return out, deflection
+
+
+def shear_stiffness(plies, z, weight, number, equilibrium):
+    """Stiffness of the transverse shears 13 and 23 of a symmetric laminate, at heights z.
+
+    Uniform: integral of the shear moduli, with the lengths at each height over those in the middle.
+    Equilibrium: shear force squared over the work of the shear stresses that balance the gradient of
+    a moment along its own direction.
+    """
+    c = [plies[i] for i in number]
+    if not equilibrium:
+        return [sum(w * m[4, 4] * (1 + x) for w, m, x in zip(weight, c, z)),
+                sum(w * m[3, 3] / (1 + x) for w, m, x in zip(weight, c, z))]
+    modulus = np.array([[m[a, a] - m[a, 2]**2 / m[2, 2] for a in (0, 1)] for m in c])
+    cross = np.array([m[0, 1] - m[0, 2] * m[1, 2] / m[2, 2] for m in c])
+    bending = np.array([[weight @ (modulus[:, 0] * z**2), weight @ (cross * z**2)],
+                        [weight @ (cross * z**2), weight @ (modulus[:, 1] * z**2)]])
+    curvature = np.linalg.inv(bending)
+    out = []
+    for a in (0, 1):
+        stress = z * (modulus[:, a] * curvature[a, a] + cross * curvature[1 - a, a])
+        shear = np.cumsum(weight * stress) - weight * stress / 2
+        out.append(1 / (weight @ (shear**2 / [m[4 - a, 4 - a] for m in c])))
     return out
+
+
+def first_order(radius_to_h, name, equilibrium, waves=4, length=4.0):
+    """Deflection of the same cylinder by the first-order theory: the exact solution of this theory.
+
+    Displacements u1 = a + b z, u2 = c + d z, u3 = e + f z; transverse shear strains that are the
+    mean of both faces; every ply thickens freely under one normal stress 33.  Symmetric laminates.
+    """
+    p, n, h, points = np.pi / length, waves, 1 / radius_to_h, 4000
+    plies = stiffnesses(name)
+    count = points * len(plies)
+    z, weight = h * ((np.arange(count) + 0.5) / count - 0.5), np.full(count, h / count)
+    number = np.arange(count) // points
+    matrix = np.zeros((6, 6))
+    narrowing, compliance = np.array([0, 0, 0, 0, 0, h]), 0.0
+    for x, w, i in zip(z, weight, number):
+        s, c = 1 + x, plies[i]
+        e = np.array([[-p, -p * x, 0, 0, 0, 0], [0, 0, n / s, n * x / s, 1 / s, x / s],
+                      [-n / s, -n * x / s, p, p * x, 0, 0]])
+        rows, through = [0, 1, 5], c[[0, 1, 5], 2] / c[2, 2]
+        plane = c[np.ix_(rows, rows)] - c[2, 2] * np.outer(through, through)
+        matrix += w * s * e.T @ plane @ e
+        narrowing = narrowing + w * s * through @ e
+        compliance += w * s / c[2, 2]
+    matrix += np.outer(narrowing, narrowing) / compliance
+    shears = shear_stiffness(plies, z, weight, number, equilibrium)
+    for stiffness, row in zip(shears, np.array([[0, 1, 0, 0, p, 0], [0, 0, -1, 1, -n, 0]])):
+        matrix += stiffness * np.outer(row, row)
+    return np.linalg.solve(matrix, (1 - h / 2) * np.array([0, 0, 0, 0, 1, -h / 2]))[4]
