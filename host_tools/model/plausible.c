@@ -197,6 +197,12 @@ static const struct rule {
      "the supervisor tolerates the loads of the scene at once, and may raise no alarm where "
      "amplifiers are reversed or fail; write only loads that can appear suddenly, or use stronger "
      "amplifiers"},
+    {"shell_theory", SUBJECT_STRESS, measure_theory, 0, 0.02, "",
+     "the theory of the elements simplifies these stresses; use element: {shear: equilibrium}, or "
+     "compare with a solid model"},
+    {"bent_sections", SUBJECT_STRESS, measure_bend, 0, 1.0 / 3, "",
+     "the plies bend by themselves, and stresses and displacement are rough; compare with a solid "
+     "model"},
     {"stress_reserve", SUBJECT_STRESS, measure_reserve, 1, HUGE_VAL, "",
      "the strength is exceeded there; lower loads or voltages, or thicken the layer"},
     {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",

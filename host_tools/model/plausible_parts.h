@@ -94,6 +94,12 @@ measure measure_strength, measure_soft_strength, measure_strength_ratio;
 measure measure_reserve;
 
 /*
+ * Functions that find by how much the theory of the elements errs, from recovered stresses, for the
+ * plausibility rules (plausible_theory.c).
+ */
+measure measure_theory, measure_bend;
+
+/*
  * Functions that find stiffness, stroke and force of piezoelectric stacks, which plausibility rules
  * compare with their usual ranges (plausible_stacks.c).
  */

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Plausibility rules on the theory of the elements, from recovered stresses (plausible_parts.h). */
+#include "plausible_parts.h"
+#include <stdio.h>
+#include "stress_field.h"
+
+/*
+ * Measure which part of the displacement changes if transverse shear and normal stresses are those
+ * of the recovered stresses in place of those that the theory of the elements assumes.
+ */
+int measure_theory(const subject *of, int k, measured *found)
+{
+    found->at = of->scene->at_layers;
+    found->value = of->stress->is_straight ? 0 : of->stress->theory_error;
+    snprintf(found->what, WHAT,
+             "change of the displacement by the recovered transverse stresses; %s contain it",
+             of->stress->correction.displacement ? "the stresses alone"
+                                                 : "neither displacement nor stresses");
+    return k == 0;
+}
+
+/*
+ * Measure how little the strains of bent cross-sections converge, where they were left out and are
+ * not negligible.
+ */
+int measure_bend(const subject *of, int k, measured *found)
+{
+    const double negligible = 0.1; /* part of the in-plane stresses */
+    found->at = of->scene->at_layers;
+    found->value = of->stress->is_straight && of->stress->bend_share > negligible
+                       ? of->stress->bend_change
+                       : 0;
+    snprintf(found->what, WHAT,
+             "second correction of the stresses for bent cross-sections, relative to the first");
+    return k == 0;
+}
