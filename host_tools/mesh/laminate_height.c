@@ -80,7 +80,10 @@ static void solve_quadratic(laminate_heights *heights, double with_slope[3][3],
         for (int j = 0; j < 3; j++)
             matrix[i][j] = (i == j) + with_slope[i][j] * heights->line[1][j] / thickness -
                            with_mean[i][j] * heights->line[0][j];
-    /* The matrix is near unity unless the shell is as thick as its radius of curvature. */
+    /*
+     * The matrix to be inverted is nearly the unit matrix unless the shell is as thick as its
+     * radius of curvature, so the inversion succeeds.
+     */
     if (invert(&matrix[0][0], 3, 3) < 0)
         return;
     for (int i = 0; i < 3; i++)

@@ -210,8 +210,8 @@ static void fill_samples(fit *fit)
 }
 
 /*
- * Fill row i of the least-squares problem for the hysteresis model so that it penalises the
- * difference of two unknowns.
+ * Fill row i of the least-squares problem for the hysteresis model with a penalty on the difference
+ * of two of its unknowns.
  */
 static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 {

@@ -15,7 +15,8 @@ static double random_number(uint64_t *seed)
 }
 
 /*
- * Compute a target shape: the shape under random voltages of up to 1.5 times the voltage limits.
+ * Compute a target shape: the shape under random voltages of up to 1.5 times half the voltage range
+ * (1.5 times half a volt without limits).
  *   wanted [targets] out  the target shape
  */
 static void random_target(const design *design, uint64_t *seed, double *wanted)

@@ -415,7 +415,8 @@ const plant_motion plant_quasi_static = {"quasi-static",
 
 /*
  * Compute the displacements at the target rows (controlled displacements) that the voltages must
- * cause on the linear structure: target minus displacements under the present loads.
+ * cause on the linear structure: target minus displacements under the present loads, both without
+ * their part along the free functions (shapes that may be added to the target at no cost).
  */
 static void set_wanted(plant *plant, const double *target)
 {

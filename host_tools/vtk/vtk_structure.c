@@ -81,8 +81,8 @@ void vtk_add_cells(vtk_file *vtk, const design *design, const double *voltage)
 }
 
 /*
- * Return for each target its value at the nodes of a VTK file [nodes], 0 at other nodes; NULL where
- * memory runs out.
+ * Return a new array [nodes of the mesh] with the given value of each target at the node of the
+ * target, and 0 at nodes without a target; NULL where memory runs out.
  */
 static double *at_nodes(const vtk_file *vtk, const design *design, const double *value)
 {

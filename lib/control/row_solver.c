@@ -734,8 +734,9 @@ static void follow_signs(const rows_run *run)
 }
 
 /*
- * Make the iterations of the dual active-set method, until no quantity (voltage or limited sum) is
- * outside its bounds and no multiplier outside its limits. Returns false if they ended early.
+ * Make the iterations of the dual active-set method until no quantity (voltage or limited sum) is
+ * outside its bounds and no multiplier outside its limits. Returns false if they end, for example
+ * at the work limit, while there is still one.
  */
 static bool iterate(const rows_run *run)
 {
