@@ -608,8 +608,8 @@ typedef struct pzs_supervisor_info {
                            the divergence monitor of the supervisor counts a tick as implausible (m)
                          */
     bool is_opposed; /* whether the structure of a loop that damps vibration has moved against its
-                        prediction since the last jump of the target, as with amplifiers of the
-                        wrong polarity */
+                        prediction since the last jump of the target, or not at all, as with
+                        amplifiers of the wrong polarity */
     bool is_stuck;   /* whether all readings of a loop that damps vibration repeat although the
                         voltages should have moved the structure, because sensors or amplifiers have
                         stopped; the damper then ignores them (PZS_W_HELD) until one changes */

@@ -649,8 +649,9 @@ static const char *latch_cause(const loop *loop)
     if (loop->status != PZS_E_LATCHED || !supervisor || supervisor->info.cause >= PZS_EVENTS)
         return "";
     if (supervisor->info.cause == PZS_EVENT_ALARM && supervisor->info.is_opposed)
-        return "; cause: the structure moved against the shapes that the tables predict, as with "
-               "reversed amplifiers; safety.selftest names reversed and swapped ones";
+        return "; cause: the structure moved against the shapes that the tables predict, or not at "
+               "all, as with reversed amplifiers or stuck sensors; safety.selftest names reversed "
+               "and swapped amplifiers";
     if (supervisor->info.cause == PZS_EVENT_TIMEOUT && supervisor->info.is_stuck)
         return "; cause: all readings repeated, although the voltages should have moved the "
                "structure, for safety.timeout ticks and more; shorten the events with stuck "

@@ -14,8 +14,14 @@
  *   shaken  vibration that earlier jumps explain, of which a part remains in the measured shape if
  *           the structure vibrates only roughly like its model
  *
+ * It does not follow the prediction, as if all sensors were stuck, if
+ *
+ *     u . (change of the predicted shape)  >   2 |u| least
+ *     u . (change of the measured shape)   <   u . (change of the predicted shape) / 10
+ *
  * If the structure responds with at least half of the predicted motion, only sudden loads of more
- * than 3 `load` together can turn the motion, until the loop has rejected them.
+ * than 3 `load` together can turn the motion, and of more than 1.6 `load` suppress it, until the
+ * loop has rejected them.
  *
  * Each tick computes one of the two scalar products, in turn. The work of a tick is 2 operations
  * for each output for some periods of the first vibration mode after a jump, and 0 later.
@@ -30,6 +36,12 @@
  */
 #define LOADS 2
 #define NOISE_MARGIN 6
+/*
+ * A structure does not follow its prediction if its motion is less than LEAST_ANSWER of a predicted
+ * motion that is more than LONG_WAY times the smallest one that is judged.
+ */
+#define LONG_WAY 2
+#define LEAST_ANSWER PZS_R(0.1)
 /*
  * The polarity monitor judges the motion for this number of periods of the first vibration mode
  * after a jump of the target (a period has alarm_ticks ticks). Later, slow loads such as heat may
@@ -71,5 +83,8 @@ bool pzs_polarity_is_opposed(pzs_polarity_state *polarity, const pzs_real *predi
         pzs_product_dot(polarity->direction, which == 0 ? predicted : measured, outputs);
     if (age < 2)
         polarity->before[which] = now[which];
-    return now[0] - before[0] > polarity->least && now[1] - before[1] < -polarity->least;
+    const pzs_real predicted_way = now[0] - before[0], measured_way = now[1] - before[1];
+    const bool moves_back = predicted_way > polarity->least && measured_way < -polarity->least;
+    return moves_back || (predicted_way > LONG_WAY * polarity->least &&
+                          measured_way < LEAST_ANSWER * predicted_way);
 }

@@ -11,8 +11,9 @@
  * By then the structure has moved by many steps of its converters, also where hysteresis takes nine
  * tenths of the motion. A load may keep it where it is, but not to the bit.
  *
- * Not found are sensors that stick while neither target nor controller moves the voltages, readings
- * that stay where they are but for noise, and an offset of all sensors, which is like a load.
+ * Not found are sensors that stick while neither target nor controller moves the voltages, and an
+ * offset of all sensors, which is like a load. Readings that stay where they are but for noise are
+ * found only after a jump of the target (polarity.h).
  *
  * A tick compares a quarter of the outputs, in turn, and only if all readings repeat. The work of
  * such a tick is 2 operations for each output.

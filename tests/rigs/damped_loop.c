@@ -423,6 +423,7 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
     loop->played = zeros(inputs);
     loop->shape = zeros(outputs);
     loop->history = zeros(HISTORY * outputs);
+    loop->read = zeros(outputs);
     loop->position = zeros(structure->modes);
     loop->velocity = zeros(structure->modes);
     loop->wanted = calloc(outputs, sizeof *loop->wanted);
@@ -464,6 +465,7 @@ void damped_loop_close(damped_loop *loop)
     free(loop->played);
     free(loop->shape);
     free(loop->history);
+    free(loop->read);
     free(loop->position);
     free(loop->velocity);
     free(loop->wanted);
@@ -482,6 +484,7 @@ void damped_loop_reset(damped_loop *loop, plant_error error)
     loop->bad_sensor = -1;
     loop->quantum = 0;
     loop->stuck_sensors = 0;
+    loop->is_stuck_noisy = false;
     loop->sensor_gain = 1;
     loop->sensor_offset = 0;
     memset(loop->position, 0, structure->modes * sizeof *loop->position);
@@ -565,8 +568,10 @@ static void read_plant(damped_loop *loop)
     const double *old = loop->history + (size_t)(then % HISTORY) * outputs;
     const double goal = largest_goal(loop->structure);
     for (size_t i = 0; i < loop->sensors; i++) {
-        const double reading = read_sensor(loop, old[output_of(loop, i)], goal);
         if (i >= loop->stuck_sensors)
+            loop->read[i] = old[output_of(loop, i)];
+        const double reading = read_sensor(loop, loop->read[i], goal);
+        if (i >= loop->stuck_sensors || loop->is_stuck_noisy)
             loop->sensed[i] = (pzs_real)reading;
         if (loop->is_blind)
             loop->sensed[i] = (pzs_real)NAN;

@@ -100,6 +100,8 @@ typedef struct damped_loop {
     double quantum;       /* step of the sensors' converters, relative to the largest entry of the
                              target; 0: none */
     size_t stuck_sensors; /* number of sensors, from the first on, whose readings stay */
+    bool is_stuck_noisy;  /* their readings stay but for the noise */
+    double *read;         /* [outputs] readings of the last tick without noise */
     double sensor_gain, sensor_offset; /* readings = gain * displacement + offset * largest entry of
                                           the target */
 } damped_loop;

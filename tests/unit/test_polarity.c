@@ -226,6 +226,55 @@ static void resting_loops_raise_no_alarm(void **state)
 }
 
 /*
+ * Let all readings stay where they are, but for their noise, just before the target jumps by the
+ * goal. Returns the number of ticks from the jump to the alarm.
+ */
+static int ticks_to_noisy_alarm(damped_loop *d, double play)
+{
+    const int settled = 6 * d->supervision.alarm_ticks;
+    double *wanted = calloc(d->structure->outputs, sizeof *wanted);
+    int tick = 0;
+    assert_non_null(wanted);
+    damped_loop_reset(d, (plant_error){1, 1, 1, 1, play, 0, 1e-4});
+    d->is_stuck_noisy = true;
+    for (; !is_stopped(d) && tick < 2 * settled; tick++) {
+        scale_target(d, tick < settled ? 0.5 : -0.5, wanted);
+        d->stuck_sensors = tick < settled - 5 ? 0 : d->sensors;
+        (void)damped_loop_tick(d, wanted);
+    }
+    free(wanted);
+    return tick - settled;
+}
+
+/*
+ * Law: where all readings stay where they are but for their noise, a jump of the target by the goal
+ * raises the alarm within 4.5 periods of the first mode.
+ */
+static void noisy_stuck_sensors_are_found(void **state)
+{
+    static const double play[] = {0, 0.1, 0.3};
+    const damper_settings settings = damper_default_settings();
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        damped_loop d;
+        int latest = 0;
+        open_structure(&s, &structures[k]);
+        damped_loop_open(&d, &s, structures[k].interval, s.limit / 15, 1, NULL, 0, &settings);
+        damped_loop_supervise(&d);
+        for (int i = 0; i < 3; i++) {
+            const int ticks = ticks_to_noisy_alarm(&d, play[i]);
+            latest = ticks > latest ? ticks : latest;
+        }
+        print_message("%s: alarm after %d ticks at most, period %d\n", structures[k].name, latest,
+                      d.supervision.alarm_ticks);
+        assert_in_range(latest, 1, 9 * d.supervision.alarm_ticks / 2);
+        damped_loop_close(&d);
+        structure_close(&s);
+    }
+}
+
+/*
  * Law: a loop whose readings change again before the time-out goes on, and reaches the best shape.
  */
 static void readings_return(void **state)
@@ -387,9 +436,11 @@ static void healthy_loops_raise_no_alarm(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(wrong_polarity_is_found), cmocka_unit_test(stuck_sensors_are_found),
-        cmocka_unit_test(readings_return), cmocka_unit_test(resting_loops_raise_no_alarm),
-        cmocka_unit_test(healthy_loops_raise_no_alarm)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_polarity_is_found),
+                                       cmocka_unit_test(stuck_sensors_are_found),
+                                       cmocka_unit_test(noisy_stuck_sensors_are_found),
+                                       cmocka_unit_test(readings_return),
+                                       cmocka_unit_test(resting_loops_raise_no_alarm),
+                                       cmocka_unit_test(healthy_loops_raise_no_alarm)};
     return cmocka_run_group_tests_name("polarity", tests, NULL, NULL);
 }
