@@ -16,7 +16,7 @@
  */
 static double find_origin(const mesh *mesh, int axis)
 {
-    double least = INFINITY, most = -INFINITY;
+    double least = HUGE_VAL, most = -HUGE_VAL;
     for (int node = 0; node < mesh->nodes; node++) {
         least = fmin(least, mesh->point[node].position[axis]);
         most = fmax(most, mesh->point[node].position[axis]);

@@ -56,7 +56,7 @@ static double seconds_of(const mesh *mesh, const compact_types *compact, element
     for (int i = 0; i < MEASUREMENTS; i++) {
         const double begin = analysis_now();
         for (int element = 0; element < ELEMENTS; element++)
-            sum += work_on(mesh, compact, (i * ELEMENTS + element) % mesh->types, work);
+            sum = sum + work_on(mesh, compact, (i * ELEMENTS + element) % mesh->types, work);
         least = fmin(least, (analysis_now() - begin) / ELEMENTS);
     }
     return least;

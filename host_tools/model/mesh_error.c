@@ -44,7 +44,8 @@ static double error_after_turn(double last, double before)
 mesh_estimate mesh_estimate_from(const double *value, int meshes)
 {
     const double last = value[0] - value[1], rounding = LEAST_UNCERTAINTY * fabs(value[0]);
-    mesh_estimate result = {value[0], value[0] + last / 3, fmax(1.5 * fabs(last), rounding), NAN};
+    mesh_estimate result = {value[0], value[0] + last / 3, fmax(1.5 * fabs(last), rounding),
+                            (double)NAN};
     if (meshes < 3)
         return result;
     const double before = value[1] - value[2];

@@ -251,7 +251,9 @@ int poke_drift_remove(poke_drift *drift, const pokes *pokes, double *shape)
 {
     char error[SCENE_ERROR];
     struct pokes steady = *pokes;
-    *drift = (poke_drift){.drift = NAN, .drift_error = NAN, .memory = NAN, .memory_error = NAN};
+    const double unknown = (double)NAN;
+    *drift = (poke_drift){
+        .drift = unknown, .drift_error = unknown, .memory = unknown, .memory_error = unknown};
     drift->offset = calloc(2 * pokes->outputs + 1, sizeof *drift->offset);
     drift->slope = drift->offset + pokes->outputs;
     if (!drift->offset)

@@ -25,6 +25,16 @@ wide() {
     tap $? "$1, 64 bits, PZS_WIDE"
 }
 
+# The host tool, which gcc builds, with clang; the Makefile gives it its folders.
+if tap_needs "$CLANG" 'clang, host tool'; then
+    # shellcheck disable=SC2016
+    ls host_tools/*/*.c | CLANG=$CLANG xargs -n 12 -P 2 sh -c 'for file; do
+        "$CLANG" -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Werror -fsyntax-only -DPZS_NONLINEAR=1 \
+            -DSCENE_PLACE=\"\" -DSCENE_FOLDER=\"\" -DSOURCE_FOLDER=\"\" -Iinclude "$file"
+    done' each >"$scratch/found" 2>&1
+    [ ! -s "$scratch/found" ]
+    tap $? 'clang, host tool'
+fi
 check 'gcc, host' "$CC" "$on_host" '32 64'
 check 'clang, host' "$CLANG" "$on_host" '32 64'
 wide 'gcc, host' "$CC"
