@@ -470,11 +470,13 @@ static void residual_text(const certificate_loop *loop, char text[CERTIFICATE_TE
  */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
+    /* Only `pzs check`, which searches the margins, tries readings more than one tick older. */
+    const bool is_open = loop->ends_at_most || (!loop->has_margins && loop->older > 0);
     text_append(
         text, CERTIFICATE_TEXT,
         "\nAge of the readings: every storm settles, too, with readings %d tick%s older%s than "
         "the scene says",
-        loop->older, plural(loop->older), loop->ends_at_most ? " (more were not tried)" : "");
+        loop->older, plural(loop->older), is_open ? " (more were not tried)" : "");
     if (loop->delay > 0)
         text_append(text, CERTIFICATE_TEXT, ",\nand %d tick%s newer", loop->newer,
                     plural(loop->newer));

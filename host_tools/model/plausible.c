@@ -167,8 +167,8 @@ static const struct rule {
      "structures have 0.0005 to 0.05; it is a part of critical damping: write 0.01 for 1 %"},
     {"readings_age", SUBJECT_LOOP, measure_age, 1, HUGE_VAL, "ticks",
      "readings one tick older can make the loop swing without end; measure the age, converters and "
-     "filters included, and write the largest, or ask for control: {delay_margin: 1}; without "
-     "safety: none the loop parks the voltages when it swings"},
+     "filters included, and write the largest, or ask for control: {delay_margin: 1}; the "
+     "supervisor, unless left out by safety: none, parks the voltages of a loop that swings"},
     {"sensor_noise", SUBJECT_LOOP, measure_noise, 0, 0.3, "times the target",
      "readings then tell little of the shape, and the supervisor takes as much for healthy; "
      "compare the number with units.length"},

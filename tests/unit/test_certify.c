@@ -614,6 +614,10 @@ static void test_text(void **state)
     for (size_t i = 0; i < sizeof says / sizeof *says; i++)
         assert_non_null(strstr(text, says[i]));
     assert_non_null(strstr(text, "88.5 to 32000 a second"));
+    assert_non_null(strstr(text, "1 tick older (more were not tried)"));
+    c.loop.has_margins = true;
+    certificate_text(&c, text);
+    assert_null(strstr(text, "more were not tried"));
     assert_null(strstr(text, "About the shape of the target"));
     c.loop.target.is_made = true;
     c.loop.target.older = 1;
