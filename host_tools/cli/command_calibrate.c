@@ -451,7 +451,11 @@ static double (*places(const run *run))[3]
                                                      : run->model.place;
 }
 
-static void write_matrix(FILE *file, const run *run)
+/*
+ * Write a table with the coordinates of the outputs, where they are known, and a column for each
+ * actuator: the influence matrix, or the standard errors of its entries.
+ */
+static void write_table(FILE *file, const run *run, bool are_errors)
 {
     char name[SCENE_LABEL];
     double(*place)[3] = places(run);
@@ -464,18 +468,21 @@ static void write_matrix(FILE *file, const run *run)
     for (size_t i = 0; i < run->pokes.outputs; i++) {
         for (int axis = 0; axis < 3 && place; axis++)
             fprintf(file, "%.17g,", place[i][axis]);
-        for (size_t k = 0; k < run->pokes.actuators; k++)
-            fprintf(file, "%.17g%c", run->result.influence[i * run->pokes.actuators + k],
-                    k + 1 < run->pokes.actuators ? ',' : '\n');
+        for (size_t k = 0; k < run->pokes.actuators; k++) {
+            const double value = are_errors
+                                     ? calibration_entry_error(&run->result, &run->pokes, i, k)
+                                     : run->result.influence[i * run->pokes.actuators + k];
+            fprintf(file, "%.17g%c", value, k + 1 < run->pokes.actuators ? ',' : '\n');
+        }
     }
 }
 
-static int write_file(const run *run, const char *path)
+static int write_file(const run *run, const char *path, bool are_errors)
 {
     outfile output;
     if (outfile_begin(&output, path))
         return 1;
-    write_matrix(output.file, run);
+    write_table(output.file, run, are_errors);
     return outfile_end(&output, ferror(output.file));
 }
 
@@ -492,8 +499,14 @@ static int calibrate_matrix(run *run, const options *options)
     if (remove_drift(run, error) < 0 || fit(run, error) < 0)
         status = complain(error, "");
     progress_stop();
+    if (status == 0 && options->standard_errors && !isfinite(largest_error(run)))
+        status = complain("the pokes are too few to tell noise from the matrix, so there are no "
+                          "--standard-errors; measure more pokes than actuators",
+                          "");
     if (status == 0 && options->output)
-        status = write_file(run, options->output);
+        status = write_file(run, options->output, false);
+    if (status == 0 && options->standard_errors)
+        status = write_file(run, options->standard_errors, true);
     if (status == 0 && options->as_json)
         print_json(run);
     else if (status == 0)

@@ -320,6 +320,9 @@ const option_entry option_table[OPTIONS] = {
     [OPTION_SHAPES] = {"--shapes", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
                        "measured shapes, in the order of the voltages, in the scene's unit of "
                        "length; without a scene in any unit, then the matrix is in it, per volt"},
+    [OPTION_STANDARD_ERRORS] =
+        {"--standard-errors", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
+         "the standard error of each entry of the matrix, a table like the matrix"},
     [OPTION_HYSTERESIS] =
         {"--hysteresis", NULL, "RATE", ARGUMENT_TEXT, NULL, BIT(COMMAND_CALIBRATE),
          "hysteresis and creep from a sweep of RATE samples a second, in place of "

@@ -612,12 +612,12 @@ static int command_simulate(const options *options, analysis *analysis)
 /* ---- modes ------------------------------------------------------------ */
 
 /* Write a VTU file with one displacement field for each vibration mode. */
-static int write_modes(const vibration *vibration, const mesh *mesh, const char *path)
+static int write_modes(const vibration *vibration, const design *design, const char *path)
 {
     outfile output;
     if (outfile_begin(&output, path))
         return 1;
-    return outfile_end(&output, vtk_write_modes(output.file, mesh, vibration));
+    return outfile_end(&output, vtk_write_modes(output.file, design, vibration));
 }
 
 /* Estimate the discretisation error of the natural frequencies. Returns an exit code. */
@@ -673,7 +673,7 @@ static int run_modes(const options *options)
     if (status == 0)
         (options->as_json ? print_vibration_json : print_vibration)(&modes);
     if (status == 0 && options->vtu)
-        status = write_modes(&modes.vibration, &modes.analysis.design.mesh, options->vtu);
+        status = write_modes(&modes.vibration, &modes.analysis.design, options->vtu);
     if (status == 0)
         status = export_modes(options, &modes.analysis.design, &modes.vibration);
     if (status == 0 && options->is_strict && modes.warnings.count > 0)

@@ -248,6 +248,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_CSV_FOLDER: return take_file(&options->csv_folder, value);
     case OPTION_VOLTAGES: return take_file(&options->voltages, value);
     case OPTION_SHAPES: return take_file(&options->shapes, value);
+    case OPTION_STANDARD_ERRORS: return take_file(&options->standard_errors, value);
     case OPTION_HYSTERESIS: return take_sample_rate(options, value);
     case OPTION_VIBRATION: return take_vibration_rate(options, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
@@ -321,8 +322,8 @@ static int parse(options *options, int argc, char **argv)
 
 /*
  * Refuse options of the command calibrate that would be ignored: both --hysteresis and --vibration,
- * --number (of vibration modes) without --vibration, a scene with either of them, or --set without
- * a scene. Returns 0, or an exit code.
+ * --number (of vibration modes) without --vibration, a scene or --standard-errors with either of
+ * them, or --set without a scene. Returns 0, or an exit code.
  */
 static int check_calibrate(const options *options)
 {
@@ -331,6 +332,8 @@ static int check_calibrate(const options *options)
         return options_refuse("write either --hysteresis or --vibration for", "calibrate");
     if (options->number && !has_modes)
         return options_refuse("only calibrate --vibration takes", "--number");
+    if (options->standard_errors && (is_sweep || has_modes))
+        return options_refuse("only a matrix from pokes has", "--standard-errors");
     if (options->scene && (is_sweep || has_modes))
         return options_refuse(is_sweep ? "calibrate --hysteresis takes no scene; unexpected"
                                        : "calibrate --vibration takes no scene; unexpected",
@@ -399,10 +402,11 @@ static bool is_stdout(const char *path)
 static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];
-    enum { FILES = 9 };
-    const char *const file[FILES] = {scene_path,        options->report, options->svg,
-                                     options->vtu,      options->csv,    options->output,
-                                     options->voltages, options->shapes, options->npz};
+    enum { FILES = 10 };
+    const char *const file[FILES] = {
+        scene_path,   options->report,         options->svg,      options->vtu,
+        options->csv, options->output,         options->voltages, options->shapes,
+        options->npz, options->standard_errors};
     scene_path[0] = '\0';
     if (options->scene)
         shipped_path(options->scene, scene_path);
@@ -420,8 +424,8 @@ static int check_files(const options *options)
  */
 static int check_stdout(options *options)
 {
-    const char *const text[] = {options->report, options->svg, options->vtu, options->csv,
-                                options->output};
+    const char *const text[] = {options->report, options->svg,    options->vtu,
+                                options->csv,    options->output, options->standard_errors};
     const bool is_fmu = options->command == COMMAND_FMU;
     if (is_stdout(options->npz) || (is_fmu && is_stdout(options->output)))
         return options_refuse("a binary file does not go to standard output; name a file, not",

@@ -48,6 +48,8 @@ typedef struct options {
                                       where they are not wanted */
     const char *voltages, *shapes; /* files of measured voltages and shapes, for the command
                                       calibrate */
+    const char *standard_errors;   /* file for the standard errors of the entries of the influence
+                                      matrix, of the command calibrate; NULL: none */
     double sample_rate;       /* samples per second of a measured hysteresis sweep, for the command
                                  calibrate; 0: the files contain shapes measured under known
                                  voltages (pokes) */

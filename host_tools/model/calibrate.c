@@ -372,6 +372,29 @@ double calibration_predict(const pokes *pokes, const double *influence, size_t p
     return sum;
 }
 
+double calibration_output_noise(const calibration *result, const pokes *pokes, size_t output)
+{
+    const size_t lost = (size_t)result->rank + pokes->trends;
+    if (!isfinite(result->noise) || pokes->count <= lost)
+        return result->noise;
+    double sum = 0;
+    for (size_t poke = 0; poke < pokes->count; poke++)
+        sum += pow(pokes->shape[poke * pokes->outputs + output] -
+                       calibration_predict(pokes, result->influence, poke, output),
+                   2);
+    return sqrt((sum + NOISE_POKES * result->noise * result->noise) /
+                (double)(pokes->count - lost + NOISE_POKES));
+}
+
+double calibration_entry_error(const calibration *result, const pokes *pokes, size_t output,
+                               size_t actuator)
+{
+    if (!(result->noise > 0))
+        return result->error[actuator];
+    return result->error[actuator] * calibration_output_noise(result, pokes, output) /
+           result->noise;
+}
+
 double calibration_size(const pokes *pokes, const double *model)
 {
     double measured = 0, predicted = 0;

@@ -50,6 +50,23 @@ void calibration_free(calibration *result);
 double calibration_predict(const pokes *pokes, const double *influence, size_t poke, size_t output);
 
 /*
+ * Standard deviation of the noise of one output, from what the influence matrix leaves of its
+ * readings. Few pokes tell little of one output: the noise of all outputs counts as much as
+ * NOISE_POKES readings that no actuator explains. Where the pokes are too few, it is that of all
+ * outputs, which may be NAN.
+ */
+#define NOISE_POKES 4
+double calibration_output_noise(const calibration *result, const pokes *pokes, size_t output);
+
+/*
+ * Standard error of one entry of the influence matrix, in the unit of the outputs per volt: that of
+ * its column, where the noise of its output is known times this noise over the noise of all
+ * outputs.
+ */
+double calibration_entry_error(const calibration *result, const pokes *pokes, size_t output,
+                               size_t actuator);
+
+/*
  * Root mean square of the measured shapes relative to that of the shapes that a model predicts.
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns infinity where the model predicts zeros.

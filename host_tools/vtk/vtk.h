@@ -37,7 +37,10 @@ typedef struct vtk_solution {
  */
 int vtk_write_solution(FILE *file, const vtk_solution *solution);
 
-/* Write a VTK file for ParaView with one displacement field for each vibration mode. */
-int vtk_write_modes(FILE *file, const mesh *mesh, const vibration *vibration);
+/*
+ * Write a VTK file for ParaView with one displacement field for each vibration mode, and with
+ * element types, layers and patches of the elements.
+ */
+int vtk_write_modes(FILE *file, const design *design, const vibration *vibration);
 
 #endif

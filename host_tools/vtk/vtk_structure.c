@@ -54,16 +54,23 @@ static void add_layers(vtk_file *vtk, const design *design)
     }
 }
 
-static void add_patches(vtk_file *vtk, const design *design, int grid, const double *voltage)
+/* Add the number of the patch of a grid that covers each element, from 1 (0: none). */
+static void add_patches(vtk_file *vtk, const design *design, int grid)
+{
+    const scene_patches *patches = &design->patches[grid];
+    double *number = vtk_add(vtk, true, 1, "patch %s", patches->name);
+    for (int e = 0; number && e < vtk->mesh->elements; e++)
+        number[e] = patch_of(vtk, patches, e) + 1;
+}
+
+static void add_voltages(vtk_file *vtk, const design *design, int grid, const double *voltage)
 {
     const scene_patches *patches = &design->patches[grid];
     char unit[VTK_UNIT];
-    double *number = vtk_add(vtk, true, 1, "patch %s", patches->name);
     double *value = vtk_add(vtk, true, 1, "voltage %s%s", patches->name,
                             vtk_unit(&design->units, QUANTITY_VOLTAGE, unit));
-    for (int e = 0; number && value && e < vtk->mesh->elements; e++) {
+    for (int e = 0; value && e < vtk->mesh->elements; e++) {
         const int patch = patch_of(vtk, patches, e);
-        number[e] = patch + 1;
         value[e] = patch < 0 ? 0 : patch_voltage(design, grid, patch, voltage);
     }
 }
@@ -76,8 +83,11 @@ void vtk_add_cells(vtk_file *vtk, const design *design, const double *voltage)
     for (int e = 0; type && e < vtk->mesh->elements; e++)
         type[e] = vtk->mesh->element_type[e];
     add_layers(vtk, design);
-    for (int grid = 0; grid < design->patch_grids; grid++)
-        add_patches(vtk, design, grid, voltage);
+    for (int grid = 0; grid < design->patch_grids; grid++) {
+        add_patches(vtk, design, grid);
+        if (voltage)
+            add_voltages(vtk, design, grid, voltage);
+    }
 }
 
 /*

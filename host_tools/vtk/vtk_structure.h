@@ -10,7 +10,7 @@
  * Add what lies in each cell to a VTK file: element type, presence of each layer (1 or 0), and for
  * each grid of patches the number of the patch from 1 (0: none) and its voltage. Where outlines cut
  * an element, it is the patch that covers most of it.
- *   voltage [amplifiers] in  voltages of the amplifiers (V)
+ *   voltage [amplifiers] in  voltages of the amplifiers (V); NULL: the file gets no voltages
  */
 void vtk_add_cells(vtk_file *vtk, const design *design, const double *voltage);
 

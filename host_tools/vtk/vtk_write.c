@@ -184,13 +184,15 @@ int vtk_write_solution(FILE *file, const vtk_solution *solution)
     return status;
 }
 
-int vtk_write_modes(FILE *file, const mesh *mesh, const vibration *vibration)
+int vtk_write_modes(FILE *file, const design *design, const vibration *vibration)
 {
+    const mesh *mesh = &design->mesh;
     vtk_file vtk = {.mesh = mesh};
     for (int k = 0; k < vibration->count; k++) {
         char name[32];
         snprintf(name, sizeof name, "mode_%d", k + 1);
         add_displacement(&vtk, vibration->shape + (size_t)k * (size_t)mesh->free_dof, name);
     }
+    vtk_add_cells(&vtk, design, NULL);
     return vtk_end(&vtk, file);
 }

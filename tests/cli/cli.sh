@@ -708,10 +708,30 @@ for rate in 1e-9 1e12; do
         run 2 calibrate --hysteresis $rate --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" && says 'a sweep of 500 samples would last'
     check "calibrate: $rate samples a second are refused" $?
 done
+/usr/bin/python3 - "$dir" <<'POKES'
+import sys, numpy
+draw = numpy.random.default_rng(5)
+voltage = draw.choice([-100., 100.], (200, 4))
+shape = voltage @ draw.normal(size=(4, 3)) + draw.normal(size=(200, 3)) * [1, 5, 1]
+numpy.savetxt(sys.argv[1] + '/few-v.csv', voltage, delimiter=',')
+numpy.savetxt(sys.argv[1] + '/few-x.csv', shape, delimiter=',')
+numpy.savetxt(sys.argv[1] + '/four-v.csv', 100 * numpy.eye(4), delimiter=',')
+numpy.savetxt(sys.argv[1] + '/four-x.csv', shape[:4], delimiter=',')
+POKES
+run 0 calibrate --voltages "$dir/few-v.csv" --shapes "$dir/few-x.csv" --standard-errors "$dir/few-e.csv" &&
+    /usr/bin/python3 - "$dir/few-e.csv" <<'ERRORS'
+import sys, numpy
+error = numpy.loadtxt(sys.argv[1], delimiter=',', skiprows=1)
+assert error.shape == (3, 4) and abs(error * 100 * 200**0.5 / [[1], [5], [1]] - 1).max() < 0.2, error
+ERRORS
+check 'calibrate --standard-errors: the noise of each output' $?
+run 2 calibrate --voltages "$dir/four-v.csv" --shapes "$dir/four-x.csv" --standard-errors "$dir/none.csv" && says 'measure more pokes than actuators' && [ ! -e "$dir/none.csv" ]
+check 'calibrate --standard-errors: too few pokes are refused' $?
 files="--voltages $dir/steps.csv --shapes $dir/ringing.csv"
 # shellcheck disable=SC2086
 {
     run 2 calibrate --vibration 1000 --hysteresis 1000 $files && says 'either --hysteresis or --vibration' &&
+        run 2 calibrate --vibration 1000 $files --standard-errors "$dir/none.csv" && says 'only a matrix from pokes has' &&
         run 2 calibrate --number 3 $files && says 'only calibrate --vibration takes' &&
         run 2 calibrate plate-50-patches --vibration 1000 $files && says 'takes no scene' &&
         run 2 calibrate --set a=b $files && says 'there is none'
@@ -750,7 +770,8 @@ run 0 shape plate-50-patches --limit 200 --limit 100 --limit 500 --svg "$dir/dem
 check "the README's picture is the demo's (else: make demo, copy build/plate-50-patches.svg to host_tools/scenes)" $?
 
 # vibration
-run 0 modes plate-50-patches --number 5 --vtu "$dir/modes.vtu" && grep -q '^ *1 *15\.0' "$dir/out" && grep -q 'mode_5' "$dir/modes.vtu"; check 'modes: a table and a VTU file' $?
+run 0 modes plate-50-patches --number 5 --vtu "$dir/modes.vtu" && grep -q '^ *1 *15\.0' "$dir/out" && grep -q 'mode_5' "$dir/modes.vtu" &&
+    grep -q 'Name="element_type"' "$dir/modes.vtu" && grep -q 'Name="patch_up"' "$dir/modes.vtu" && ! grep -q 'Name="voltage' "$dir/modes.vtu"; check 'modes: a table and a VTU file' $?
 run 0 modes plate-50-patches --number 5 --json && json "all(abs(f/w-1)<.02 for f,w in zip(j['frequency'],[15,36,94,123,133])) and abs(j['mass']-.184)<1e-12 and len(j['modes'][4]['controllability'])==25 and len(j['frequency'])==5"; check 'modes --json' $?
 run 2 modes scordelis-lo && says "no density in material 'concrete'"; check 'modes without a density: exit 2, with the cure' $?
 run 0 solve scordelis-lo --error --json && json "(lambda e: abs(e['extrapolated']/-.3013-1)<.007 and abs(e['value']+.29797)<1e-5 and abs(e['extrapolated']+.3013)<e['uncertainty'] and 1.5<e['order']<2.5)(j['discretisation']['results']['edge']) and j['discretisation']['meshes']==[[16,16],[8,8],[4,4]]"; check 'solve --error: the converged value lies inside' $?

@@ -176,6 +176,37 @@ static void test_noise_floor(void **state)
     }
 }
 
+/*
+ * Law: where outputs have noise of their own, the standard errors of their entries differ as it
+ * does. The noise of one output is found within the sampling error of its readings and of the share
+ * that the noise of all outputs has in it.
+ */
+static void test_noise_of_outputs(void **state)
+{
+    (void)state;
+    enum { POKES = 512, LEFT = POKES - ACTUATORS };
+    static const double level[] = {1, 3, 10};
+    experiment e;
+    calibration c;
+    open_experiment(&e, POKES, ACTUATORS, OUTPUTS, HADAMARD);
+    random_truth(&e);
+    measure(&e, 0);
+    for (size_t i = 0; i < (size_t)POKES * OUTPUTS; i++)
+        e.shape[i] += 1e-9 * level[i % OUTPUTS % 3] * draw_normal();
+    run(&c, &e, NULL);
+    const double sampling = 5 / sqrt(2.0 * LEFT);
+    for (size_t i = 0; i < OUTPUTS; i++) {
+        const double noise = 1e-9 * level[i % 3];
+        const double share = NOISE_POKES * pow(c.noise / noise, 2) / (2 * LEFT);
+        assert_near("noise of an output", calibration_output_noise(&c, &e.pokes, i), noise,
+                    sampling + share);
+        assert_near("error of an entry", calibration_entry_error(&c, &e.pokes, i, 2),
+                    noise / (100 * sqrt(POKES)), sampling + share);
+    }
+    calibration_free(&c);
+    close_experiment(&e);
+}
+
 /* Law: pokes that leave actuators open are refused without a model, with the count. */
 static void test_too_few(void **state)
 {
@@ -530,11 +561,17 @@ static void test_faults(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact),          cmocka_unit_test(test_noise_floor),
-        cmocka_unit_test(test_too_few),        cmocka_unit_test(test_dead_column),
-        cmocka_unit_test(test_with_model),     cmocka_unit_test(test_few_pokes),
-        cmocka_unit_test(test_faults),         cmocka_unit_test(test_drift),
-        cmocka_unit_test(test_no_drift_known), cmocka_unit_test(test_crosstalk),
+        cmocka_unit_test(test_exact),
+        cmocka_unit_test(test_noise_floor),
+        cmocka_unit_test(test_noise_of_outputs),
+        cmocka_unit_test(test_too_few),
+        cmocka_unit_test(test_dead_column),
+        cmocka_unit_test(test_with_model),
+        cmocka_unit_test(test_few_pokes),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_drift),
+        cmocka_unit_test(test_no_drift_known),
+        cmocka_unit_test(test_crosstalk),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
