@@ -69,7 +69,10 @@ static void print_dropped(const design *design)
     putchar('\n');
 }
 
-/* Print the groups of actuators that one amplifier drives, each with the actuators of the file. */
+/*
+ * For each amplifier that drives several actuators together, print its name and the names of these
+ * actuators in the file of the influence matrix.
+ */
 static void print_tied(const scene_influence *influence, const design *design)
 {
     for (int k = 0; k < design->amplifiers && influence->tied > 0; k++) {

@@ -55,10 +55,10 @@ static size_t states_of(const certificate_conditions *conditions)
 }
 
 /*
- * Add to a row of the transition matrix `factor` times h of vibration mode i for the measurement at
- * the coming tick: the modal coordinate in equilibrium (static coordinate) under the voltages that
- * the controller subtracts because of this measurement. h is the sum of two terms:
- *   - loop matrix times the deviations e of all modes from equilibrium;
+ * Add to a row of the transition matrix `factor` times a modal coordinate of vibration mode i: the
+ * one in equilibrium (static coordinate) under the voltages that the controller subtracts because
+ * of the measurement at the coming tick. This coordinate is the sum of two terms:
+ *   - loop matrix times the deviations of the coordinates of all modes from equilibrium;
  *   - static coordinate of the structure under its voltages, minus the static coordinate that the
  *     model predicts for these voltages.
  */
@@ -76,9 +76,9 @@ static void add_measured(const transition *transition, double *row, size_t i, do
 
 /*
  * Add to a row of the transition matrix `factor` times the static coordinate (modal coordinate in
- * equilibrium) of vibration mode i under the voltages commanded at the coming tick. It is minus the
- * state h of the measurement `delay` ticks before, because the controller answers that measurement
- * now.
+ * equilibrium) of vibration mode i under the voltages commanded at the coming tick. The controller
+ * now answers the measurement `delay` ticks before, so this is minus the static coordinate under
+ * its correction for that measurement.
  */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {

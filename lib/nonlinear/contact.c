@@ -534,8 +534,8 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
     const pzs_real(*triad)[3] = contact->state.face->triad[node];
     pzs_real unit[3], arm[3], row[6];
     axis_of_dof(solver->state.model->state.structure, triad, node, k, unit);
-    // Displacements by rotation are divided by the size of the mesh, so that all entries are about
-    // 1.
+    // Displacements by rotation are divided by the size of the mesh, so that all entries of the
+    // Gram matrix are about 1.
     for (int i = 0; i < 3; i++)
         arm[i] = k < 3 ? (contact->state.face->place[node][i] - height * triad[2][i] -
                           contact->state.face->place[0][i]) /
