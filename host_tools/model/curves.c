@@ -96,7 +96,10 @@ double curves_half_range(const design *design, int amplifier)
 
 /* ---- text ------------------------------------------------------------- */
 
-/* Slopes of curves between voltage limits: change of the effect for each volt. */
+/*
+ * Lowest and highest slope of the curves between the voltage limits: change of the effect (to which
+ * the displacement of the actuator is proportional) per volt.
+ */
 typedef struct slopes {
     double least, most;
 } slopes;

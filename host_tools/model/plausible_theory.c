@@ -25,7 +25,9 @@ int measure_theory(const subject *of, int k, measured *found)
  */
 int measure_bend(const subject *of, int k, measured *found)
 {
-    const double negligible = 0.1; /* part of the in-plane stresses */
+    const double negligible = 0.1; /* largest change of the in-plane stresses by bent cross-sections
+                                      that counts as negligible, as a part of the in-plane stresses
+                                    */
     found->at = of->scene->at_layers;
     found->value = of->stress->is_straight && of->stress->bend_share > negligible
                        ? of->stress->bend_change

@@ -33,7 +33,10 @@ static void fill_rise(const stress_field *field, int element, section out)
         out[i].rise = sum[i];
 }
 
-/* Gradient of the displacement along the normal at one height, along the curvature directions. */
+/*
+ * Gradient of the normal displacement at one height of an element (dimensionless), along the two
+ * directions of principal curvature.
+ */
 static void rise_gradient(const stencil *stencil, section *all, int sample, double slope[2])
 {
     const double here = all[stencil->element][sample].rise;
@@ -43,7 +46,10 @@ static void rise_gradient(const stencil *stencil, section *all, int sample, doub
             slope[a] += stencil->weight[k][a] * (all[stencil->neighbour[k]][sample].rise - here);
 }
 
-/* Return the integral of a product over the thickness of the plies of an element. */
+/*
+ * Return the integral of the product of two quantities over the thickness of the plies of an
+ * element.
+ */
 static double integral_of(const stress_field *field, int element, const double *first,
                           const double *second)
 {

@@ -21,8 +21,8 @@ typedef bend section[STENCIL_SAMPLES];
 
 /*
  * Compute the displacement of the cross-sections of all elements from their transverse stresses
- * (all [elements] out). The rise is 0 unless the displacement of the structure is corrected
- * (stress_corrected.h).
+ * (all [elements] out). The member `rise`, the displacement along the normal, is 0 unless the
+ * displacement of the structure is corrected (stress_corrected.h).
  */
 void bend_fill(const stress_field *field, section *all);
 

@@ -51,8 +51,8 @@ static void unit_shears(const stress_field *field, int element, double flex[6][6
 }
 
 /*
- * Return the work of shear stresses on the shear strains of other shear stresses, per area. Exact
- * where both are quadratic within each ply.
+ * Return the work, per area, of given shear stresses on the shear strains that other shear stresses
+ * cause. It is exact where both are quadratic in the height within each ply.
  */
 static double shear_work(const stress_field *field, int element, shears first, shears second)
 {
@@ -71,7 +71,10 @@ static double shear_work(const stress_field *field, int element, shears first, s
     return work;
 }
 
-/* Compute the shear flexibility of an element whose shear strain is uniform (m/N). */
+/*
+ * Compute the shear flexibility (m/N) of an element with the element option of a shear strain that
+ * is uniform through the thickness.
+ */
 static int uniform_flexibility(const stress_field *field, int element, double flexibility[2][2])
 {
     memset(flexibility, 0, 4 * sizeof(double));
@@ -84,9 +87,11 @@ static int uniform_flexibility(const stress_field *field, int element, double fl
 }
 
 /*
- * Compute the shear strains that an element lacks, in its shell axes: those of the recovered shear
- * stresses less those of its shear stiffness. Returns 0, or -1 if the plies cannot carry shear.
- *   contrast in/out  raised to the shear flexibility from equilibrium over that of the element
+ * Compute the shear strains that the theory of an element leaves out, in its shell axes: those of
+ * the recovered shear stresses less those that follow from its shear stiffness. Returns 0, or -1 if
+ * the plies cannot carry shear.
+ *   contrast in/out  largest ratio so far of the shear flexibility from equilibrium to that of the
+ *                    element
  */
 static int lacking_shear(const stress_field *field, int element, double lacking[2],
                          double *contrast)
@@ -117,10 +122,10 @@ static int lacking_shear(const stress_field *field, int element, double lacking[
 }
 
 /*
- * Add the resultants that the element's stiffness gives to the shear strains that it lacks, which
- * are prescribed: minus stiffness times strains.
+ * Add prescribed stress resultants to those of an element: minus its stiffness times the shear
+ * strains that its theory leaves out.
  *   resultant [10] in/out  resultants per area (N/m)
- *   contrast       in/out  see lacking_shear
+ *   contrast       in/out  as in lacking_shear
  */
 static void add_shear(const stress_field *field, int element, double resultant[10],
                       double *contrast)
@@ -147,8 +152,8 @@ static void add_shear(const stress_field *field, int element, double resultant[1
 /* ---- in-plane stresses ---------------------------------------------------------------- */
 
 /*
- * Store the in-plane stresses that an element lacks, and add their resultants.
- *   lacking   [layers][STRESS_HEIGHTS] out     the stresses 11, 22 and 12 (Pa)
+ * Store the in-plane stresses of an element that its theory leaves out, and add their resultants.
+ *   lacking   [layers][STRESS_HEIGHTS] out     these stresses 11, 22 and 12 (Pa)
  *   resultant [10]                     in/out  resultants per area (N/m)
  */
 static void add_plane(const stress_field *field, int element, double (*lacking)[3],
@@ -178,7 +183,7 @@ static void add_plane(const stress_field *field, int element, double (*lacking)[
 
 /* ---- displacement ------------------------------------------------------------------- */
 
-/* Return the largest displacement of a node, the mean of both faces. */
+/* Return the largest displacement of any node (m), as the mean of both faces. */
 static double largest(const mesh *mesh, const double *displacement)
 {
     double square = 0;
@@ -251,7 +256,8 @@ static void fill_element(const stress_field *field, int element, stress_correcti
 static bool fill_correction(stress_field *field, const pzs_model *model,
                             stress_correction *correction)
 {
-    const double most = 3; /* largest contrast of the shear flexibilities */
+    const double most = 3; /* largest ratio, over all elements, of the shear flexibility from
+                              equilibrium to that of the element */
     const mesh *mesh = &field->state.design->mesh;
     double *change = correction->displacement, contrast = 0;
     for (int element = 0; element < field->elements; element++)

@@ -8,7 +8,10 @@
 #include "stress_bend.h"
 #include "stress_equilibrium.h"
 
-/* Number of unit strains that keep the resultants: membrane strain and curvature of 11, 22, 12. */
+/*
+ * Number of unit strains from which strains are combined that balance given stress resultants:
+ * membrane strains 11, 22, 12 and curvatures 11, 22, 12.
+ */
 enum { UNITS = 6 };
 
 /* In-plane strains 11, 22 and 12 (twice the tensor's) at all heights of an element. */
@@ -50,7 +53,10 @@ static double work_of(const stress_field *field, const stencil *stencil, strains
     return work;
 }
 
-/* Compute the in-plane stresses of strains at all heights of an element; no normal stress 33. */
+/*
+ * Compute the in-plane stresses (Pa) that given in-plane strains cause at all heights of an element
+ * where the normal stress 33 is 0.
+ */
 static void stresses_of(const stress_field *field, strains strain, strains stress)
 {
     for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
@@ -112,7 +118,10 @@ static void squeeze_of(const stress_field *field, int element, strains squeeze)
     }
 }
 
-/* Store the in-plane stresses that an element lacks: those of strains, and further stresses. */
+/*
+ * Store the in-plane stresses of an element that its theory leaves out: those of the given strains,
+ * plus further stresses.
+ */
 static void store_lacking(const stress_field *field, int element, strains strain, strains further)
 {
     stress_sample *own = stencil_samples(field, element);
@@ -173,7 +182,10 @@ static double replace_strain(const laminate_ply *ply, stress_sample *own, const 
     return square;
 }
 
-/* Replace the strains and stresses of replace_strain at all heights of an element. */
+/*
+ * At all heights of an element, replace the in-plane strains of the bent cross-section and the
+ * stresses caused by the normal stress 33.
+ */
 static double replace_all(const stress_field *field, int element, strains strain, strains squeeze)
 {
     stress_sample *own = stencil_samples(field, element);
@@ -232,7 +244,7 @@ static double size_of_stresses(const stress_field *field)
     return sqrt(square);
 }
 
-/* Return to the stresses of straight cross-sections. */
+/* Set the stresses of all elements back to those with straight cross-sections. */
 static void straighten(stress_field *field)
 {
     strains none;

@@ -34,8 +34,9 @@
 int stress_warp(stress_field *field);
 
 /*
- * Return this limit: 1/2, or 1/3 with a corrected displacement, which contains higher derivatives
- * with larger errors at edges.
+ * Return the largest ratio of the second to the first change of the in-plane stresses with which
+ * stresses of bent cross-sections are added: 1/2, or 1/3 with a corrected displacement, which
+ * contains higher derivatives with larger errors at edges.
  */
 double stress_bend_limit(const stress_field *field);
 

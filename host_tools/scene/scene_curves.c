@@ -322,7 +322,8 @@ static int check_ends(const scene *scene, char *error)
 }
 
 /*
- * Effect of 0 V on a curve with straight segments; outside the curve that of its nearer end.
+ * Return the effect of 0 V on a curve whose segments are straight; where 0 V lies outside the
+ * curve, the effect at the nearer end.
  */
 static double effect_of_zero(const scene_curves *curves, int set)
 {
@@ -382,7 +383,10 @@ static int check_others(const scene *scene, char *error)
     return 0;
 }
 
-/* Multiply the columns of the influence matrix by the effect for each volt of effect. */
+/*
+ * Multiply each column of the influence matrix by the number of units in the file per volt of the
+ * scaled effect of its actuator.
+ */
 static void scale_matrix(scene *scene)
 {
     const scene_influence *influence = &scene->influence;

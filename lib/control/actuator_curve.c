@@ -55,7 +55,10 @@ pzs_status pzs_actuator_curves_seal(pzs_actuator_curves *tables)
     return PZS_OK;
 }
 
-/* One actuator curve. */
+/*
+ * Curve of one actuator: its effect, to which its displacement is proportional, as a function of
+ * its voltage.
+ */
 typedef struct actuator_curve {
     const pzs_real *voltage; /* [points] voltages of the points of the curve, ascending (V) */
     const pzs_real *effect;  /* [points] effects of the points of the curve, ascending */
@@ -218,7 +221,10 @@ static pzs_status check(const pzs_actuator_curves *tables, const pzs_problem *pr
 {
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
         return PZS_E_FORMAT;
-    /* Limits of sums of voltages do not hold for effects. */
+    /*
+     * Actuator curves are refused where sums of voltages are limited, because the optimiser would
+     * limit the sums of effects instead.
+     */
     if (!are_complete(tables) || tables->inputs != problem->inputs || problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
     if (pzs_actuator_curve_crc(tables) != tables->crc)
@@ -257,7 +263,10 @@ static void take_effects(const pzs_loop_signals *signals, pzs_real *voltage)
 static pzs_status curve_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     pzs_actuator_effects *effects = self;
-    /* The inverse of hysteresis would take the effects of the curves for voltages. */
+    /*
+     * Actuator curves are refused together with the compensation of hysteresis, which would take
+     * the effects of the curves for voltages.
+     */
     if (signals->has_inverse || signals->curves != tables)
         return PZS_E_STAGE;
     effects->effect = effects_of(effects);
