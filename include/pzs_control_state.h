@@ -330,6 +330,17 @@ typedef enum pzs_control_behind {
     PZS_BEHIND_GRADIENT
 } pzs_control_behind;
 
+/*
+ * First member of the memory of a block that changes the gradient of the objective in a tick
+ * (target_gradient of the optimiser), such as that with gains of modes: its function. The argument
+ * `missed` is the scale of the gradient's rounding errors, as a weighted squared norm of a shape
+ * (m2); the function returns that after the change.
+ */
+typedef struct pzs_step_filter {
+    pzs_real (*filter_step)(struct pzs_control *control, struct pzs_step_filter *filter,
+                            pzs_real missed);
+} pzs_step_filter;
+
 typedef struct pzs_control_state {
     const struct pzs_problem *problem;
     const pzs_real *influence; /* [outputs][inputs] influence matrix in use: the one passed to
@@ -366,6 +377,8 @@ typedef struct pzs_control_state {
                         ignored */
     pzs_real share; /* factor, from 0 to 1, by which a tick that also damps vibration multiplies the
                        gradient of the objective */
+    pzs_step_filter *filter; /* block that changes the gradient of the objective in this tick, with
+                                its function; NULL: none */
     pzs_real base_energy;    /* weighted squared norm of the shape that the model predicts for the
                                 voltages pzs_optimiser.base; the scale of the objective is computed
                                 from it (m2) */
@@ -684,6 +697,19 @@ typedef struct pzs_reading_delay_state {
                          each tick: `voltage` (voltages) and `expected` (readings that the model
                          predicts) */
 } pzs_reading_delay_state;
+
+typedef struct pzs_modal_gains_state {
+    pzs_step_filter filter; /* function of the block in the control step, set in each tick */
+    const struct pzs_modal_gains *tables;
+    pzs_real *gradient;  /* [inputs] half the gradient of the objective without gains, with its sign
+                            changed (m2/V); then what the modes change of it */
+    pzs_real *deviation; /* [inputs] present voltages minus reference voltages (V), padded with
+                            zeros; 0 for an input that is held at one voltage */
+    pzs_real *product;   /* [inputs] Hessian of the optimisation times this deviation (m2/V) */
+    pzs_real *step;      /* [modes] change of the coordinate of each mode that the tick asks for
+                            beyond that of all that is not in the modes (m) */
+    pzs_real *coordinate; /* [modes] coordinate of each mode, from the reference voltages (m) */
+} pzs_modal_gains_state;
 
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;

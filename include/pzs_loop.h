@@ -92,6 +92,8 @@ typedef struct pzs_loop_signals {
                                             not compensate hysteresis */
     bool has_inverse; /* during the initialisation of the loop: whether pzs_inverse_block, the
                          second stage of the compensation of hysteresis, is in its list of blocks */
+    bool has_damper;  /* during the initialisation of the loop: whether pzs_vibration_block, which
+                         damps vibration, is in its list of blocks */
     /*
      * Actuator curves of the loop: during the initialisation, those of pzs_curve_inverse_block;
      * during a tick, those by which pzs_curve_block has replaced voltages by effects. NULL: none.
@@ -457,6 +459,70 @@ extern const pzs_block_type pzs_reading_delay_block;
                  3u * (size_t)(sensors)) *                                                         \
                     sizeof(pzs_real) +                                                             \
                 (size_t)(sensors))
+
+/* ---- gains and leaks of modes (lib/control/modal_gains.c) ----------------- */
+
+/*
+ * Tables of a leaky integrator for each mode, in the place of ticks that go all the way to the
+ * optimum. A mode is a pattern of voltages; modes are orthonormal in the Hessian H of the
+ * optimisation, p_i'H p_k = 1 for i = k and else 0, so that 1 m of a mode moves the shape by a
+ * weighted norm of 1 m. A tick whose voltages meet no limit changes the coordinate c_k of mode k,
+ * counted from the reference voltages, to
+ *   c_k (1 - leak_k) + gain_k d_k
+ *   d_k  change of the coordinate in a tick without gains and leaks: that of the least-squares
+ *        voltages for target shape minus measured shape
+ *
+ * `other_gain` and `other_leak` are those of all that is not in the modes. Gain 1 and leak 0
+ * everywhere: the tick is that without gains.
+ *
+ *   - Where limits are met, the voltages are the ones inside all limits that are nearest to the
+ *     voltages of this formula, in the norm of H. Their memory is the voltages that were given, so
+ *     that nothing winds up.
+ *   - At rest, the voltages inside the limits minimise the sum over the modes of
+ *     gain_k (c_k - o_k)^2 + leak_k c_k^2, where o_k are the coordinates of the least-squares
+ *     voltages; equal gains without leak give the optimum of the tick without gains.
+ *   - White noise of the measured shape with the variance s2 in a mode gives its coordinate the
+ *     variance gain^2 s2 / ((gain + leak) (2 - gain - leak)).
+ *
+ * All arrays are const and may stay in flash.
+ */
+typedef struct pzs_modal_gains {
+    uint32_t format, scene;  /* format: format number of the tables of modal gains; scene: hash of
+                                the scene file from which `pzs tables` generated them, equal to the
+                                hash in the controller's tables (pzs_problem) */
+    uint32_t crc;            /* checksum of the tables of modal gains and their arrays, computed by
+                                pzs_modal_gains_seal */
+    uint16_t inputs, modes;  /* number of inputs, and number of modes, which may be 0 */
+    const pzs_real *pattern; /* [modes][inputs] voltages of 1 m of each mode (V/m); NULL where the
+                                number of modes is 0, as for the next three members */
+    const pzs_real *effect;  /* [modes][inputs] Hessian of the optimisation times the voltages of
+                                each mode (m/V): B'W^2 B + regularisation I, with influence matrix B
+                                and output weights W */
+    const pzs_real *gain;    /* [modes] gain of each mode, from 0, gain plus leak below 2 */
+    const pzs_real *leak;    /* [modes] leak of each mode, from 0 to 1 */
+    pzs_real other_gain; /* gain of all that is not in the modes, from 0, below 2 with the leak */
+    pzs_real other_leak; /* leak of all that is not in the modes, from 0 to 1; above 0 a tick
+                            takes inputs * inputs multiply-adds more */
+} pzs_modal_gains;
+
+/*
+ * Write the format number and the checksum into tables of modal gains that a firmware has built
+ * itself. Errors: PZS_E_ARGUMENT.
+ */
+pzs_status pzs_modal_gains_seal(pzs_modal_gains *tables);
+
+/*
+ * Block (stage of the control tick, in PZS_PHASE_READINGS) that gives the control step gains and
+ * leaks of modes. Tables: pzs_modal_gains. Work of a tick: 3 * modes * inputs multiply-adds.
+ * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and
+ *   PZS_E_ARGUMENT  also for tables of other sizes, and for a gain or leak outside its range
+ *                   (info.where = the mode; the number of modes for the rest)
+ *   PZS_E_STAGE     the loop damps vibration (pzs_vibration_block), with gains of its own
+ */
+extern const pzs_block_type pzs_modal_gains_block;
+#define PZS_MODAL_GAINS_BLOCK_BYTES(inputs, modes)                                                 \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_modal_gains_state)) +                                       \
+                (3u * PZS_CONTROL_WIDTH(inputs) + 2u * PZS_FOURS(modes)) * sizeof(pzs_real))
 
 /* ---- supervisor (lib/control/supervisor.c) --------------------------- */
 

@@ -9,6 +9,7 @@
 #include "../model/estimator.h"
 #include "../model/loaded.h"
 #include "../model/voltages.h"
+#include "../model/modal_gains.h"
 #include "../simulate/certify.h"
 #include "../tables/loop_blocks.h"
 
@@ -51,6 +52,23 @@ static void assumed_readings(const design *design, char text[ADVICE_PART])
                  design->targets);
 }
 
+/*
+ * Refuse a loop with gains of modes that is unstable with vibration. Returns -1 with error filled.
+ */
+static int refuse_gains(const certificate *certificate, const design *design, char *error)
+{
+    char growth[120] = "it grows on structures with 0.8 to 1.33 of the response or 0.9 to 1.1 of "
+                       "the frequencies of the model";
+    if (certificate->radius >= 1)
+        snprintf(growth, sizeof growth, "it grows %.7g times a tick", certificate->radius);
+    return scene_fault(design->control.modal_gains.at, error,
+                       "unstable at %g ticks a second: with these gains of modes, which take the "
+                       "place of the damping of vibration, %s; lower the gains, or remove "
+                       "control.modal_gains so that the tick damps vibration; `pzs tables "
+                       "--quasi-static` writes the tables all the same",
+                       certificate->rate, growth);
+}
+
 int judge_loop(analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
@@ -58,9 +76,13 @@ int judge_loop(analysis *analysis, char *error)
     char reason[SCENE_ERROR], growth[120];
     if (analysis->design.problem.inputs == 0)
         return 0;
+    if (modal_gains_check(design, error) < 0)
+        return -1;
     certificate_make(&analysis->certificate, analysis);
     if (analysis->quasi_static || !certificate_refuses(certificate))
         return 0;
+    if (certificate->has_gains)
+        return refuse_gains(certificate, design, error);
     if (is_damped(analysis, reason))
         return 0;
     if (certificate->radius < 1)

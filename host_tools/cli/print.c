@@ -8,6 +8,7 @@
 #include "../../lib/model/model.h"
 #include "print_mesh_error.h"
 #include "print_outlines.h"
+#include "print_gains.h"
 #include "print_matrix.h"
 #include "print_outputs.h"
 #include "print_path.h"
@@ -347,6 +348,7 @@ void print_check(const analysis *analysis, const work_report *work)
     print_head(analysis, "at rest");
     print_images(analysis);
     print_work(work, &analysis->design);
+    print_gains(&analysis->design);
     print_certificate(&analysis->certificate);
     print_test_plans(analysis);
     if (work->holds)
@@ -402,6 +404,7 @@ void print_check_json(const analysis *from, const work_report *work)
     }
     json_close(&json, '}');
     print_work_json(work, &json);
+    print_gains_json(&json, &from->design);
     print_certificate_json(&json, &from->certificate);
     if (detection_make(&detection, from))
         detection_json(&detection, &from->design, &json);

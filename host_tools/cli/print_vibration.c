@@ -184,6 +184,8 @@ static void print_no_model(const certificate *certificate, bool is_quasi_static)
     if (!certificate->has_modes || !certificate->is_assessed)
         printf("the tick has no vibration model, because vibration is not known: %s\n",
                certificate->reason);
+    else if (certificate->has_gains)
+        puts("the tick has gains of modes in the place of a vibration model");
     else if (is_quasi_static)
         puts("the tick has no vibration model, as --quasi-static asks for");
     else if (!(certificate->rate > 0))
@@ -191,7 +193,7 @@ static void print_no_model(const certificate *certificate, bool is_quasi_static)
              "control: {rate: 1000}");
     else if (is_stable)
         puts("the tick has no vibration model and needs none at its rate");
-    if (!certificate->is_assessed || !isfinite(certificate->stable_rate))
+    if (!certificate->is_assessed || certificate->has_gains || !isfinite(certificate->stable_rate))
         return;
     if (certificate->stable_rate > 0)
         printf("without a vibration model the loop is stable up to %.3g ticks a second\n",

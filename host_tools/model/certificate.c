@@ -288,6 +288,40 @@ static void range_text(const certificate *certificate, char text[SCENE_ERROR])
                  certificate->stable_rate);
 }
 
+/*
+ * Append the sentences on the stability of a control loop with gains and leaks of modes, which is
+ * assessed at the tick rate of the scene alone.
+ */
+static void gains_text(const certificate *certificate, char text[CERTIFICATE_TEXT])
+{
+    text_append(text, CERTIFICATE_TEXT,
+                "The control step has gains and leaks of modes (control.modal_gains), and does not "
+                "damp vibration.\n");
+    if (!(certificate->rate > 0))
+        text_append(text, CERTIFICATE_TEXT,
+                    "Its stability is assessed where the scene gives control: {rate: ...}.");
+    else if (!certificate_refuses(certificate))
+        text_append(text, CERTIFICATE_TEXT,
+                    "At %g ticks a second it is stable: what is left after a tick is at most %.4g "
+                    "of the error, also of\nvibration; it is stable, too, where the response to "
+                    "voltages is 0.8 to 1.33 and frequencies are\n0.9 to 1.1 of the model's.",
+                    certificate->rate, certificate->radius);
+    else if (certificate->radius < 1)
+        text_append(text, CERTIFICATE_TEXT,
+                    "At %g ticks a second vibration decays on the model, but it grows on "
+                    "structures whose response to\nvoltages is 0.8 to 1.33 or whose frequencies "
+                    "are 0.9 to 1.1 of the model's.",
+                    certificate->rate);
+    else
+        text_append(text, CERTIFICATE_TEXT,
+                    "At %g ticks a second it is unstable: vibration grows %.7g times a tick.",
+                    certificate->rate, certificate->radius);
+    if (certificate_refuses(certificate))
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nLower the gains, or remove control.modal_gains, and the tick damps "
+                    "vibration instead.");
+}
+
 /* Write a text on the stability of the control loop at the tick rate of the scene. */
 static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 {
@@ -612,7 +646,10 @@ void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT
     if (certificate->bandwidth > 0)
         text_append(text, CERTIFICATE_TEXT, "The amplifiers lag, with a corner of %g Hz.\n",
                     certificate->bandwidth);
-    text_append(text, CERTIFICATE_TEXT, "%s%s%s", verdict, range,
-                certificate->assumes_measured ? "\nJudged as if every target node were measured."
-                                              : "");
+    if (certificate->has_gains)
+        gains_text(certificate, text);
+    else
+        text_append(text, CERTIFICATE_TEXT, "%s%s", verdict, range);
+    if (certificate->assumes_measured)
+        text_append(text, CERTIFICATE_TEXT, "\nJudged as if every target node were measured.");
 }

@@ -188,13 +188,19 @@ typedef struct certificate {
                              vibration mode; false where it is assumed */
     double bandwidth; /* corner frequency of the first-order lag of the amplifiers that the scene
                          file states (Hz); 0: no lag */
-    double rate;      /* tick rate of the scene (1/s); 0 where the scene file gives none */
-    double radius;    /* spectral radius of the loop at the scene's tick rate, the growth factor of
-                         vibrations per tick; NAN without a rate */
-    double gain; /* approximate stability limit of the step gain, the fraction of the way from the
-                    present to the optimal voltages that one tick makes. It is 2 x damping ratio x
-                    angular frequency x tick interval of the first vibration mode; NAN without a
-                    tick rate. */
+    /*
+     * true where the loop has gains and leaks of modes (scene: control.modal_gains), and so never
+     * damps vibration; it is assessed at the tick rate of the scene alone, and stable_rate is that
+     * rate, or 0 where the loop is unstable
+     */
+    bool has_gains;
+    double rate;   /* tick rate of the scene (1/s); 0 where the scene file gives none */
+    double radius; /* spectral radius of the loop at the scene's tick rate, the growth factor of
+                      vibrations per tick; NAN without a rate */
+    double gain;   /* approximate stability limit of the step gain, the fraction of the way from the
+                      present to the optimal voltages that one tick makes. It is 2 x damping ratio x
+                      angular frequency x tick interval of the first vibration mode; NAN without a
+                      tick rate. */
     bool has_settings; /* true where simulations with fast jumps of the target have chosen the
                           settings of the control tick that damps vibration */
     damper_settings settings; /* settings of the control tick that damps vibration, chosen by

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/model/model.h"
+#include "certificate_gains.h"
 #include "estimator.h"
 #include "mass.h"
 #include "modal.h"
@@ -126,6 +127,7 @@ typedef struct gains {
                          by least squares */
     double *modal_response; /* [modes][moving] coordinate of each vibration mode in equilibrium per
                                volt of each amplifier that is not held at one voltage */
+    double *answer; /* [modes][moving] voltages (V) that fit each mode shape by least squares */
     double *loop; /* [modes][modes] loop matrix. The controller reacts to a measured unit of mode j
                      by subtracting voltages. Entry (i, j) is the modal coordinate of mode i in
                      static equilibrium under the subtracted voltages. */
@@ -208,6 +210,8 @@ static void fill_column(gains *gains, const estimator *estimator, size_t mode)
                 design->weight[target] * design->weight[target] * gains->shape[target];
     }
     cholesky_solve(gains->factor, gains->moving, gains->gradient);
+    memcpy(gains->answer + mode * gains->moving, gains->gradient,
+           gains->moving * sizeof *gains->answer);
     for (size_t i = 0; i < gains->modes; i++) {
         double sum = 0;
         for (size_t j = 0; j < gains->moving; j++)
@@ -241,34 +245,40 @@ static bool fill_gains(gains *gains)
 }
 
 /*
- * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions; NULL
- * where it cannot be computed. Entry (i, j) is the modal coordinate of mode i in static equilibrium
- * under the voltages that the controller subtracts for a measured unit of mode j. The caller frees
- * it.
+ * Compute the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions, and
+ * the voltages that answer to each of them. Entry (i, j) of the matrix is the modal coordinate of
+ * mode i in static equilibrium under the voltages that the controller subtracts for a measured unit
+ * of mode j. Returns whether it could be computed; free_gains releases the arrays in either case.
  */
-static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
-                          bool *assumes_measured)
+static bool make_gains(gains *gains, const analysis *analysis, const vibration *vibration,
+                       int modes)
 {
-    const size_t amplifiers = (size_t)analysis->design.amplifiers;
-    gains gains = {.analysis = analysis, .vibration = vibration, .modes = (size_t)modes};
-    gains.amplifier = malloc(amplifiers * sizeof *gains.amplifier);
-    gains.factor = malloc(amplifiers * amplifiers * sizeof *gains.factor);
-    gains.gradient = malloc(amplifiers * sizeof *gains.gradient);
-    gains.shape = malloc((size_t)analysis->design.targets * sizeof *gains.shape);
-    gains.modal_response = malloc(gains.modes * amplifiers * sizeof *gains.modal_response);
-    gains.loop = malloc(gains.modes * gains.modes * sizeof *gains.loop);
-    const int filled = gains.amplifier && gains.factor && gains.gradient && gains.shape &&
-                       gains.modal_response && gains.loop && fill_gains(&gains);
-    free(gains.amplifier);
-    free(gains.factor);
-    free(gains.gradient);
-    free(gains.shape);
-    free(gains.modal_response);
-    *assumes_measured = gains.assumes_measured;
-    if (filled)
-        return gains.loop;
-    free(gains.loop);
-    return NULL;
+    const size_t amplifiers = (size_t)analysis->design.amplifiers, count = (size_t)modes;
+    memset(gains, 0, sizeof *gains);
+    gains->analysis = analysis;
+    gains->vibration = vibration;
+    gains->modes = count;
+    gains->amplifier = malloc(amplifiers * sizeof *gains->amplifier);
+    gains->factor = malloc(amplifiers * amplifiers * sizeof *gains->factor);
+    gains->gradient = malloc(amplifiers * sizeof *gains->gradient);
+    gains->shape = malloc((size_t)analysis->design.targets * sizeof *gains->shape);
+    gains->modal_response = malloc(count * amplifiers * sizeof *gains->modal_response);
+    gains->answer = malloc(count * amplifiers * sizeof *gains->answer);
+    gains->loop = malloc(count * count * sizeof *gains->loop);
+    return gains->amplifier && gains->factor && gains->gradient && gains->shape &&
+           gains->modal_response && gains->answer && gains->loop && fill_gains(gains);
+}
+
+static void free_gains(gains *gains)
+{
+    free(gains->amplifier);
+    free(gains->factor);
+    free(gains->gradient);
+    free(gains->shape);
+    free(gains->modal_response);
+    free(gains->answer);
+    free(gains->loop);
+    memset(gains, 0, sizeof *gains);
 }
 
 /* ---- stability --------------------------------------------------------- */
@@ -370,57 +380,140 @@ static double *loop_damping(const certificate *certificate, const design *design
     return damping;
 }
 
+/*
+ * Whether the control loop with gains of modes is stable at the tick rate of the scene on all
+ * structures to be tested, which differ from the model in static response and frequencies.
+ */
+static bool are_stable(const certificate_groups *groups, const assessed_loop *loop, double interval)
+{
+    for (size_t k = 0; k < sizeof frequencies / sizeof *frequencies; k++)
+        for (size_t i = 0; i < sizeof responses / sizeof *responses; i++) {
+            const certificate_conditions conditions =
+                conditions_at(loop, responses[i], frequencies[k], interval);
+            if (!certificate_groups_decay(groups, loop->square, loop->damping, &conditions, EXACT))
+                return false;
+        }
+    return true;
+}
+
+/*
+ * Assess a loop with gains of modes, which never damps vibration, at the tick rate of the scene.
+ * Returns whether memory sufficed.
+ */
+static bool assess_gains(certificate *certificate, const gains *gains, const assessed_loop *loop)
+{
+    const pzs_modal_gains *tables = &gains->analysis->design.gains.tables;
+    const certificate_answers answers = {.modes = gains->modes,
+                                         .moving = gains->moving,
+                                         .amplifier = gains->amplifier,
+                                         .modal_response = gains->modal_response,
+                                         .answer = gains->answer};
+    certificate_groups groups;
+    const bool is_made = certificate_groups_make(&groups, tables, &answers);
+    if (is_made && certificate->rate > 0) {
+        const double interval = 1 / certificate->rate;
+        const certificate_conditions nominal = conditions_at(loop, 1, 1, interval);
+        certificate->radius =
+            certificate_groups_radius(&groups, loop->square, loop->damping, &nominal, EXACT);
+        certificate->stable_rate = are_stable(&groups, loop, interval) ? certificate->rate : 0;
+    }
+    certificate_groups_free(&groups);
+    return is_made;
+}
+
+static void assess_step(certificate *certificate, const gains *gains, const assessed_loop *loop)
+{
+    if (certificate->rate > 0) {
+        const certificate_conditions nominal = conditions_at(loop, 1, 1, 1 / certificate->rate);
+        certificate->radius = certificate_radius(gains->loop, loop->square, loop->modes,
+                                                 loop->damping, &nominal, EXACT);
+        certificate->gain = 2 * certificate->damping * sqrt(loop->square[0]) / certificate->rate;
+    }
+    certificate->stable_rate = (loop->lag > 0 ? 1 : lowest_frequency) * scan_rates(loop);
+}
+
+/*
+ * Return the largest number of vibration modes with which the loop has at most STATE_LIMIT states;
+ * 0 where a loop with gains of modes has more with a single one.
+ */
+static int most_modes(const certificate *certificate, const design *design)
+{
+    const int delay = design->simulate.delay;
+    const certificate_conditions conditions = {.delay = delay, .lag = certificate->bandwidth};
+    int modes = certificate->vibration.count - vibration_first(&certificate->vibration);
+    const int most = STATE_LIMIT / (delay + (certificate->bandwidth > 0 ? 5 : 3));
+    size_t moving = 0;
+    modes = modes < most ? modes : most;
+    for (int k = 0; k < design->amplifiers && design->gains.is_used; k++)
+        moving += !design_is_held(design, k);
+    while (design->gains.is_used && modes > 0 &&
+           certificate_groups_order(&design->gains.tables, (size_t)modes, moving, &conditions) >
+               STATE_LIMIT)
+        modes--;
+    return modes;
+}
+
+/*
+ * Return whether the loop can be assessed; otherwise certificate->reason says why not, or is empty
+ * where there is nothing to assess.
+ */
+static bool can_assess(certificate *certificate, const design *design)
+{
+    const int delay = design->simulate.delay;
+    int held = 0;
+    if (certificate->vibration.count <= vibration_first(&certificate->vibration) ||
+        design->problem.inputs == 0)
+        return false;
+    for (int k = 0; k < design->amplifiers; k++)
+        held += design_is_held(design, k);
+    const bool can = delay <= DELAY_LIMIT && held < design->amplifiers && certificate->modes > 0;
+    if (delay > DELAY_LIMIT)
+        snprintf(certificate->reason, sizeof certificate->reason,
+                 "delay of %d ticks: at most %d can be assessed", delay, DELAY_LIMIT);
+    else if (held == design->amplifiers)
+        snprintf(certificate->reason, sizeof certificate->reason,
+                 "every amplifier is held at one voltage, so that the loop moves nothing");
+    else if (!can)
+        snprintf(certificate->reason, sizeof certificate->reason,
+                 "too many different gains and leaks in control.modal_gains for the test of "
+                 "vibration; give several modes the same ones");
+    return can;
+}
+
 static void assess(certificate *certificate, const analysis *analysis)
 {
     const design *design = &analysis->design;
-    const int first = vibration_first(&certificate->vibration), delay = design->simulate.delay,
-              most = STATE_LIMIT / (delay + (certificate->bandwidth > 0 ? 5 : 3));
-    const double lag = certificate->bandwidth > 0 ? 1 / (two_pi * certificate->bandwidth) : 0;
-    const double *square = certificate->vibration.square + first;
-    certificate->modes = certificate->vibration.count - first;
-    certificate->modes = certificate->modes < most ? certificate->modes : most;
-    if (certificate->modes < 1 || analysis->design.problem.inputs == 0)
+    const int first = vibration_first(&certificate->vibration);
+    gains gains;
+    certificate->modes = most_modes(certificate, design);
+    if (!can_assess(certificate, design))
         return;
-    if (delay > DELAY_LIMIT) {
-        snprintf(certificate->reason, sizeof certificate->reason,
-                 "delay of %d ticks: at most %d can be assessed", delay, DELAY_LIMIT);
-        return;
-    }
-    int held = 0;
-    for (int k = 0; k < design->amplifiers; k++)
-        held += design_is_held(design, k);
-    if (held == design->amplifiers) {
-        snprintf(certificate->reason, sizeof certificate->reason,
-                 "every amplifier is held at one voltage, so that the loop moves nothing");
-        return;
-    }
-    double *loop = loop_gains(analysis, &certificate->vibration, certificate->modes,
-                              &certificate->assumes_measured);
-    if (!loop) {
+    const bool is_made = make_gains(&gains, analysis, &certificate->vibration, certificate->modes);
+    double *damping = is_made ? loop_damping(certificate, design) : NULL;
+    certificate->assumes_measured = gains.assumes_measured;
+    const assessed_loop assessed = {
+        .matrix = gains.loop,
+        .square = certificate->vibration.square + first,
+        .damping = damping,
+        .modes = certificate->modes,
+        .delay = design->simulate.delay,
+        .lag = certificate->bandwidth > 0 ? 1 / (two_pi * certificate->bandwidth) : 0};
+    if (!is_made) {
         snprintf(certificate->reason, sizeof certificate->reason,
                  "the optimisation of the voltages is singular; add a regularisation, "
                  "limits.regularisation");
-        return;
-    }
-    double *damping = loop_damping(certificate, design);
-    if (!damping) {
+    } else if (!damping) {
         snprintf(certificate->reason, sizeof certificate->reason, "out of memory");
-        free(loop);
-        return;
+    } else {
+        certificate->damping = damping[0];
+        certificate->has_gains = design->gains.is_used;
+        certificate->is_assessed =
+            !certificate->has_gains || assess_gains(certificate, &gains, &assessed);
+        if (!certificate->has_gains)
+            assess_step(certificate, &gains, &assessed);
     }
-    const assessed_loop assessed = {loop, square, damping, certificate->modes, delay, lag};
-    certificate->is_assessed = true;
-    certificate->damping = damping[0];
-    if (certificate->rate > 0) {
-        const certificate_conditions nominal =
-            conditions_at(&assessed, 1, 1, 1 / certificate->rate);
-        certificate->radius =
-            certificate_radius(loop, square, certificate->modes, damping, &nominal, EXACT);
-        certificate->gain = 2 * certificate->damping * sqrt(square[0]) / certificate->rate;
-    }
-    certificate->stable_rate = (lag > 0 ? 1 : lowest_frequency) * scan_rates(&assessed);
     free(damping);
-    free(loop);
+    free_gains(&gains);
 }
 
 void certificate_make(certificate *certificate, const analysis *analysis)

@@ -469,8 +469,8 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
 int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error)
 {
     memset(damper, 0, sizeof *damper);
-    if (analysis->quasi_static || !certificate_refuses(&analysis->certificate) ||
-        !is_possible(damper, analysis, estimator))
+    if (analysis->quasi_static || analysis->design.gains.is_used ||
+        !certificate_refuses(&analysis->certificate) || !is_possible(damper, analysis, estimator))
         return 0;
     const damper_options options = damper_options_of(analysis);
     return damper_make(damper, analysis, estimator, &options, error);

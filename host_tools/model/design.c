@@ -653,6 +653,7 @@ void design_free(design *design)
     free(design->step_limit);
     free(design->reference_voltage);
     free(design->park);
+    free(design->gains.memory);
     free(design->rows.start);
     free(design->rows.input);
     free(design->rows.value);

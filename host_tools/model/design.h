@@ -11,6 +11,7 @@
 #include "../mesh/mesh.h"
 #include "../scene/outline_pieces.h"
 #include "bare_faces.h"
+#include "pzs_loop.h"
 
 /*
  * Largest number of free functions of a target. A free function is a shape, such as a tilt, that
@@ -64,6 +65,18 @@ typedef struct design_dropped {
                      error: its displacement changes most if small entries of the matrix become zero
                    */
 } design_dropped;
+
+/*
+ * Modes with their gains and leaks. They are orthonormal in the Hessian of the voltage optimisation
+ * problem (least squares for the voltages) of the amplifiers that are not held at one voltage.
+ */
+typedef struct modal_gains {
+    bool is_used;
+    pzs_modal_gains tables;
+    double *memory; /* arrays of the tables, and the next member */
+    double *left;   /* [modes] part of each function of the scene that no voltages can make: norm of
+                       the misfit over the norm of the function; 0 for singular vectors */
+} modal_gains;
 
 /*
  * Numerical model of a scene. The members after `problem` are what later stages (analysis, control,
@@ -127,8 +140,9 @@ typedef struct design {
     pzs_problem problem;
     pzs_actuator_curves curves; /* tables of the curves of actuators that are not linear, filled by
                                    design_control; all zero if the scene has none */
-    design_rows rows; /* limit rows of the voltage optimisation problem (limits of weighted sums of
-                         voltages); empty if the scene has none */
+    modal_gains gains; /* gains and leaks of modes in the control loop, filled by design_control */
+    design_rows rows;  /* limit rows of the voltage optimisation problem (limits of weighted sums of
+                          voltages); empty if the scene has none */
 
     const char *name, *about, *path; /* name, purpose (may be NULL) and file of the scene */
     scene_at at, at_layers; /* positions in the scene file for error messages about the structure

@@ -5,6 +5,7 @@
  */
 #include "curves.h"
 #include "design_rows.h"
+#include "modal_gains.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -376,5 +377,5 @@ int design_control(design *design, const double *influence, char *error)
     if (design_rows_build(design, error) < 0 || build_park(design, error) < 0)
         return -1;
     problem->crc = pzs_problem_crc(problem);
-    return 0;
+    return modal_gains_make(design, error);
 }

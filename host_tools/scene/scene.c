@@ -91,6 +91,15 @@ static void free_target(scene_target *target)
     free(target->free);
 }
 
+static void free_modal_gains(scene_modal_gains *gains)
+{
+    for (int i = 0; i < gains->functions; i++)
+        expr_free(gains->function[i].value);
+    free(gains->function);
+    free(gains->gain);
+    free(gains->leak);
+}
+
 static void free_geometry(scene *scene)
 {
     spline_free(scene->surface.meridian);
@@ -118,6 +127,7 @@ void scene_free(scene *scene)
     free_actuators(scene);
     free_mechanics(scene);
     free_target(&scene->target);
+    free_modal_gains(&scene->control.modal_gains);
     free_geometry(scene);
     free_simulate(&scene->simulate);
     free_origin(scene->origin);

@@ -996,6 +996,22 @@ typedef struct scene_dynamics {
                              laminate (units of the scene file) */
 } scene_dynamics;
 
+/*
+ * Gains and leaks of modes (shapes of the structure) in the control loop: section
+ * control.modal_gains.
+ */
+typedef struct scene_modal_gains {
+    bool given;
+    int modes;            /* number of modes; 0: the gain and the leak are those of all shapes */
+    int functions;        /* number of modes that the scene gives as functions, all or none of them;
+                             none: they are the singular vectors of the influence matrix with the
+                             largest singular values */
+    scene_mode *function; /* [functions] modes as functions at the target nodes */
+    double *gain, *leak;  /* [modes] gain and leak of each mode; NULL without modes */
+    double other_gain, other_leak; /* gain and leak of all that is not in the modes */
+    scene_at at;
+} scene_modal_gains;
+
 /* Settings of the control loop that runs on the embedded device. */
 typedef struct scene_control {
     double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
@@ -1008,6 +1024,7 @@ typedef struct scene_control {
                            stated: with 1 the loop has to stay stable with older readings, even if
                            it then compensates loads more slowly */
     scene_at margin_at; /* position of delay_margin in the scene file, for error messages */
+    scene_modal_gains modal_gains;
 } scene_control;
 
 /* Settings of the supervisor, which brings the amplifiers to safe voltages when control is lost. */

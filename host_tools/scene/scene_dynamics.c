@@ -117,6 +117,9 @@ static const field control_fields[] = {
      .help = "Number of ticks, 0 or 1, by which readings may be older than stated. With 1 the tick "
              "that damps vibration gets settings that stay stable then, or the loop is refused; it "
              "may compensate loads more slowly. Default 0."},
+    {"modal_gains", read_modal_gains, .of = OF_NUMBER, .form = &modal_gains_form,
+     .help = "Gains and leaks of shapes, as in adaptive optics, in the place of ticks that go all "
+             "the way to the optimum; a loop with them does not damp vibration."},
     {.key = NULL}};
 
 const form control_form = {.type = FORM_MAP, .fields = control_fields};

@@ -582,8 +582,12 @@ static int check_function(const scene *scene, const expr *function, scene_at at,
 int scene_check_influence(const scene *scene, char *error)
 {
     const scene_target *target = &scene->target;
+    const scene_modal_gains *gains = &scene->control.modal_gains;
     if (!target->given)
         return 0;
+    for (int k = 0; k < gains->functions; k++)
+        if (check_function(scene, gains->function[k].value, gains->function[k].at, error) != 0)
+            return -1;
     if (check_function(scene, target->value, target->what.at, error) != 0)
         return -1;
     for (int k = 0; k < target->modes; k++)

@@ -202,6 +202,19 @@ field_read read_estimate;
  */
 field_read read_dynamics, read_control;
 
+/*
+ * Reader of the gains and leaks of modes in the section of the control loop, into the scene of the
+ * reader (scene_modal_gains.c).
+ */
+field_read read_modal_gains;
+extern const form modal_gains_form;
+
+/*
+ * Read a function at the target nodes, or a word for one (piston, tip, tilt), into the scene_mode
+ * at `item` (scene_task.c).
+ */
+item_read read_shape_function;
+
 /* Reader of the section for the supervisor of the control loop (scene_safety.c). */
 field_read read_safety;
 

@@ -912,11 +912,7 @@ static int read_modes(reader *reader, int node, void *to, const void *rule)
     return read_items(reader, node, target->mode, sizeof *target->mode, read_mode, NULL);
 }
 
-/*
- * Read one of the functions on the surface whose best fit is removed from the misfit to the target:
- * a word for a common function, or a formula.
- */
-static int read_free_item(reader *reader, int node, void *item)
+int read_shape_function(reader *reader, int node, void *item)
 {
     scene_mode *to = item;
     static const char *const word[3][2] = {{"piston", "1"}, {"tip", "x"}, {"tilt", "y"}};
@@ -949,7 +945,7 @@ static int read_free(reader *reader, int node, void *to, const void *rule)
     if (count > SCENE_FREE)
         return tree_fault(reader->t, node, "%d free functions; at most %d are read", count,
                           SCENE_FREE);
-    return read_items(reader, node, target->free, sizeof *target->free, read_free_item,
+    return read_items(reader, node, target->free, sizeof *target->free, read_shape_function,
                       &target->frees);
 }
 

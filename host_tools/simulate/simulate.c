@@ -12,6 +12,7 @@
 #include "../../lib/control/control.h"
 #include "../model/certificate_make.h"
 #include "../model/clipped.h"
+#include "../model/modal_gains.h"
 #include "certify.h"
 #include "../../lib/core/guard.h"
 #include "../tables/loop_blocks.h"
@@ -149,6 +150,7 @@ int simulate_tables(analysis *nominal, char *error)
     design->problem.hessian = NULL;
     design->problem.crc = pzs_problem_crc(&design->problem);
     voltages_free(&best);
+    failed = failed || modal_gains_make(design, error) < 0;
     return failed ? -1 : 0;
 }
 

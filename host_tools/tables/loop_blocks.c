@@ -66,6 +66,11 @@ static bool has_feed_forward(const loop_blocks *blocks)
     return loop_feeds(blocks->design);
 }
 
+static bool has_modal_gains(const loop_blocks *blocks)
+{
+    return blocks->design->gains.is_used && !blocks->damper->is_used;
+}
+
 /*
  * Return whether the scene needs the block (stage of the control tick) that estimates the shape
  * from sensor readings. The block that damps vibration estimates the shape itself and replaces that
@@ -168,6 +173,11 @@ static const void *governor_tables(loop_blocks *blocks)
     blocks->governor.share = blocks->damper->tables.share;
     blocks->governor.part = governor_part;
     return &blocks->governor;
+}
+
+static const void *modal_gains_tables(loop_blocks *blocks)
+{
+    return &blocks->design->gains.tables;
 }
 
 static uint64_t work_limit(const loop_blocks *blocks);
@@ -385,6 +395,35 @@ static void write_governor(emitter *emitter, const loop_blocks *blocks)
             emitter->prefix, blocks->governor.share, blocks->governor.part);
 }
 
+static void write_modal_gains(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_modal_gains *tables = &blocks->design->gains.tables;
+    const size_t modes = tables->modes, entries = modes * tables->inputs;
+    const uint16_t counts[2] = {tables->inputs, tables->modes};
+    const double others[2] = {tables->other_gain, tables->other_leak};
+    static const char *const name[] = {"mode_pattern", "mode_effect", "mode_gain", "mode_leak"};
+    emit_comment(emitter, "number of modes with gains and leaks of their own");
+    fprintf(emitter->file, "#define %s_GAIN_MODES %u\n", emitter->upper, tables->modes);
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    if (modes > 0) {
+        emit_reals(emitter, name[0], tables->pattern, entries,
+                   "voltages (columns) of each mode (row), for a weighted norm of 1 of its shape");
+        emit_reals(emitter, name[1], tables->effect, entries,
+                   "Hessian of the optimisation times the voltages of each mode (row)");
+        emit_reals(emitter, name[2], tables->gain, modes, "gain of each mode");
+        emit_reals(emitter, name[3], tables->leak, modes, "leak of each mode");
+    }
+    emitter->crc32 = emit_crc_reals(emitter->crc32, others, 2);
+    emit_begin(emitter, "modal_gains", "modal_gains", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u,\n   ", counts[0], counts[1]);
+    for (size_t i = 0; i < sizeof name / sizeof *name; i++)
+        if (modes > 0)
+            fprintf(emitter->file, " %s_%s,", emitter->prefix, name[i]);
+        else
+            fputs(" NULL,", emitter->file);
+    fprintf(emitter->file, " PZS_R(%.17g), PZS_R(%.17g)\n};\n", others[0], others[1]);
+}
+
 static void write_amplifier(emitter *emitter, const loop_blocks *blocks)
 {
     emit_comment(emitter, "voltage step of the converters, and dead band of the amplifiers (V)");
@@ -585,6 +624,7 @@ BLOCK_BYTES(selftest, PZS_SELFTEST_BLOCK_BYTES(of->inputs, of->readings))
 BLOCK_BYTES(reading_delay, PZS_READING_DELAY_BLOCK_BYTES(of->inputs, of->readings, of->delay))
 BLOCK_BYTES(feed_forward, PZS_FEED_FORWARD_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(governor, PZS_GOVERNOR_BLOCK_BYTES(of->inputs, of->outputs))
+BLOCK_BYTES(modal_gains, PZS_MODAL_GAINS_BLOCK_BYTES(of->inputs, of->gain_modes))
 BLOCK_BYTES(estimator, PZS_ESTIMATOR_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(vibration, PZS_VIBRATION_BLOCK_BYTES(of->modes, of->inputs, of->outputs, of->readings,
                                                  of->damper_delay))
@@ -636,6 +676,8 @@ static const struct {
      "known_loads", feed_forward_bytes, feed_forward_macro, loop_work_feed_forward},
     {&pzs_governor_block, has_governor, governor_tables, write_governor, "governor", "governor",
      governor_bytes, governor_macro, loop_work_governor},
+    {&pzs_modal_gains_block, has_modal_gains, modal_gains_tables, write_modal_gains, "modal_gains",
+     "modal_gains", modal_gains_bytes, modal_gains_macro, loop_work_modal_gains},
     {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
      estimator_bytes, estimator_macro, loop_work_estimator},
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
@@ -756,6 +798,9 @@ static block_counts count(const loop_blocks *blocks)
         .creeps = blocks->compensation.tables.creeps,
         .loads = loop_feeds(blocks->design) ? blocks->estimator->shape_table.inputs : 0,
         .entries = entries,
+        .has_gains = has_modal_gains(blocks),
+        .gain_modes = blocks->design->gains.tables.modes,
+        .has_other_leak = blocks->design->gains.tables.other_leak > 0,
         .blocks = count_blocks(blocks),
         .delay = (size_t)blocks->design->simulate.delay,
         .damper_delay = blocks->damper->tables.delay,

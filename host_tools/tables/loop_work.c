@@ -123,6 +123,16 @@ double loop_work_governor(const block_counts *of, const loop_processor *on)
     return 3 * influence_product(of, on) + loops(of, on, 75, 300, 2500) + optimisation(of, on);
 }
 
+/*
+ * Upper bound of the instructions of the block with gains and leaks of modes, which only tells the
+ * control step to use them.
+ */
+double loop_work_modal_gains(const block_counts *of, const loop_processor *on)
+{
+    (void)of;
+    return on->other * 120;
+}
+
 double loop_work_vibration(const block_counts *of, const loop_processor *on)
 {
     const size_t modes = of->modes, sensors = of->readings;
@@ -164,12 +174,25 @@ double loop_work_curve_inverse(const block_counts *of, const loop_processor *on)
 }
 
 /*
+ * Number of instructions with which the control step uses gains and leaks of modes: three products
+ * with the modes, and one with the Hessian where everything leaks.
+ */
+static double gains_work(const block_counts *of, const loop_processor *on)
+{
+    const size_t modes = of->gain_modes, inputs = of->inputs;
+    const double products = 3 * product(on, modes, inputs) + on->other * 40 * (double)modes;
+    const double hessian = of->has_other_leak ? product(on, inputs, inputs) : 0;
+    return of->has_gains ? products + hessian + loops(of, on, 0, 100, 500) : 0;
+}
+
+/*
  * Upper bound of the instructions of the control step. A step without vibration damping also checks
  * the measurements.
  */
 double loop_work_step(const block_counts *of, const loop_processor *on)
 {
-    const double common = influence_product(of, on) + prediction(of, on) + optimisation(of, on);
+    const double common =
+        influence_product(of, on) + prediction(of, on) + optimisation(of, on) + gains_work(of, on);
     if (of->is_damped)
         return common + loops(of, on, 29, 0, 0);
     return common + loops(of, on, 85, 0, 0) + second_prediction(of, on);

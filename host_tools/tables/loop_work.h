@@ -28,7 +28,10 @@ typedef struct block_counts {
     size_t row_entries; /* number of coefficients in all limits of sums of voltages */
     size_t entries; /* number of entries of the influence matrix in the tables, if it is stored as
                    sparse rows; 0: it is stored as a full matrix */
-    size_t blocks;  /* number of blocks (stages) of a control tick */
+    bool has_gains; /* whether the loop has gains and leaks of modes */
+    size_t gain_modes;          /* number of modes with gains and leaks of their own */
+    bool has_other_leak;        /* whether what is not in these modes has a leak */
+    size_t blocks;              /* number of blocks (stages) of a control tick */
     size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
                                    (ticks); damper_delay: age that the stage of the tick that damps
                                    vibration assumes (ticks) */
@@ -81,8 +84,9 @@ extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
  */
 typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
 loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,
-    loop_work_governor, loop_work_estimator, loop_work_vibration, loop_work_effect, loop_work_step,
-    loop_work_row_step, loop_work_inverse, loop_work_curve, loop_work_curve_inverse,
-    loop_work_amplifier, loop_work_detector, loop_work_pulse_detector, loop_work_supervisor;
+    loop_work_governor, loop_work_modal_gains, loop_work_estimator, loop_work_vibration,
+    loop_work_effect, loop_work_step, loop_work_row_step, loop_work_inverse, loop_work_curve,
+    loop_work_curve_inverse, loop_work_amplifier, loop_work_detector, loop_work_pulse_detector,
+    loop_work_supervisor;
 
 #endif

@@ -364,6 +364,8 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
     if (!number_is_finite(optimiser->target_energy + missed))
         return finish(control, PZS_E_NONFINITE,
                       pzs_guard_nonfinite(wanted, control->state.problem->outputs));
+    if (control->state.filter != NULL)
+        missed = control->state.filter->filter_step(control, control->state.filter, missed);
     if (damping != NULL)
         missed = damp_target(optimiser, control, damping, missed);
     if (damping != NULL && control->state.is_paused)
@@ -383,6 +385,8 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
     if (damping != NULL) {
         optimiser->target_rounding += DAMPED_TOLERANCE * largest_free_gradient(optimiser);
         optimise_within(optimiser, control);
+    } else if (control->state.filter != NULL) {
+        optimise_within(optimiser, control);
     } else {
         optimise(optimiser, control, wanted, shown);
     }
@@ -397,6 +401,7 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error)
     pzs_optimiser *optimiser = &control->state.optimiser;
     if (control->state.behind == PZS_BEHIND_GRADIENT)
         rebase(optimiser, control);
+    pzs_control_filter(control, NULL);
     return step(optimiser, control, error, control->state.predicted, NULL);
 }
 
@@ -430,6 +435,11 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
     control->state.carry = carry;
     control->state.share = share;
     control->state.damping = damping;
+}
+
+void pzs_control_filter(pzs_control *control, pzs_step_filter *filter)
+{
+    control->state.filter = filter;
 }
 
 /* Keep the voltages of the last tick, clamped to the present voltage limits. */

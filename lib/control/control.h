@@ -73,6 +73,12 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
                       pzs_real *carry);
 
 /*
+ * Let a block change the gradient of the objective in the next pzs_tick, after the gradient was
+ * computed and before the optimisation; NULL: none. The Hessian does not change.
+ */
+void pzs_control_filter(pzs_control *control, pzs_step_filter *filter);
+
+/*
  * Record the voltage at which pzs_hold keeps an input (V), or NaN if it keeps none. The voltage
  * must be recorded with every change of the present voltage limits (state.lower, state.upper) that
  * is to last longer than one tick of a loop, because each tick derives these limits again.

@@ -225,10 +225,11 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
     /*
-     * The damping of vibration is switched off at the start of each tick. The vibration damper, if
-     * the loop has one, switches it on again later in the tick.
+     * The damping of vibration, and gains of modes, are switched off at the start of each tick. The
+     * blocks for them, if the loop has such, switch them on again later in the tick.
      */
     pzs_control_damp(control, 1, NULL, NULL);
+    pzs_control_filter(control, NULL);
     guard_repair_bool(&optimiser->is_verified);
     guard_repair_bool(&optimiser->is_rebuilding);
     guard_repair_bool(&optimiser->is_predicted);

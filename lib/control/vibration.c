@@ -641,6 +641,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
                                               workspace_of(vibration));
     signals->where = damper->info.where;
     signals->sensors = vibration->sensors;
+    signals->has_damper = true;
     return status;
 }
 

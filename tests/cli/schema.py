@@ -38,7 +38,8 @@ BEYOND_SCHEMA = [
     "or a mesh file: mesh", "has no piezoelectric constants", "has no permittivity", "d31 or e31", "no contact in this scene", "needs readings",
     "moves nothing; give", "but the outputs have none",
     "is not bare; add", "need a direction; add", "some modes have a response", "in the order of their frequencies", "weights for .* amplifiers",
-    "its axis belong together",
+    "its axis belong together", "a list needs modes", "of mode [0-9]+ must be", "plus leak .* is", "values for [0-9]+ modes",
+    "are those of what is not in the modes",
     # meshes from files
     "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is no unit of length", "brings its own surface",
     "of the rim is more than", "may be at most .* of that", "goes around the cylinder", "a panel of .* nodes", "too long for the curvature", "lies outside the rim", "list circles from", "needs a target", "needs kinematics", "no finite position", "the coordinate lines meet", "acts along or across its edge",

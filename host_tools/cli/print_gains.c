@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Gains and leaks of modes in the control loop, on standard output (print_gains.h). */
+#include "print_gains.h"
+#include <math.h>
+#include <stdio.h>
+#include "../model/modal_gains.h"
+
+/* Smallest and largest number of a list. */
+typedef struct extent {
+    double least, most;
+} extent;
+
+static extent extent_of(const double *value, int count)
+{
+    extent of = {value[0], value[0]};
+    for (int k = 1; k < count; k++) {
+        of.least = fmin(of.least, value[k]);
+        of.most = fmax(of.most, value[k]);
+    }
+    return of;
+}
+
+static bool stays(double gain, double leak)
+{
+    return !(gain > 0) && !(leak > 0);
+}
+
+/*
+ * Root mean square of the coordinate of a mode over that of white noise of the measured shape in
+ * the mode.
+ */
+static double noise_of(double gain, double leak)
+{
+    const double sum = gain + leak;
+    return sum > 0 ? gain / sqrt(sum * (2 - sum)) : 0;
+}
+
+/* Results for all modes and for the rest. */
+typedef struct gains_facts {
+    double growth; /* largest part of an error that a tick leaves, over all that do not stay */
+    double noise;  /* largest part of the noise in a mode that the loop passes on */
+    int staying;   /* number of modes of gain 0 and leak 0 */
+} gains_facts;
+
+static void add_fact(gains_facts *facts, double gain, double leak, int delay)
+{
+    if (stays(gain, leak))
+        return;
+    facts->growth = fmax(facts->growth, modal_gains_growth(gain, leak, delay));
+    facts->noise = fmax(facts->noise, noise_of(gain, leak));
+}
+
+static gains_facts find_facts(const design *design)
+{
+    const pzs_modal_gains *tables = &design->gains.tables;
+    const int delay = design->simulate.delay;
+    gains_facts facts = {0, 0, 0};
+    for (int k = 0; k < tables->modes; k++) {
+        add_fact(&facts, tables->gain[k], tables->leak[k], delay);
+        facts.staying += stays(tables->gain[k], tables->leak[k]);
+    }
+    if (tables->modes < design->amplifiers)
+        add_fact(&facts, tables->other_gain, tables->other_leak, delay);
+    return facts;
+}
+
+static void print_extent(const char *name, const double *value, int count)
+{
+    const extent of = extent_of(value, count);
+    if (of.least < of.most)
+        printf("%s %.4g to %.4g", name, of.least, of.most);
+    else
+        printf("%s %.4g", name, of.least);
+}
+
+/* Print each function of the scene with its gain, its leak and what cannot be made of it. */
+static void print_functions(const design *design)
+{
+    const scene_modal_gains *from = &design->control.modal_gains;
+    const modal_gains *gains = &design->gains;
+    if (from->functions == 0)
+        return;
+    puts("    mode  gain    leak    not made  function");
+    for (int k = 0; k < from->functions; k++)
+        printf("    %4d  %-6.4g  %-6.4g  %7.3g%%  %s\n", k + 1, gains->tables.gain[k],
+               gains->tables.leak[k], 100 * gains->left[k], from->function[k].name);
+}
+
+void print_gains(const design *design)
+{
+    const pzs_modal_gains *tables = &design->gains.tables;
+    if (!design->gains.is_used)
+        return;
+    const gains_facts facts = find_facts(design);
+    fputs("\n  gains of modes: ", stdout);
+    if (tables->modes > 0) {
+        printf("%d %s, ", tables->modes,
+               design->control.modal_gains.functions > 0
+                   ? "functions"
+                   : "singular vectors of the influence matrix");
+        print_extent("gain", tables->gain, tables->modes);
+        print_extent(", leak", tables->leak, tables->modes);
+        printf("; the rest: gain %.4g, leak %.4g\n", tables->other_gain, tables->other_leak);
+    } else {
+        printf("gain %.4g, leak %.4g of everything\n", tables->other_gain, tables->other_leak);
+    }
+    printf(
+        "  a tick leaves at most %.4g of an error, where the response to voltages is 0.8 to 1.33 "
+        "of the model's;\n  noise of the readings comes back as at most %.4g of it in a mode\n",
+        facts.growth, facts.noise);
+    if (facts.staying > 0)
+        printf("  %d mode%s of gain 0 and leak 0: nothing brings it back where limits have moved "
+               "it; a small leak does\n",
+               facts.staying, facts.staying == 1 ? "" : "s");
+    print_functions(design);
+}
+
+void print_gains_json(json *json, const design *design)
+{
+    const pzs_modal_gains *tables = &design->gains.tables;
+    if (!design->gains.is_used)
+        return;
+    const gains_facts facts = find_facts(design);
+    json_open(json, "modal_gains", '{');
+    json_number(json, "modes", tables->modes);
+    json_numbers(json, "gain", tables->gain, tables->modes);
+    json_numbers(json, "leak", tables->leak, tables->modes);
+    json_number(json, "other_gain", tables->other_gain);
+    json_number(json, "other_leak", tables->other_leak);
+    json_number(json, "growth", facts.growth);
+    json_number(json, "noise", facts.noise);
+    if (design->control.modal_gains.functions > 0)
+        json_numbers(json, "not_made", design->gains.left, tables->modes);
+    json_close(json, '}');
+}

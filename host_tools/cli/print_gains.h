@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Gains and leaks of modes in the control loop, on standard output. */
+#ifndef PRINT_GAINS_H
+#define PRINT_GAINS_H
+
+#include "../model/design.h"
+#include "../text/json.h"
+
+/*
+ * Print the gains and leaks of the modes of a scene, how fast errors decay with them, how much
+ * noise they pass on, and what the actuators cannot make of the functions of the scene. Nothing
+ * where the scene has no gains of modes.
+ */
+void print_gains(const design *design);
+
+/* Write the same as the member "modal_gains" of a JSON object. */
+void print_gains_json(json *json, const design *design);
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Spectral radius of a control loop with gains and leaks of modes (pzs_modal_gains) on a structure
+ * with mass. The structure, its readings and its amplifiers are those of certificate.h; the
+ * controller changes its voltages v in the part of each gain g and leak l to
+ *   (1 - g - l) v - g F (q - r)
+ *   F  voltages that the step without gains subtracts for measured modal coordinates
+ *   q, r  modal coordinates measured `delay` ticks before, and those that the model expects for the
+ *         voltages of that tick
+ */
+#ifndef CERTIFICATE_GAINS_H
+#define CERTIFICATE_GAINS_H
+
+#include "certificate.h"
+#include "modal_gains.h"
+
+/*
+ * What the voltages of one gain and leak do. Their coordinates are those of the modes (shapes with
+ * gains of their own), or, where that is fewer, the static coordinates of the vibration modes under
+ * these voltages.
+ */
+typedef struct certificate_group {
+    double gain, leak;
+    size_t size;    /* number of coordinates */
+    double *shape;  /* [vibration modes][size] static coordinate of each vibration mode per unit of
+                       each coordinate */
+    double *answer; /* [size][vibration modes] coordinates of the voltages that a step without gains
+                       subtracts for a measured unit of each vibration mode */
+} certificate_group;
+
+typedef struct certificate_groups {
+    size_t modes; /* number of vibration modes */
+    size_t count;
+    certificate_group *group; /* [count] without that of gain 0 and leak 0, whose voltages stay */
+} certificate_groups;
+
+/* Model of the loop without gains, for its amplifiers that are not held at one voltage. */
+typedef struct certificate_answers {
+    size_t modes, moving;         /* number of vibration modes, and of these amplifiers */
+    const size_t *amplifier;      /* [moving] their indices */
+    const double *modal_response; /* [modes][moving] static coordinate of each vibration mode per
+                                     volt */
+    const double *answer; /* [modes][moving] voltages that a step without gains subtracts for a
+                             measured unit of each vibration mode */
+} certificate_answers;
+
+/*
+ * Divide the voltages of the loop into groups of equal gain and leak. Returns whether memory
+ * sufficed; certificate_groups_free releases the groups in either case.
+ */
+bool certificate_groups_make(certificate_groups *groups, const pzs_modal_gains *gains,
+                             const certificate_answers *answers);
+void certificate_groups_free(certificate_groups *groups);
+
+/* Return the number of states of the loop: the order of its transition matrix. */
+size_t certificate_groups_order(const pzs_modal_gains *gains, size_t modes, size_t moving,
+                                const certificate_conditions *conditions);
+
+/*
+ * Return the spectral radius of the loop, NAN where memory runs out, and whether it is below 1; the
+ * arguments are those of certificate_radius.
+ */
+double certificate_groups_radius(const certificate_groups *groups, const double *square,
+                                 const double *damping, const certificate_conditions *conditions,
+                                 int squarings);
+bool certificate_groups_decay(const certificate_groups *groups, const double *square,
+                              const double *damping, const certificate_conditions *conditions,
+                              int squarings);
+
+#endif
