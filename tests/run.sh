@@ -79,6 +79,7 @@ part install 'sh tests/cli/install.sh'
 part measured 'sh tests/bench/measured.sh --check'
 part scipy 'sh tests/oracle/boxls.sh'
 part scipy-curves "/usr/bin/python3 tests/oracle/curves.py $B/pzs"
+part integrators 'sh tests/oracle/modal_gains.sh'
 part gmsh 'sh tests/cli/gmsh.sh'
 part target-start 'sh tests/target/start.sh'
 part target-bound 'sh tests/target/bound.sh'

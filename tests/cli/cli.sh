@@ -148,6 +148,17 @@ cp "$dir/measured-matrix.csv" "$dir/twin.csv"
 run 2 check "$dir/measured.yaml" --set 'simulate.plant={curve_error: 0.1}' && says 'add influence.curve' &&
     run 2 calibrate "$dir/measured.yaml" --set "$curve" --set "$unipolar" --voltages "$dir/measured-matrix.csv" --shapes "$dir/twin.csv" && says 'influence.curve'
 check 'an error of a curve needs a curve, and calibrate has none' $?
+gains='control.modal_gains={modes: 4, gain: [0.6, 0.4, 0.3, 0.2], leak: 0.002, other_gain: 0.1}'
+run 0 check "$dir/measured.yaml" --set "$gains" && grep -qF 'gains of modes: 4 singular vectors of the influence matrix, gain 0.2 to 0.6, leak 0.002; the rest: gain 0.1, leak 0' "$dir/out" &&
+    run 0 check "$dir/measured.yaml" --set "$gains" --json && json "j['modal_gains']['gain']==[.6,.4,.3,.2] and abs(j['modal_gains']['growth']-.92)<1e-6 and abs(j['modal_gains']['noise']-.6/(.602*1.398)**.5)<1e-9" &&
+    run 2 check "$dir/measured.yaml" --set 'control.modal_gains={modes: 8}' && says '8 modes, but 7 amplifiers can move' &&
+    run 3 tables "$dir/measured.yaml" --set 'control.modal_gains={gain: 1.6}' -o "$dir/gains.h" && says 'write a gain of at most 1.5' && [ ! -e "$dir/gains.h" ] &&
+    run 0 simulate "$dir/measured.yaml" --set "$gains" --set simulate.ticks=300 --set 'simulate.sensors.delay=1' --json && json "j['phases'][1]['controller']['steady'] < 1.05 * j['phases'][1]['optimum']"
+check 'gains of modes: check, simulate, refusals' $?
+for device in host-32 host-64; do run 0 simulate "$dir/measured.yaml" --set "$gains" --device $device; check "gains of modes: $device" $?; done
+run 3 check plate-50-patches --set 'control={rate: 1000, modal_gains: {gain: 0.3}}' && says 'lower the gains, or remove control.modal_gains so that the tick damps vibration' &&
+    run 0 check plate-50-patches --set 'control={rate: 1000, modal_gains: {gain: 0.0002}}' && grep -qF 'and does not damp' "$dir/out"
+check 'gains of modes with vibration: the loop is assessed with them' $?
 run 2 solve "$dir/measured.yaml" && says 'needs a structure'; check 'solve of a measured matrix is refused by name' $?
 run 2 modes "$dir/measured.yaml" && says 'need a structure'; check 'modes of a measured matrix are refused by name' $?
 for image in linear nonlinear; do
