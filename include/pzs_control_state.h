@@ -204,9 +204,10 @@ typedef struct pzs_optimiser {
                                  without voltages */
     /*
      * violation of the optimality (KKT) conditions (m2/V), to be compared with `rounding_bound`:
-     * the largest violation by an input. If the tableau (pivoted Hessian) has predicted the
-     * gradient, it is the sum of the absolute prediction errors of the two gradient entries that
-     * the tick also computes from the Hessian
+     * the largest violation by an input. A gradient that the tableau (pivoted Hessian) has
+     * predicted shows no violation; in its place stands the error of that prediction: the tick
+     * computes two entries of the gradient from the Hessian as well, and adds their absolute
+     * differences
      */
     pzs_real kkt_violation;
     pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)

@@ -24,8 +24,8 @@ typedef struct face_strains {
 } face_strains;
 
 /*
- * Find the extreme principal strains of both faces of a shell. Rigid motions cause no strain;
- * linear strains only to first order.
+ * Find the extreme principal strains of both faces of a shell. Rigid motions cause no
+ * Green's strain, and no linear strain to first order in the angle of rotation.
  *   displacement [free_dof] in   displacement vector of the structure
  *   is_linear               in   true: linear strains; false: Green's strains
  *   found                   out  the extreme strains

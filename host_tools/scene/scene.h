@@ -866,8 +866,9 @@ typedef struct scene_simulate {
                        multiplied in the plant; the controller does not know it */
     double scatter; /* standard deviation of the relative error of each entry of a measured
                        influence matrix */
-    double curve_error; /* largest deviation of the actuators' curves in the plant from those of the
-                           scene, in the middle of the range of effects, as a fraction of it */
+    double curve_error; /* by how much the curves of the actuators bulge in the plant: deviation of
+                           the displacement from the curve of the scene, zero at both ends and
+                           largest in the middle, as a fraction of the whole displacement */
     double hysteresis;  /* width of the hysteresis loop of an actuator over a full voltage cycle, as
                            a fraction of the voltage range */
     scene_sight sight;

@@ -112,8 +112,8 @@ bool imperfections_vary(const imperfection_tables *tables);
  *   output [amplifiers] in   commanded output voltages of the amplifiers (V)
  *   interval            in   length of the interval (s)
  *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval (V); for length
- *                            0 the present ones. Where the actuators have curves, the effects of
- *                            these voltages
+ *                            0 the present ones. For actuators whose displacement is a curve over
+ *                            the voltage: the value of that curve at these voltages
  */
 void imperfections_actuate(const imperfections *imperfections, const double *output,
                            double interval, double *effect);

@@ -9,9 +9,10 @@
 #include "storm_state.h"
 
 /*
- * Return the amplitude of small vibrations of a control loop: root of the sum of two squared norms,
- * weighted with the target weights. They are of the vibration displacements, and of the static
- * displacements by the last change of the voltages, which can oscillate, too.
+ * Return the amplitude of small oscillations of a control loop: the root of the sum of the squares
+ * of two norms, each weighted with the target weights. One is the norm of the vibration
+ * displacements. The other is the norm of the static displacements that the last change of the
+ * voltages causes; it is there because the voltages can oscillate without vibration.
  */
 static double amplitude(storm *storm)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Matrices of a simulation that multiply another vector in every tick (tick_matrix.h). */
+/* Products of a matrix that stays the same with a new vector in every tick (tick_matrix.h). */
 #include "tick_matrix.h"
 #include <stdlib.h>
 #include <string.h>

@@ -426,7 +426,7 @@ static void note_signs(const rows_run *run)
 {
     for (uint32_t i = 0; i < run->inputs; i++) {
         const bool is_bound = state_of(run, i) == INPUT_AT_BOUND;
-        // The array `waiting` is unused until the next iterations begin.
+        // The array `waiting` holds nothing that is needed before the next iterations begin.
         run->tableau->waiting[i] = run->solver->scale[i] * (is_bound ? 2 : 1);
     }
 }

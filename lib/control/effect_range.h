@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Control steps in effects of voltages, for blocks (stages of the control tick) whose actuators do
- * not move in proportion to their voltages: the range of voltages of a tick, and the start of the
- * optimiser from effects.
+ * Functions for actuators that do not move in proportion to their voltages, because of hysteresis
+ * or a curve. The optimiser then chooses effects: the quantities in proportion to which they move.
+ * Here are the range of voltages that the limits allow in one tick, and the start of the optimiser
+ * from the effects of the last tick.
  */
 #ifndef PZS_LIB_EFFECT_RANGE_H
 #define PZS_LIB_EFFECT_RANGE_H

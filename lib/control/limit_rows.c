@@ -170,8 +170,8 @@ static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
 }
 
 /*
- * Return the number of multiply-adds by which the smallest work limit of the optimiser rises if
- * sums of absolute values of voltages are limited.
+ * Return how many multiply-adds more the optimiser must be allowed at least in a tick if sums of
+ * absolute values of voltages are limited.
  */
 static uint64_t absolute_work(const pzs_problem *problem)
 {

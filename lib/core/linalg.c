@@ -268,7 +268,7 @@ static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, 
         UNROLLED
     for (int i = 0; i < PZS_TILE; i++)
         sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
-    // Terms W_ik L_jk whose column k belongs to the strip itself, and so has just been computed.
+    // Terms W_ik L_jk of the factor L D L^T, W = L D, for columns k that have just been computed.
     UNROLLED
     for (int k = 0; k < STRIP; k++, lower += PZS_TILE)
         UNROLLED

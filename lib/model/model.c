@@ -265,12 +265,12 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Where the row and the column of one degree of freedom of an element are stored in the stiffness
- * matrix. The entry in row a and column b has the index (base of a) + (step of b).
- *   base  index that column 0 has in the row; as an unsigned number it may wrap round where column
- *         0 is not stored, but the sum is correct
- *   step  distance of the column from column 0 in memory: PZS_TILE times the number of the column,
- *         because successive columns of a panel are PZS_TILE reals apart
+ * Place of one degree of freedom of an element in the stored stiffness matrix, both as a row and as
+ * a column. The entry in row a and column b has the index (base of a) + (step of b).
+ *   base  index of column 0 in the row of this degree of freedom; as an unsigned number it may wrap
+ *         round where column 0 is not stored, but the sum is correct
+ *   step  number of reals from column 0 to the column of this degree of freedom: PZS_TILE times the
+ *         number of the column, because PZS_TILE rows are stored together, column after column
  */
 typedef struct add_place {
     uint16_t dof;
