@@ -815,7 +815,8 @@ typedef struct pzs_monitor_state {
                          */
     pzs_polarity_state polarity;
     pzs_stuck_state stuck;
-    bool is_opposed; /* whether the last tick found the structure moved against its prediction */
+    bool is_opposed; /* whether the structure has moved opposite to the predicted direction, by more
+                        than loads and noise explain, as with reversed amplifiers */
     bool is_stuck;   /* whether the last tick found all readings stuck */
     bool is_first;   /* whether the last tick was the first one of a loop with a vibration damper */
     bool is_started;

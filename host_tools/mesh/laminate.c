@@ -954,9 +954,10 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 /* ---- prescribed fields -------------------------------------------------- */
 
 /*
- * Compute the stiffness for strains that are constant over the element (N/m), with the transverse
- * shear stiffness that the element options `shear` (from equilibrium of the stresses) and `rho`
- * (added flexibility, shear_flexibility) ask for. Returns 0, or -1 if no ply is present.
+ * Compute the stiffness for strains that are constant over the element (N/m). Its transverse shear
+ * stiffness follows two options of the scene: `shear: equilibrium` computes it from the shear
+ * stresses that equilibrium asks for, and `rho` adds a part of the bending flexibility to its
+ * inverse (shear_flexibility). Returns 0, or -1 if no ply is present.
  */
 static int constant_stiffness(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double stiffness[N][N])

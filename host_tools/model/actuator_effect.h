@@ -26,7 +26,10 @@ typedef struct actuator_curves {
                      curve's effects, as a fraction of this range; at both ends there is none */
 } actuator_curves;
 
-/* Return the effect of a voltage of an amplifier (V). */
+/*
+ * Return the value that an actuator's curve has at a voltage of its amplifier (V): the quantity to
+ * which the displacement of the actuator is proportional.
+ */
 double actuator_effect(const actuator_curves *curves, int amplifier, double voltage);
 
 #endif

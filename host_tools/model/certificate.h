@@ -107,11 +107,13 @@ typedef struct certificate_loop {
                      half the voltage range with random signs */
     double unit;  /* unit of `worst` over the norm of the target: 1, or more where the target is
                      small beside the shapes that the voltages reach; infinite for a zero target */
-    double worst_gain, worst_frequency,
-        worst_step; /* worst_gain, worst_frequency: static response to voltages and natural
-                       frequencies of the structure in the worst storm (simulation with fast target
-                       jumps), both relative to the controller's model. worst_step: step limit of
-                       the voltages in this storm, relative to that of the scene */
+    /*
+     * The storm (simulation with fast target jumps) with the largest distance `worst`:
+     * worst_gain: factor by which its structure responds more to voltages than the model
+     * worst_frequency: factor of the model's natural frequencies, the same one for all
+     * worst_step: factor of the scene's step limits
+     */
+    double worst_gain, worst_frequency, worst_step;
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
     double load_step; /* time until 5 % of the effect of a suddenly applied load are left (periods

@@ -98,10 +98,11 @@ typedef struct damper_model {
 typedef struct damper_gains {
     double *turn; /* [4][modes] propagator of each vibration mode, a 2 x 2 matrix that advances its
                      free vibration by one tick */
-    double *observer; /* [3][modes][modes] gains of the observer for position, velocity and static
-                         position (first index) of the vibration modes. These matrices multiply the
-                         vector C' W r. r holds the errors of the predicted readings, W the inverse
-                         noise variances, and C the readings per unit of each mode. */
+    double *observer; /* [3][modes][modes] gains of the observer for three states (first index) of
+                         each vibration mode: position, velocity, and the position at which it would
+                         rest under the unknown loads. These matrices multiply the vector C' W r. r
+                         holds the errors of the predicted readings, W the inverse noise variances,
+                         and C the readings per unit of each mode. */
     double *explain; /* [modes][modes] inverse of the regularised normal matrix of the least-squares
                         fit of modal coordinates to sensor readings */
     double *damping; /* [modes][inputs] damping gradient (term that the control tick subtracts from

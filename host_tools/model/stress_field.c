@@ -138,8 +138,10 @@ static void add_drive(const stress_field *field, int element, const scene_drive 
 /*
  * For a list of actuators, or of sensors, add the voltages of their electrodes and the temperatures
  * of their heaters in one element to the arrays field->voltage and field->heat.
- *   value  [electrodes] in  voltages (V) and temperatures (K) of all items of the list
- *   part   out  work array: electrodes of one grid of patches that cover parts of the element
+ *   value [electrodes] in   voltage (V) of each electrode, or temperature (K) of each heater, of
+ *                           all items of the list in turn
+ *   part               out  work array: the patches that cover parts of the element, with their
+ *                           shares of it
  */
 static void add_patches(const stress_field *field, int element, const scene_actuator *actuator,
                         int count, const double *value, design_part *part)

@@ -33,9 +33,10 @@ int scene_table_read(reader *reader, int node, number_table *table);
 int scene_file_axis(const char *name);
 
 /*
- * Readers of a function: a formula, or a mapping {file: FILE, columns: [x, y, value], column: NAME,
- * scale: 1}. A file is interpolated between its points, or is a list of values by rows if it has no
- * coordinates. read_row_function also accepts a list in the scene file, by rows of a target.
+ * Read the value of a scene key that is a function: a formula, or a mapping {file: FILE, columns:
+ * [x, y, value], column: NAME, scale: 1}. The file has values at points, between which they are
+ * interpolated; or it has no coordinates and gives one value for each target node, in their order.
+ * For a target, read_row_function also accepts such a list of values in the scene file itself.
  */
 field_read read_row_function, read_place_function;
 extern const form row_function_form, place_function_form, list_form, list_file_form;

@@ -233,8 +233,9 @@ static int compare_choice(trial *trial, int choice, double load_step, double *fa
     bool tolerates = true;
     const bool has_stable = certificate->loop.is_stable;
     /*
-     * After settings that pass all tests, others can only be better if they tolerate readings that
-     * are one tick older. This quick test comes first.
+     * Once some settings have passed all tests, others are taken in their place only if the loop
+     * also works with readings that are one tick older than the scene says. That is tried first,
+     * because it takes little time.
      */
     if (has_stable && try_older(trial, choice, &tolerates, error) < 0)
         return -1;
