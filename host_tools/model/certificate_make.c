@@ -10,6 +10,7 @@
 #include <string.h>
 #include "../../lib/model/model.h"
 #include "certificate_gains.h"
+#include "cholesky.h"
 #include "estimator.h"
 #include "mass.h"
 #include "modal.h"
@@ -68,44 +69,6 @@ static const double least_regularisation = 1e-12;
 /* ---- gains ------------------------------------------------------------ */
 
 /*
- * Replace the lower triangle of a symmetric matrix a [order][order] by its Cholesky factor. Returns
- * whether the matrix is positive definite.
- */
-static bool cholesky(double *a, size_t order)
-{
-    for (size_t j = 0; j < order; j++) {
-        for (size_t i = j; i < order; i++)
-            for (size_t k = 0; k < j; k++)
-                a[i * order + j] -= a[i * order + k] * a[j * order + k];
-        if (!(a[j * order + j] > 0))
-            return false;
-        const double pivot = sqrt(a[j * order + j]);
-        for (size_t i = j; i < order; i++)
-            a[i * order + j] /= pivot;
-    }
-    return true;
-}
-
-/*
- * Solve a linear system, given the Cholesky factor l [n][n] of its matrix.
- *   x [n] in   right-hand side
- *         out  solution
- */
-static void cholesky_solve(const double *l, size_t n, double *x)
-{
-    for (size_t i = 0; i < n; i++) {
-        for (size_t k = 0; k < i; k++)
-            x[i] -= l[i * n + k] * x[k];
-        x[i] /= l[i * n + i];
-    }
-    for (size_t i = n; i-- > 0;) {
-        for (size_t k = i + 1; k < n; k++)
-            x[i] -= l[k * n + i] * x[k];
-        x[i] /= l[i * n + i];
-    }
-}
-
-/*
  * Intermediate results for the loop matrix. An entry of this matrix says how far the controller's
  * reaction to one vibration mode displaces the static equilibrium of another mode.
  */
@@ -158,7 +121,7 @@ static bool factor_hessian(gains *gains)
     for (size_t i = 0; i < gains->moving; i++)
         gains->factor[i * gains->moving + i] +=
             design->problem.regularisation + least_regularisation * trace / (double)gains->moving;
-    return gains->moving > 0 && cholesky(gains->factor, gains->moving);
+    return gains->moving > 0 && cholesky_factor(gains->factor, gains->moving);
 }
 
 /*

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "cholesky.h"
 #include "design.h"
 #include "eigen.h"
 
@@ -162,33 +163,9 @@ static bool factor_hessian(builder *builder)
     memcpy(a, builder->hessian, n * n * sizeof *a);
     for (size_t k = 0; k < n; k++)
         trace += a[k * n + k];
-    for (size_t j = 0; j < n; j++) {
-        a[j * n + j] += least_regularisation * trace;
-        for (size_t i = j; i < n; i++)
-            for (size_t k = 0; k < j; k++)
-                a[i * n + j] -= a[i * n + k] * a[j * n + k];
-        if (!(a[j * n + j] > 0))
-            return false;
-        const double pivot = sqrt(a[j * n + j]);
-        for (size_t i = j; i < n; i++)
-            a[i * n + j] /= pivot;
-    }
-    return true;
-}
-
-static void solve(const builder *builder, double *x)
-{
-    const size_t n = builder->moving;
-    const double *l = builder->work;
-    for (size_t i = 0; i < n; i++) {
-        x[i] -= dot(l + i * n, x, i);
-        x[i] /= l[i * n + i];
-    }
-    for (size_t i = n; i-- > 0;) {
-        for (size_t k = i + 1; k < n; k++)
-            x[i] -= l[k * n + i] * x[k];
-        x[i] /= l[i * n + i];
-    }
+    for (size_t k = 0; k < n; k++)
+        a[k * n + k] += least_regularisation * trace;
+    return cholesky_factor(a, n);
 }
 
 /*
@@ -208,7 +185,7 @@ static double fit(builder *builder, double *voltage)
         for (size_t k = 0; k < n; k++)
             voltage[k] += weighted * influence_at(builder, i, k);
     }
-    solve(builder, voltage);
+    cholesky_solve(builder->work, n, voltage);
     for (size_t i = 0; i < (size_t)design->targets; i++) {
         double difference = builder->column[i];
         for (size_t k = 0; k < n; k++)
