@@ -300,7 +300,8 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
 /*
  * Compute the stiffness of a ply at height z for strains along the directions of the element, which
  * need not be perpendicular (Voigt order 11 22 33 23 13 12). For an element along lines of
- * curvature the result is in the axes of the shell and does not contain the factors of metric_at.
+ * curvature the result is the stiffness in the axes of the shell. It then takes no account of the
+ * curvature: the caller adds the factors 1 + k z (metric_at).
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -583,14 +584,15 @@ static void integrate_plies(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * Compute the stiffness of an element whose plies thicken freely under a common normal stress 33:
+ * Compute the stiffness of an element whose plies may thicken freely under one normal stress 33,
+ * equal in all plies:
  *   stiffness_ij = plane_ij + n_i n_j/f.
- *   n_i  integral of c_i3/c_33 over the thickness (`narrowing`); for the mean strain 33, the
+ *   n_i  integral of c_i3/c_33 over the thickness (`narrowing`). For i = mean strain 33: the
  *       thickness
  *   f    integral of 1/c_33 (`compliance`)
- * Reason: a strain 33 linear through all plies would falsify bending by some per cent where
- * Poisson's ratios differ. The entries of the difference of the strain 33 between both faces do not
- * change.
+ * A strain 33 that is linear through all plies would instead falsify bending by some per cent where
+ * the Poisson's ratios of the plies differ. Entries for the difference of the strain 33 between
+ * both faces do not change.
  */
 static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 {
@@ -841,11 +843,13 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 }
 
 /*
- * Compute the flexibility added to the transverse shears 13 and 23 in one strain mode:
+ * Compute the flexibility that an element gains against the transverse shears 13 and 23 in one
+ * strain mode, so that coarse meshes are not too stiff:
  *   rho p b L^2/12 times the bending flexibility.
  *   rho  element option of this name
  *   p    factor for irregular meshes (laminate_place.bubble_share)
- *   b    1, or the result of the function bubble_share in a linear mode
+ *   b    result of the function bubble_share for the shear 13 in mode 1 and for the shear 23 in
+ *       mode 2, else 1
  *   L    length of the element along direction 1 (shear 13) or 2 (shear 23)
  *   inverse [10][10] in   compliance matrix of the element (m/N), from plane_compliance
  *   mode             in   0: constant, 1: linear in xi2, 2: linear in xi1, 3: bilinear
@@ -975,12 +979,11 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
  * (prescribed resultants), and the strains of the element if it is free instead.
  */
 typedef struct free_field {
-    double resultants[N], strain[N]; /* resultants: stress resultants of the element (N/m) while a
-                                        voltage or temperature acts and the strains are kept at 0.
-                                        strain: the strains that the same voltage or temperature
-                                        causes in the unloaded element, with the opposite sign; 0
-                                        where it causes no transverse shear stress, because these
-                                        strains are not needed there. Order of both: `voigt` */
+    double resultants[N], strain[N]; /* resultants: stress resultants of the element (N/m) under a
+                                        voltage or temperature while the strains are kept at 0.
+                                        strain: minus the strains of the unloaded element under the
+                                        same voltage or temperature; 0 (not needed) where it causes
+                                        no transverse shear stress. Order of both: `voigt` */
     double uniform[N][N];  /* stiffness of all plies for the strains of the element (N/m), with
                               transverse shear strains that are uniform through the thickness */
     double constant[N][N]; /* stiffness of the element for strains that are constant over it (N/m).
@@ -1245,9 +1248,9 @@ double laminate_capacitance(const laminate *laminate, const scene_element *eleme
 }
 
 /*
- * The charge of an electrode per unit of a voltage or temperature is minus a mixed derivative of
- * the electric enthalpy of all plies: with respect to the voltage of the electrode and to that
- * voltage or temperature.
+ * The charge of an electrode per unit of a field (a voltage or a temperature) is minus the mixed
+ * second derivative of the electric enthalpy of all plies with respect to two variables: the
+ * voltage of the electrode, and the field.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)

@@ -25,8 +25,8 @@ typedef struct laminate_ply {
                        (Pa) */
     double stress_per_voltage[6]; /* stress of a ply at zero strains per volt across it (Pa/V),
                                      Voigt order 11 22 33 23 13 12 */
-    double stress_per_kelvin[6];  /* stress of a ply at zero strains per kelvin (Pa/K), Voigt order
-                                     11 22 33 23 13 12 */
+    double stress_per_kelvin[6];  /* stress in a ply per kelvin of temperature change, while its
+                                     strains are zero (Pa/K), Voigt order 11 22 33 23 13 12 */
     double capacitance; /* charge of the upper electrode per volt and area while the strains are
                            zero (F/m2) */
     double pyroelectric_charge;  /* charge of the upper electrode per kelvin and area while the

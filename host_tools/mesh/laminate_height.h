@@ -29,9 +29,9 @@ typedef struct laminate_heights {
                                     because it has only two numbers for each strain */
     double of_mean[HEIGHT_ROWS][HEIGHT_ROWS]; /* coefficients m of z^2 in the strains 11, 22, 12
                                                  (rows) per mean strain of both faces (columns;
-                                                 1/m2). They are 0 if the element is flat, or unless
-                                                 both element options `quadratic` and `metric` are
-                                                 on */
+                                                 1/m2). They are 0 in a flat element. They are also
+                                                 0 if one of the element options `quadratic` and
+                                                 `metric` is off */
     double of_difference[HEIGHT_ROWS][HEIGHT_ROWS]; /* coefficients m of z^2 in the strains 11, 22,
                                                        12 (rows) per difference of the strain
                                                        between both faces (columns; 1/m2) */

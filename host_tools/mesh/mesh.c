@@ -842,9 +842,9 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
 }
 
 /*
- * Refuse a mesh of quadrilaterals with more nodes or elements than the tables of the library can
- * number, with an element formulation that needs lines of curvature, or with a side of more than
- * two elements or of two elements in the same direction.
+ * Refuse a mesh of quadrilaterals on three grounds: it has more nodes or elements than the tables
+ * of the library can number; the element formulation needs lines of curvature; or the sides of its
+ * elements do not fit together (quad_check_edges).
  */
 static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
 {

@@ -90,10 +90,10 @@ typedef struct analysis {
                           also the matrices from displacements to strains */
     bool quasi_static; /* whether to write the controller's tables even where vibration makes the
                           control loop unstable */
-    double linear_error;   /* difference between linear and nonlinear displacement relative to the
-                              nonlinear one, computed where the scene's kinematics is `auto` */
-    load_path load_path;   /* equilibria on the load path to the last displacement; empty unless the
-                              user asked for them */
+    double linear_error; /* difference between linear and nonlinear displacement relative to the
+                            nonlinear one, computed where the scene's kinematics is `auto` */
+    load_path load_path; /* points of the load path that leads to the present displacement, each an
+                            equilibrium; empty unless the user asked for the load path */
     mesh_error mesh_error; /* estimated discretisation error of the results; empty unless the user
                               has asked for this estimate */
     plausible warnings; /* plausibility warnings on the scene and on the results computed so far */

@@ -194,9 +194,10 @@ static double constrained_change(const arc_search *arc_search, double arc)
                         arc_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
     /*
-     * The quadratic equation for the change of the load factor has two solutions. The sign of
-     * `along`, the product of the increment with its change per unit of the load factor, tells
-     * which of them turns the increment less.
+     * The quadratic equation for the change of the load factor has two solutions. The one that
+     * turns the increment of displacement and voltages less is taken. Which one this is follows
+     * from the sign of `along`: the product of this increment with its change per unit of the load
+     * factor.
      */
     const double along = arc_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;

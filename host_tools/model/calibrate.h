@@ -118,7 +118,8 @@ void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, do
 
 /* Cross-talk: the voltage of one amplifier also acts on the electrode of another one. */
 typedef struct crosstalk {
-    size_t actuator, other; /* amplifier, and the amplifier on whose electrode it also acts */
+    size_t actuator, other; /* actuator: index of an amplifier; other: index of the amplifier on
+                               whose electrode the voltage of the first one also acts */
     double part, error;     /* part of the amplifier's voltage that acts on the other amplifier's
                                electrode (dimensionless), and its standard error */
 } crosstalk;

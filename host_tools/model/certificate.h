@@ -42,9 +42,10 @@ enum {
 #define CERTIFICATE_LOAD_MOST 8.0
 
 /*
- * Certificate of a control loop at its target shape: simulations with the structure linearised
- * there and the unchanged tables of the firmware, at 0.8 to 1.33 times its static response and 0.9
- * to 1.1 times its natural frequencies.
+ * Certificate of a control loop at its target shape: results of simulations of the structure,
+ * linearised there, with the unchanged tables of the firmware. The structures that are tried differ
+ * from the model: their static response is 0.8 to 1.33 times, their natural frequencies are 0.9 to
+ * 1.1 times those of the model.
  */
 typedef struct certificate_target {
     bool is_made;
@@ -191,9 +192,9 @@ typedef struct certificate {
     double bandwidth; /* corner frequency of the first-order lag of the amplifiers that the scene
                          file states (Hz); 0: no lag */
     /*
-     * true where the loop has gains and leaks of modes (scene: control.modal_gains), and so never
-     * damps vibration; it is assessed at the tick rate of the scene alone, and stable_rate is that
-     * rate, or 0 where the loop is unstable
+     * true where the scene has gains and leaks of modes (control.modal_gains). Such a loop never
+     * damps vibration, and its stability is assessed at the tick rate of the scene alone:
+     * stable_rate is this rate, or 0 if the loop is unstable there
      */
     bool has_gains;
     double rate;   /* tick rate of the scene (1/s); 0 where the scene file gives none */

@@ -13,7 +13,7 @@
 typedef struct members {
     double gain, leak;
     size_t count;  /* number of modes in the group */
-    bool is_other; /* whether what is not in the modes belongs to the group */
+    bool is_other; /* whether the group contains the voltages that belong to no mode */
 } members;
 
 static bool are_same(double first, double second)
@@ -46,7 +46,10 @@ static size_t list_members(const pzs_modal_gains *gains, members *list)
     return count;
 }
 
-/* Number of coordinates of a group; 0 where its voltages stay, or where it has none. */
+/*
+ * Return the number of coordinates of a group of voltages; 0 for gain 0 and leak 0, with which
+ * voltages never change, and 0 for an empty group.
+ */
 static size_t size_of(const members *group, const pzs_modal_gains *gains, size_t modes,
                       size_t moving)
 {
@@ -224,7 +227,10 @@ typedef struct transition {
     double *measured;    /* [order] work row */
 } transition;
 
-/* Index of the first state of a group; `part` counts its kinds of states (states_of). */
+/*
+ * Return the index of the state for coordinate i of a group. `part` is the number of the state
+ * among those of one coordinate, from 0 (states_of).
+ */
 static size_t state_of(const transition *transition, size_t group, size_t part, size_t i)
 {
     size_t first = 2 * transition->groups->modes;

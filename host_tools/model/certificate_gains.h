@@ -24,14 +24,16 @@ typedef struct certificate_group {
     size_t size;    /* number of coordinates */
     double *shape;  /* [vibration modes][size] static coordinate of each vibration mode per unit of
                        each coordinate */
-    double *answer; /* [size][vibration modes] coordinates of the voltages that a step without gains
-                       subtracts for a measured unit of each vibration mode */
+    double *answer; /* [size][vibration modes] what the controller subtracts for a measured unit of
+                       each vibration mode in a step with gain 1 and leak 0: coordinates of these
+                       voltages */
 } certificate_group;
 
 typedef struct certificate_groups {
     size_t modes; /* number of vibration modes */
     size_t count;
-    certificate_group *group; /* [count] without that of gain 0 and leak 0, whose voltages stay */
+    certificate_group *group; /* [count] groups of voltages; voltages with gain 0 and leak 0, which
+                                 never change, have no group */
 } certificate_groups;
 
 /* Model of the loop without gains, for its amplifiers that are not held at one voltage. */
@@ -57,8 +59,13 @@ size_t certificate_groups_order(const pzs_modal_gains *gains, size_t modes, size
                                 const certificate_conditions *conditions);
 
 /*
- * Return the spectral radius of the loop, NAN where memory runs out, and whether it is below 1; the
- * arguments are those of certificate_radius.
+ * Test the stability of a loop with gains and leaks. certificate_groups_radius returns its spectral
+ * radius, NAN where memory runs out; certificate_groups_decay returns whether the radius is below
+ * 1.
+ *   square  [modes]     in  squares of the vibration modes' angular frequencies (rad^2/s^2)
+ *   damping [modes]     in  damping ratios
+ *   conditions          in  response of the structure, delay, interval and lag
+ *   squarings           in  number of matrix squarings from which the radius is computed
  */
 double certificate_groups_radius(const certificate_groups *groups, const double *square,
                                  const double *damping, const certificate_conditions *conditions,

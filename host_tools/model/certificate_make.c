@@ -26,9 +26,9 @@ enum {
                           loop is computed (ticks) */
     RATE_LIMIT = 2000, /* largest number of tick rates for which stability of the control loop is
                           checked */
-    PHASES = 8, /* number of tick intervals for which the stability of the control loop is tested at
-                   one tick rate, if an interval contains several periods of vibration; each is
-                   1/PHASES of the first mode's period longer than the one before */
+    PHASES = 8, /* number of interval lengths for which stability is tested at one tick rate, if the
+                   tick interval is long: more than four periods of the first vibration mode. Each
+                   length exceeds the preceding one by 1/PHASES of this period */
     STARTS = 4  /* largest number of tick rates, each a quarter of the one before, that are tried to
                    find one at which the control loop is stable */
 };

@@ -29,7 +29,8 @@ static const double visible = 1e-3;
 /*
  * Gain per tick of the low-pass filter for the sensor readings where the control tick observes no
  * vibration mode: slow_part x damping ratio x angular frequency x tick interval of the first mode,
- * at most slow_limit. (With observed modes the filter receives what these do not explain.)
+ * at most slow_limit. (Where modes are observed, the filter gets the part of the readings that the
+ * modes do not explain.)
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 

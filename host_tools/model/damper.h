@@ -58,9 +58,9 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
                 const damper_options *options, char *error);
 
 /*
- * Make the tables of a control tick that damps vibration if the scene has a tick rate and densities
- * and its control step alone would be unstable (certificate_refuses). Otherwise, and with
- * `quasi_static`, the damper is left unused.
+ * Make the tables of a control tick that damps vibration, on three conditions: the scene gives a
+ * tick rate, it gives densities, and the control step alone would be unstable
+ * (certificate_refuses). Otherwise, and with the option `quasi_static`, the damper is left unused.
  *   analysis   in  analysis with the least-squares problem for the voltages and the result of the
  *       stability tests; must outlive the damper
  *   estimator  in  shape estimator of the controller, which must outlive the damper; NULL: every

@@ -73,7 +73,8 @@ typedef struct design_dropped {
 typedef struct modal_gains {
     bool is_used;
     pzs_modal_gains tables;
-    double *memory; /* arrays of the tables, and the next member */
+    double *memory; /* memory in which all arrays of the tables, and the array `left`, are stored
+                       one after the other */
     double *left;   /* [modes] part of each function of the scene that no voltages can make: norm of
                        the misfit over the norm of the function; 0 for singular vectors */
 } modal_gains;

@@ -45,9 +45,10 @@ static bool differs(signature first, signature second, load_path_event_type type
 
 /*
  * Locate the critical point between the last converged point and a point at the distance *arc, by
- * bisection of the distance. The critical point is where the signature changes: the sign of the
- * change of the load factor and the number of negative pivots. The present point is overwritten.
- *   arc in/out  a distance beyond the critical point; then that of the critical point, from above
+ * bisection of the distance. At the critical point the signature changes: the sign of the change of
+ * the load factor and the number of negative pivots. The present point is overwritten.
+ *   arc in   a distance that lies beyond the critical point
+ *       out  distance of the critical point, rounded up to the last interval of the bisection
  * Returns the load factor of the critical point.
  */
 static double locate_critical_point(arc_search *arc_search, double *arc, signature before,
@@ -213,9 +214,9 @@ static bool enter_branch(arc_search *arc_search, analysis *analysis, load_path *
 }
 
 /*
- * Return whether the last step of length `arc` on a branch has passed the bifurcation where it
- * began, which lies nearer than `arc` to both ends of the step: beyond it the branch repeats
- * itself.
+ * Return whether a branch has come back to the bifurcation at which it began, so that it would
+ * repeat itself: the last step, of length `arc`, has both ends nearer than `arc` to this
+ * bifurcation.
  */
 static bool has_returned(const arc_search *arc_search, const load_path *path, double arc)
 {

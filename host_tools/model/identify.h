@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Identification of hysteresis and creep of a ceramic from one measured sweep of voltage and
- * position, best a triangle of decreasing amplitude and then a constant voltage. Bounded least
- * squares fit the section `hysteresis` of a scene file, with prescribed slacks and time constants,
- * to the model
+ * Identification of hysteresis and creep of a ceramic actuator from one measured sweep of voltage
+ * and position. Most suitable is a triangle wave of decreasing amplitude, followed by a constant
+ * voltage. Bounded least squares determine the numbers of the section `hysteresis` of a scene file,
+ * except slacks and time constants, which are prescribed. The model is
  *   position = position at the start + gain x effect.
  *   effect  voltage (V) that would act alike without hysteresis and creep (pzs_hysteresis)
  *   gain    position per volt of the effect

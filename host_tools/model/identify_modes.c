@@ -287,9 +287,10 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
 }
 
 /*
- * Compute the derivatives of the decaying cosine and sine of each vibration mode by its angular
- * frequency and damping ratio, orthogonal to the functions of the fit (fit->function). Rows 4 k to
- * 4 k + 3 of fit->slope belong to mode k: cosine and sine by frequency, then by damping ratio.
+ * Compute the derivatives of the decaying cosine and sine of each vibration mode with respect to
+ * its angular frequency and its damping ratio. Then make them orthogonal to the functions of the
+ * fit (fit->function). Rows 4 k to 4 k + 3 of fit->slope belong to mode k: cosine and sine by
+ * frequency, then by damping ratio.
  */
 static void fill_slopes(const fit *fit, const interval *interval)
 {

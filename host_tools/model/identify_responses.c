@@ -176,11 +176,11 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return the part of the static changes in a record that responses linear in the voltages leave
- * unexplained, for an assumed delay (samples). Each voltage step changes the static coordinate of
- * each vibration mode. These changes are computed as complex numbers from the free vibration; at
- * the right delay their imaginary parts are zero. The result is (squared residuals of the linear
- * fit + squared imaginary parts) / (squared changes), summed over steps and modes.
+ * Return how badly static responses fit a record, for an assumed delay (samples). Each voltage step
+ * changes the static coordinate of each vibration mode. These changes are computed as complex
+ * numbers from the free vibration; at the right delay they are real, and linear in the voltages.
+ * The result is (squared residuals of the linear fit + squared imaginary parts) / (squared
+ * changes), summed over steps and modes.
  *   squares  out  the numerator (multiples of the mode shapes, squared)
  */
 static double unexplained(const steps *steps, double delay, double *squares)

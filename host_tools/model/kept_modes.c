@@ -27,7 +27,10 @@ bool kept_modes_copy(const kept_modes *kept, const design *design, int number, v
     return false;
 }
 
-/* Remove the result with the fewest modes, which is the cheapest to compute again. */
+/*
+ * Remove the set with the fewest vibration modes from the kept ones, because it is the cheapest to
+ * compute again.
+ */
 static void remove_fewest(kept_modes *kept)
 {
     int fewest = 0;

@@ -50,9 +50,10 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Carry a load vector from the local axes of one node to those of another, for interpolation. With
- * Cartesian kinematics, a load with a fixed direction in space keeps it. All other loads keep their
- * components: pressures at two nodes, added in space, would lose size.
+ * Carry a load vector from the local axes of one node to those of another, for interpolation
+ * between nodes. With Cartesian kinematics, a load of fixed direction in space keeps its direction.
+ * All other loads keep their components in the local axes: if pressures along two different normals
+ * were added as vectors, their sum would be too small.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])

@@ -36,14 +36,15 @@ static const double rank_floor = 16;
 /* Smallest diagonal term, over the mean diagonal entry, that keeps the Hessian invertible. */
 static const double least_regularisation = 1e-13;
 
-/* Work arrays while the tables are made. */
+/* Modes of the voltages, and the work arrays with which they are computed. */
 typedef struct builder {
     const design *design;
     const scene_modal_gains *scene;
     size_t *amplifier; /* [moving] amplifiers that are not held at one voltage */
     size_t moving, modes;
     double *hessian; /* [moving][moving] H */
-    double *work;    /* [moving][moving] eigenvalues, or Cholesky factor of H */
+    double *work;    /* [moving][moving] work matrix: eigenvalues on its diagonal, or the Cholesky
+                        factor of H */
     double *vector;  /* [moving][moving] eigenvectors as columns */
     double *column;  /* [targets] a function of the scene at the target nodes */
     double *pattern; /* [modes][moving] voltages of each mode */
@@ -59,7 +60,7 @@ static double influence_at(const builder *builder, size_t target, size_t k)
     return design->influence[target * (size_t)design->amplifiers + builder->amplifier[k]];
 }
 
-/* Compute H without regularisation. */
+/* Compute the Hessian B'W^2 B, still without the regularisation (influence matrix B, weights W). */
 static void fill_hessian(builder *builder)
 {
     const design *design = builder->design;
@@ -154,7 +155,9 @@ static int make_vectors(builder *builder, bool *is_taken, char *error)
 
 /* ---- functions --------------------------------------------------------------- */
 
-/* Replace the work matrix by the Cholesky factor of H, with a diagonal that rounding cannot beat.
+/*
+ * Replace builder->work by the Cholesky factor of the Hessian H. A small multiple of the trace is
+ * added to its diagonal first, so that rounding errors cannot make H indefinite.
  */
 static bool factor_hessian(builder *builder)
 {
@@ -255,7 +258,10 @@ static int make_functions(builder *builder, char *error)
 
 /* ---- tables ------------------------------------------------------------------ */
 
-/* Add the regularisation to the Hessian, and compute the modes. Returns 0, or -1 with error. */
+/*
+ * Compute the modes, and add the regularisation to the Hessian: after the eigenvectors, which do
+ * not depend on it, but before the modes of functions. Returns 0, or -1 with error filled.
+ */
 static int make_modes(builder *builder, char *error)
 {
     const size_t n = builder->moving;
@@ -380,8 +386,9 @@ int modal_gains_make(design *design, char *error)
 static const double responses[] = {0.8, 1, 1.33};
 
 /*
- * Return the growth of the error of a mode in a tick. The readings of `delay` ticks before are
- * corrected by what the model predicts, so that the coordinate c of the mode changes to
+ * Return the factor by which the error of a mode grows in each tick, on a structure whose response
+ * to voltages is `response` times that of the model. The step corrects readings that are `delay`
+ * ticks old by what the model predicts. In each tick the coordinate c of the mode changes to
  *   (1 - gain - leak) c - gain (response - 1) c_delay
  *   c_delay  coordinate `delay` ticks before
  */

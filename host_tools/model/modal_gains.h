@@ -16,8 +16,9 @@
 int modal_gains_make(design *design, char *error);
 
 /*
- * Return the growth of the error of a mode in a tick on a structure without vibration: its largest
- * factor over responses of the structure to voltages of 0.8 to 1.33 of the model's.
+ * Return the factor by which the error of a mode grows in each tick, on a structure that follows
+ * its voltages without vibration. It is the largest factor over three structures, whose response to
+ * the voltages is 0.8, 1 and 1.33 times that of the model.
  *   delay  in  age of the readings (ticks), which the loop takes into account
  */
 double modal_gains_growth(double gain, double leak, int delay);

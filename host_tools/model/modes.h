@@ -43,8 +43,10 @@ typedef struct modes {
 
 /*
  * Compute the results of every target shape of a scene that lists several as alternatives, linear
- * or nonlinear as analysis->is_nonlinear says. Needs the influence matrix; the target is restored.
- *   limit  [limits] in  pairs of voltage limits common to all amplifiers, besides their own limits
+ * or nonlinear as analysis->is_nonlinear says. Needs the influence matrix. Afterwards the analysis
+ * has the same target as before.
+ *   limit  [limits] in  pairs of voltage limits that are tried one after the other. Each pair
+ *       applies to all amplifiers, in addition to their own limits
  * Returns 0, or -1 with error filled; call modes_free in either case.
  */
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,

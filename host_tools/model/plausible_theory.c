@@ -5,8 +5,8 @@
 #include "stress_field.h"
 
 /*
- * Measure which part of the displacement changes if transverse shear and normal stresses are those
- * of the recovered stresses in place of those that the theory of the elements assumes.
+ * Measure by which fraction the displacement changes if the elements' transverse shear stresses and
+ * normal stresses 33 are replaced by the recovered ones, which satisfy equilibrium.
  */
 int measure_theory(const subject *of, int k, measured *found)
 {

@@ -33,8 +33,9 @@ typedef struct estimate {
     double scale[TRENDS]; /* component of each trend along its own vector in `trend`: of the
                              constant, and of the linear drift (number of the measurement); 0: the
                              measurements do not determine it */
-    double mixed; /* the numbers of the measurements (0, 1, 2 ...) are a linear trend: component of
-                     this trend along the vector of the constant in `trend` */
+    double mixed;   /* component of the linear drift (numbers 0, 1, 2 ... of the measurements) along
+                       the constant trend, before it was removed to make the two vectors in `trend`
+                       orthogonal */
     double *before; /* [rows][outputs] shapes that the influence matrix predicts for the voltages of
                        the preceding measurements, without the parts that the trends (constant
                        offset and linear drift) explain */

@@ -27,8 +27,9 @@ static void reflect(const double *w, double square, size_t first, size_t rows, d
 }
 
 /*
- * Compute the vector w of the reflection that clears column `pivot` of the voltages below its
- * diagonal. Returns w'w, or 0 where the column is zero there.
+ * Compute the vector w of the Householder reflection that clears column `pivot` of the matrix of
+ * voltages below its diagonal. Returns w'w, or 0 where the column is already zero from the diagonal
+ * down.
  */
 static double reflection(const double *voltage, size_t actuators, size_t pivot, size_t rows,
                          double *w)

@@ -72,8 +72,8 @@ static double shear_work(const stress_field *field, int element, shears first, s
 }
 
 /*
- * Compute the shear flexibility (m/N) of an element with the element option of a shear strain that
- * is uniform through the thickness.
+ * Compute the transverse shear flexibility (m/N) of an element whose theory assumes shear strains
+ * that are uniform through the thickness. Returns 0, or -1 if the plies cannot carry shear.
  */
 static int uniform_flexibility(const stress_field *field, int element, double flexibility[2][2])
 {
@@ -223,7 +223,8 @@ static void release(stress_correction *correction)
 /*
  * Fill the correction of one element from its recovered stresses, and add the nodal forces of the
  * prescribed resultants to correction->displacement.
- *   contrast in/out  see lacking_shear
+ *   contrast in/out  largest ratio so far, over the elements, of the shear flexibility from
+ *       equilibrium to that of the element
  */
 static void fill_element(const stress_field *field, int element, stress_correction *correction,
                          double *contrast)

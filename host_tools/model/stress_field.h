@@ -86,15 +86,16 @@ typedef struct stress_sample {
     double lacking[3];  /* in-plane stresses 11 22 12 that straight cross-sections and the normal
                            stress 33 of the element leave out while the displacement of the
                            structure remains the same (Pa) */
-    double balanced[3]; /* such stresses of an earlier recovery, with which the displacement of the
-                           structure was corrected (stress_corrected.h; Pa) */
+    double balanced[3]; /* in-plane stresses 11 22 12 that an earlier recovery found to be left out
+                           (the member `lacking` there), and with which the displacement of the
+                           structure was corrected since (stress_corrected.h; Pa) */
     double own_normal;  /* normal stress 33 of the element at this height (Pa) */
     double thickening;  /* thickness strain 33 under this normal stress, without `warp` */
 } stress_sample;
 
 /*
- * Correction of a displacement for what the theory of the elements leaves out
- * (stress_corrected.h). All members are 0 without it.
+ * Correction of a displacement for stresses that the elements cannot represent, such as those of
+ * bent cross-sections (stress_corrected.h). All members are 0 if there is no correction.
  */
 typedef struct stress_correction {
     double *displacement;    /* [free_dof] corrected displacement, of which the stresses are */
@@ -131,16 +132,18 @@ typedef struct stress_field {
                            then that of node 1, and so on */
     double bend_share;  /* first change of the in-plane stresses by bent cross-sections over these
                            stresses (stress_warp.h) */
-    double bend_change; /* second change of the in-plane stresses by bent cross-sections over the
-                           first one (stress_warp.h) */
+    double bend_change; /* ratio of two changes of the in-plane stresses, when bent cross-sections
+                           are computed twice: the change by the second computation over the change
+                           by the first (stress_warp.h) */
     bool is_straight;   /* whether the stresses are those of straight cross-sections, because the
                            strains of bent ones did not converge (stress_warp.h) */
     bool has_squeeze;   /* whether the in-plane stresses contain the effect of the normal stress 33
                            of each height */
     stress_correction correction; /* correction of the displacement; empty without it */
-    double theory_error; /* estimated error of the displacement by the theory of the elements:
-                            largest change at a node by the correction over the largest
-                            displacement; 0 where it was not computed */
+    double theory_error; /* estimated error of the displacement from assumptions of the elements,
+                            such as straight cross-sections: largest change of the displacement at a
+                            node by the correction, over the largest displacement; 0 where the
+                            correction was not computed */
 } stress_field;
 
 /*

@@ -179,9 +179,10 @@ static void quadratic_weights(const stress_field *field, stencil *stencil, doubl
 {
     enum { TERMS = 5 };
     const double least[TERMS] = {1e-12, 1e-12, 1e-8, 1e-8,
-                                 1e-8}; /* numbers that are added to the diagonal of the matrix, as
-                                           fractions of its largest entry, so that coefficients
-                                           become zero which the neighbours do not determine */
+                                 1e-8}; /* regularisation of the least-squares fit: numbers that are
+                                           added to the diagonal of its matrix, as fractions of the
+                                           largest diagonal entry. Coefficients that the neighbours
+                                           do not determine then become zero */
     double matrix[TERMS * TERMS] = {0}, term[STRESS_NEIGHBOURS][TERMS], largest = 0;
     for (int i = 0; i < stencil->count; i++) {
         double at[2];

@@ -51,12 +51,12 @@ bool stress_is_zero(const stress_summary *summary);
 double stress_mises(const double stress[STRESS_COMPONENTS]);
 
 /*
- * Return the reserve factor of a ply: the factor on its in-plane stresses s at which the strength
- * criterion of its material is met, infinite without stress.
+ * Return the reserve factor of a ply: multiplied by this factor, its in-plane stresses s would just
+ * meet the strength criterion of its material. The factor is infinite without stress.
  *   Tsai-Hill       1/sqrt((s_11/X)^2 - s_11 s_22/X^2 + (s_22/Y)^2 + (s_12/S)^2)
  *   maximum stress  the least of X/|s_11|, Y/|s_22|, S/|s_12|
- *   X, Y            strengths along the material axes 1, 2 in tension or compression, as the stress
- *       is
+ *   X, Y            strengths along the material axes 1 and 2: in tension where the stress along
+ *       the axis is positive, else in compression
  *   S               strength in shear
  */
 double stress_reserve(const scene_strength *strength, const double stress[STRESS_COMPONENTS]);

@@ -134,9 +134,10 @@ static void store_lacking(const stress_field *field, int element, strains strain
 }
 
 /*
- * Compute the strains of the bent cross-sections of an element at all heights, with the membrane
- * strains and curvatures that keep its resultants, and the in-plane stresses caused by the normal
- * stress 33 (squeeze out).
+ * Compute two things for one element, at all heights: the in-plane strains of its bent
+ * cross-sections, and the in-plane stresses caused by the normal stress 33 (squeeze out). Membrane
+ * strains and curvatures are added to these strains, so that the resultants of the element do not
+ * change.
  */
 static void warp_strains(const stress_field *field, int element, section *all, strains strain,
                          strains squeeze)

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Area fraction (0 to 1) of each element that an electrode of any outline covers. Fractions of
- * electrodes that together cover an element have the sum 1. Outlines are drawn in a plane of two
- * coordinates in space, or of theta1 and theta2:
- *   polygon  clipped to the element, with straight sides in this plane; the ratio of areas on
- *       surface and plane is linear over the element. Exact on plates and polar meshes, elsewhere
- *       with an error of second order in the element size
- *   formula  region in which it is positive, as linear on each triangle of a 16 x 16 grid in the
- *       element
+ * Area fraction (0 to 1) of each element that an electrode of any outline covers. If several
+ * electrodes together cover an element, their fractions have the sum 1. Outlines are drawn in a
+ * plane: that of two coordinates in space, or that of theta1 and theta2.
+ *   polygon  is clipped to the element, whose sides are straight in this plane. The ratio of an
+ *       area on the surface to its picture in the plane is taken as linear over the element. This
+ *       is exact on plates and polar meshes; elsewhere the error is of second order in the element
+ *       size
+ *   formula  covers the region in which the formula is positive. The formula is replaced by a
+ *       linear function on each triangle of a 16 x 16 grid in the element
  */
 #ifndef OUTLINE_SHARES_H
 #define OUTLINE_SHARES_H

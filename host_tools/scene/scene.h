@@ -177,8 +177,8 @@ typedef struct scene_quads {
                            the longest diagonal of the elements at this node */
     int64_t place_node; /* number, in the mesh file, of the node whose distance from its place is
                            place_gap; 0 if the nodes have no numbers */
-    scene_at place_at;  /* position in the scene file of the place whose distance from its node is
-                           place_gap */
+    scene_at place_at;  /* position in the scene file of the place that lies farthest from its node,
+                           at the distance place_gap */
     scene_at at;
 } scene_quads;
 
@@ -931,7 +931,8 @@ typedef struct scene_curves {
                                  ascending (V) */
     double *bend; /* [sets][points - 1] bends of the segments of a curve (dimensionless); NULL: all
                      segments are straight */
-    double *unit; /* [sets] effect in the unit of the scene file for each volt of effect */
+    double *unit; /* [sets] factor that converts the effects of a curve from volts into the unit of
+                     the scene file */
     scene_at at;
 } scene_curves;
 
@@ -1205,8 +1206,9 @@ int scene_tied_amplifier(const scene_influence *influence, int actuator);
 int scene_tied_count(const scene_influence *influence, int amplifier);
 
 /*
- * Return the index in the file of the influence matrix of an actuator, in a scene that ties some of
- * its actuators to one amplifier; -1 for other names, and where no actuators are tied.
+ * Return the index that an actuator has in the file of the influence matrix, in a scene that ties
+ * some of its actuators to one amplifier. Returns -1 if no actuator has this name, or if no
+ * actuators are tied.
  */
 int scene_find_tied(const scene_influence *influence, const char *name);
 

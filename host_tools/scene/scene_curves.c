@@ -187,7 +187,10 @@ int read_curves(reader *reader, int node, void *to, const void *rule)
 
 /* ---- points ----------------------------------------------------------- */
 
-/* Write the words for a curve: of one actuator, or of all. */
+/*
+ * Return the words by which a message names the owner of an actuator curve: the name of one
+ * actuator, or "all actuators" where they share one curve.
+ */
 static const char *owner(const scene *scene, int set)
 {
     return scene->influence.curve.sets > 1 ? scene->actuator[set].name : "all actuators";
@@ -269,7 +272,9 @@ static int check_finite(const scene *scene, char *error)
 }
 
 /*
- * Make the square curve from 0 V to the highest voltage limit. Returns 0, or -1 with error filled.
+ * Make the curve of a quadratic actuator, whose effect is proportional to the square of the
+ * voltage, from 0 V to the highest voltage limit of all amplifiers. Returns 0, or -1 with error
+ * filled.
  */
 static int make_square(scene *scene, char *error)
 {

@@ -22,10 +22,10 @@ typedef struct scene_origin {
  */
 typedef struct scene_at {
     int line, column;
-    const scene_origin *origin; /* where line and column count: the scene file, or the texts of the
-                                   options --set. NULL for values that come from no file, and while
-                                   a YAML text is read, because the reader of YAML has the path of
-                                   its file */
+    const scene_origin *origin; /* text in which line and column count: the scene file, or the texts
+                                   of the options --set. NULL for values that come from no file.
+                                   NULL also while a YAML text is read, because its reader knows the
+                                   path of the file */
 } scene_at;
 
 /*

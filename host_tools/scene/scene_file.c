@@ -217,8 +217,8 @@ static int take_named(reader *reader, const function_text *text, const number_ta
 }
 
 /*
- * Multiply the scale of a file's function by the factor that converts its column to the units of
- * the scene, if the column names a unit, such as "u3 [um]".
+ * Convert the values of a column of a file to the units of the scene, if the head of the column
+ * names a unit, such as "u3 [um]": multiply the scale of these values by the conversion factor.
  *   node  in      YAML node of the key that the values belong to
  *   text  in/out  in: scale as the scene file states it; out: scale to the units of the scene
  * Returns 0, or -1 after an error message about the scene file: the unit has another dimension than

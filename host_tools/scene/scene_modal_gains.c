@@ -13,7 +13,8 @@ enum { MOST_MODES = 4096 };
 /* The section control.modal_gains as it is written in the scene file. */
 typedef struct modal_gains_text {
     int modes, gain, leak;         /* YAML nodes of the keys; 0 for a key that is absent */
-    double other_gain, other_leak; /* NAN for a key that is absent */
+    double other_gain, other_leak; /* gain and leak of the voltages that belong to no mode; NAN
+                                      where the scene file does not give them */
 } modal_gains_text;
 
 static const range gain_range = {

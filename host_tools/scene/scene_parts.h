@@ -78,8 +78,8 @@ int read_place(reader *reader, int node, scene_where *where);
  * Complete a mesh from a file after the scene has been read. Each returns 0, or -1 with error
  * filled.
  *   check_regions  groups the elements into regions with the same layers
- *   check_directions  computes the direction of layers on each element, and refuses materials that
- *       need one where there is none
+ *   check_directions  computes the material direction of the layers on each element. Refuses a
+ *       material that depends on the direction on elements without one
  *   check_triads   applies the supports: marks held dof, turns directors (unit normals) into
  *       symmetry planes and the local axis e1 into directions of supports
  */
@@ -235,8 +235,9 @@ field_read read_reversed, read_swapped;
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
 /*
- * Read numbers of the amplifiers: one number for all, or a mapping of names of actuators or single
- * amplifiers to numbers, of which the last one applies to an amplifier that several names comprise.
+ * Read numbers of the amplifiers: one number for all, or a mapping from names of actuators or
+ * single amplifiers to numbers. If several names comprise the same amplifier, the last number
+ * applies.
  *   absent  in                number of an amplifier that the mapping does not name
  *   value   [amplifiers] out  allocated numbers, also where the function fails; NULL without memory
  * Returns 0, or -1 after writing an error message about the scene file.

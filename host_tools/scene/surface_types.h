@@ -144,10 +144,10 @@ typedef struct surface_type {
                                             surface is no surface of revolution */
     surface_area_function *area; /* function that returns the area of a part of the surface (length
                                     squared); NULL: the area is integrated numerically */
-    int closed, angles; /* closed: surface coordinates with the period 2 pi; angles: surface
-                           coordinates that are angles. Each is a sum of bits: ALONG_THETA1,
-                           ALONG_THETA2, and AROUND_AXIS for the one of theta1 and theta2 that is
-                           the angle around the axis of a cylinder or spiral */
+    int closed, angles; /* closed: surface coordinates with the period 2 pi. angles: surface
+                           coordinates that are angles. Each is a sum of the bits ALONG_THETA1,
+                           ALONG_THETA2 and AROUND_AXIS. AROUND_AXIS stands for the angle around the
+                           axis of a cylinder or spiral, which is theta1 or theta2 */
     const char *pole_cure;
 } surface_type;
 
