@@ -1123,8 +1123,8 @@ static void field_resultants(const laminate *laminate, const scene_element *elem
     if (element->lin33)
         h0[D33] = 0;
     /*
-     * The mean thickness strain of all plies is held at zero; the resultants that hold it are
-     * added.
+     * The mean thickness strain of all plies is kept at 0; the stress resultants that this needs
+     * are added to those of the field.
      */
     for (int i = 0; i < N; i++)
         h0[i] += thickens ? stiffness[i][M33] * thickening : 0;

@@ -152,10 +152,10 @@ typedef struct laminate_field {
 } laminate_field;
 
 /*
- * Return the value of a field in an element at height z: temperature (K), or electric field along
- * the surface (V/m). A temperature of one ply has the value 1. For a voltage it is the electric
- * field over its mean through the ply, inversely proportional to the area at height z (constant
- * flux).
+ * Return the value of a field in an element at height z. For a temperature this is the temperature
+ * (K), or 1 if one ply alone has it; for an electric field along the surface, the field (V/m). For
+ * a voltage across a ply it is the electric field over its mean through the ply. This ratio is
+ * inversely proportional to the area at height z, because the flux is constant.
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);

@@ -52,7 +52,10 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 static void slope_base(const pzs_element_type *type, int corner, int direction, int strain,
                        double out[3])
 {
-    /* thickness times mean base vector, and a part for strains that are quadratic in the height */
+    /*
+     * thickness times mean base vector; the second term belongs to strains with a part quadratic in
+     * the height
+     */
     for (int i = 0; i < 3; i++)
         out[i] = type->thickness * type->g_mean[corner][direction][i] +
                  type->height_squared[1][strain] * type->g_diff[corner][direction][i];

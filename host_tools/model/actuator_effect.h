@@ -22,8 +22,9 @@ typedef struct actuator_curves {
                                        both ascending (V) */
     const double *bend; /* [sets][points - 1] bends of the segments of a curve (dimensionless);
                            NULL: all segments are straight */
-    double error; /* deviation of the effects from these curves in the middle of the range of a
-                     curve's effects, as a fraction of this range; at both ends there is none */
+    double error; /* largest deviation of the actual effects from these curves, as a fraction of the
+                     range of the effects. The deviation is largest in the middle of the range and 0
+                     at both of its ends */
 } actuator_curves;
 
 /*

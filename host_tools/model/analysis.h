@@ -63,8 +63,9 @@ typedef struct analysis {
                             for open electrodes, the computed voltages */
     double *charge; /* [electrodes] charge of each electrode at the last computed displacement (C)
                      */
-    kept_modes *modes; /* vibration modes that were computed before, about the reference state or,
-                          if `about` is filled, about the equilibrium there */
+    kept_modes *modes; /* vibration modes computed so far, kept for later requests: modes about the
+                          equilibrium in the member `about`, or about the reference state if that
+                          member is empty */
     linearised about;  /* tangent stiffness matrix and forces of the inputs about the equilibrium to
                           which influence matrix and vibration modes belong; empty: they belong to
                           the reference state */
@@ -123,8 +124,9 @@ int analysis_solve(analysis *analysis, double *displacement, char *error);
 int analysis_needs_structure(const analysis *analysis, const char *what, char *error);
 
 /*
- * Recover the stresses of a displacement that analysis_solve or analysis_continue computed; with
- * linear kinematics corrected for what the theory of the elements leaves out (stress_corrected.h).
+ * Recover the stresses of a displacement that analysis_solve or analysis_continue computed. With
+ * linear kinematics the displacement is first corrected for assumptions of the elements, such as
+ * straight cross-sections (stress_corrected.h).
  *   displacement [free_dof] in  must remain valid as long as the field is used
  * Returns 0, or -1 if memory runs out; call stress_free in both cases.
  */

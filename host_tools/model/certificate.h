@@ -70,11 +70,12 @@ typedef struct certificate_target {
     double worst;     /* largest distance of the shape, at the end of a storm (simulation with fast
                          target jumps), from the one at which the loop should come to rest; relative
                          to the norm of the target */
-    double at_gain, at_frequency; /* structure on which the loop did worst: static response to
-                                     voltages (at_gain) and natural frequencies (at_frequency), over
-                                     those of the deformed structure. Worst: the storm (fast target
-                                     jumps) that ended farthest from the best shape, or without a
-                                     failed storm the fastest growth of small vibrations */
+    double at_gain, at_frequency; /* structure on which the loop did worst: its static response to
+                                     voltages (at_gain) and its natural frequencies (at_frequency),
+                                     over those of the deformed structure. If storms (fast target
+                                     jumps) failed, it is the one whose shape ended farthest from
+                                     the best shape, otherwise the one whose small vibrations grew
+                                     fastest */
 } certificate_target;
 
 /*
@@ -103,9 +104,9 @@ typedef struct certificate_loop {
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
     double worst; /* largest distance of the shape from the best shape within the voltage limits, at
-                     the end of a storm (simulation with fast target jumps), over the norm of the
-                     target or, if larger, a fiftieth of the root mean square norm of shapes under
-                     half the voltage range with random signs */
+                     the end of a storm (simulation with fast target jumps). Its unit is the norm of
+                     the target. If this is small, the unit is a fiftieth of the root mean square
+                     norm of the shapes that half the voltage range with random signs causes */
     double unit;  /* unit of `worst` over the norm of the target: 1, or more where the target is
                      small beside the shapes that the voltages reach; infinite for a zero target */
     /*

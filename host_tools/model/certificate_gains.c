@@ -9,7 +9,7 @@
 
 /* ---- groups ----------------------------------------------------------------- */
 
-/* Group that is being made. */
+/* Group of voltages with one gain and one leak, before its matrices are computed. */
 typedef struct members {
     double gain, leak;
     size_t count;  /* number of modes in the group */
@@ -84,7 +84,10 @@ static double answer_of(const pzs_modal_gains *gains, const certificate_answers 
     return sum;
 }
 
-/* Entry of the loop matrix without gains. */
+/*
+ * Return entry (i, j) of the loop matrix for gain 1 and leak 0 of all voltages: static coordinate
+ * of vibration mode i under the voltages that a step subtracts for a measured unit of mode j.
+ */
 static double whole_of(const certificate_answers *answers, size_t i, size_t j)
 {
     double sum = 0;
@@ -220,8 +223,9 @@ typedef struct transition {
     const certificate_groups *groups;
     const certificate_conditions *conditions;
     size_t order;
-    double kept, behind; /* as in certificate.c: parts of the difference between command and output
-                            of an amplifier that are left after an interval, and in its mean */
+    double kept, behind; /* The output of an amplifier follows its command with a first-order lag.
+                            kept: fraction of their difference that is left at the end of a tick
+                            interval; behind: mean of this fraction over the interval */
     double *matrix;      /* [order][order] */
     double *change;      /* [modes][order] change of the equilibrium of each vibration mode */
     double *measured;    /* [order] work row */
@@ -267,7 +271,10 @@ static double *row_of(const transition *transition, size_t state)
     return transition->matrix + state * transition->order;
 }
 
-/* Fill the rows of the command of a coordinate, and of the answers to the last measurements. */
+/*
+ * Fill the rows of the transition matrix for coordinate i of a group: the row of the commanded
+ * voltages, and the rows that store what the last measurements ask the step to subtract.
+ */
 static void fill_command(const transition *transition, size_t group, size_t i)
 {
     const certificate_group *of = &transition->groups->group[group];

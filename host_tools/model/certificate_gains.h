@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Spectral radius of a control loop with gains and leaks of modes (pzs_modal_gains) on a structure
- * with mass. The structure, its readings and its amplifiers are those of certificate.h; the
- * controller changes its voltages v in the part of each gain g and leak l to
+ * with mass. Structure, readings and amplifiers are those of certificate.h. The voltages of the
+ * controller are divided into parts, one for each pair of gain g and leak l. In each tick, a part v
+ * becomes
  *   (1 - g - l) v - g F (q - r)
- *   F  voltages that the step without gains subtracts for measured modal coordinates
- *   q, r  modal coordinates measured `delay` ticks before, and those that the model expects for the
- *         voltages of that tick
+ *   F  voltages that a step with g = 1, l = 0 subtracts for measured modal coordinates
+ *   q  modal coordinates measured `delay` ticks before
+ *   r  modal coordinates that the model expects for the voltages of that tick
  */
 #ifndef CERTIFICATE_GAINS_H
 #define CERTIFICATE_GAINS_H
@@ -21,9 +22,9 @@
  */
 typedef struct certificate_group {
     double gain, leak;
-    size_t size;    /* number of coordinates */
-    double *shape;  /* [vibration modes][size] static coordinate of each vibration mode per unit of
-                       each coordinate */
+    size_t size;    /* number of coordinates by which the voltages of the group are described */
+    double *shape;  /* [vibration modes][size] static coordinate of each vibration mode under the
+                       voltages that belong to a unit of each coordinate of the group */
     double *answer; /* [size][vibration modes] what the controller subtracts for a measured unit of
                        each vibration mode in a step with gain 1 and leak 0: coordinates of these
                        voltages */
@@ -38,8 +39,9 @@ typedef struct certificate_groups {
 
 /* Model of the loop without gains, for its amplifiers that are not held at one voltage. */
 typedef struct certificate_answers {
-    size_t modes, moving;         /* number of vibration modes, and of these amplifiers */
-    const size_t *amplifier;      /* [moving] their indices */
+    size_t modes, moving;    /* number of vibration modes, and of these amplifiers */
+    const size_t *amplifier; /* [moving] indices of the amplifiers that are not held at one voltage
+                              */
     const double *modal_response; /* [modes][moving] static coordinate of each vibration mode per
                                      volt */
     const double *answer; /* [modes][moving] voltages that a step without gains subtracts for a

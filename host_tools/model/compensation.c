@@ -45,9 +45,10 @@ static double offset_of(const pzs_hysteresis *tables)
 }
 
 /*
- * Least permitted ratio of two slopes of the hysteresis model that a loop inverts: just after a
- * reversal of the voltage, to far from one. On a ceramic without hysteresis the inverse then
- * enlarges small changes by at most 1/0.6.
+ * Least permitted ratio of two slopes (change of the effect per volt) of the hysteresis model that
+ * a loop inverts: the slope just after a reversal of the voltage over the slope far from a
+ * reversal. On a ceramic without hysteresis the inverse then enlarges small changes by at most
+ * 1/0.6.
  */
 static const double least_after_reversal = 0.6;
 

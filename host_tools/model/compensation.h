@@ -42,9 +42,10 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
 void compensation_identify(compensation *compensation, const scene_hysteresis *identified);
 
 /*
- * Weaken the hysteresis model that a control loop inverts: larger slopes replace play operators
- * until a change just after a voltage reversal has at least 0.6 of its effect far from one.
- * Otherwise the inverse would raise the loop gain on a ceramic with less hysteresis.
+ * Weaken the hysteresis model that a control loop inverts: larger slopes replace play operators,
+ * until a volt just after a reversal of the voltage has at least 0.6 of the effect that a volt has
+ * far from a reversal. Otherwise the inverse would raise the loop gain on a ceramic with less
+ * hysteresis.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

@@ -24,7 +24,9 @@ typedef struct damper {
     double *frequency;  /* [modes] natural frequencies of the vibration modes that the control tick
                            observes (Hz) */
     double rate;        /* rate of the control tick that damps vibration (1/s) */
-    double fading_periods; /* damper_settings.fading_periods, for the tables of the supervisor */
+    double fading_periods; /* time in which the vibration that the supervisor tolerates after a jump
+                              of the target falls by the factor e (periods of the first observed
+                              mode) */
     double *memory; /* one allocation that holds all arrays of the vibration damper's tables */
     pzs_vibration tables;
 } damper;

@@ -207,8 +207,8 @@ int design_control(design *design, const double *influence, char *error);
 
 /*
  * Compute the voltage limits of every amplifier.
- *   common  in  limits that all amplifiers share: of the scene file (LIMITS_SCENE, after
- *       design_control), given (LIMITS_GIVEN), or none (LIMITS_NONE)
+ *   common  in  origin of the limits that all amplifiers share: the scene file (LIMITS_SCENE, only
+ *       after design_control), two given voltages (LIMITS_GIVEN), or none (LIMITS_NONE)
  *   lower, upper  [amplifiers] out  voltage limits (V)
  * Returns 0, or -1 with error filled where no voltage is allowed for an amplifier.
  */

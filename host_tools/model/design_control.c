@@ -138,7 +138,8 @@ static void remove_limits(const limits *limits)
 
 /*
  * Check that every amplifier has an allowed voltage. Returns 0, or -1 with error filled.
- *   which  in  names of the limits that do not overlap where there is none
+ *   which  in  for the message: names of the limits that do not overlap if an amplifier has no
+ *       allowed voltage
  */
 static int check_limits(const limits *bounds, const char *which, char *error)
 {
@@ -275,8 +276,9 @@ static int check_park_rows(const design *design, char *error)
 }
 
 /*
- * Check the park voltage that the scene gives for amplifier k. A park voltage for all amplifiers
- * does not concern one that is held at a voltage. Returns 0, or -1 with error filled.
+ * Check the park voltage (voltage after a fault) that the scene gives for amplifier k. If the scene
+ * gives one park voltage for all amplifiers, it does not apply to an amplifier whose limits allow
+ * only one voltage. Returns 0, or -1 with error filled.
  */
 static int check_park(const design *design, size_t k, char *error)
 {

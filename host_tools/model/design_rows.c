@@ -20,9 +20,9 @@ enum {
 };
 
 /*
- * Return the distance (V) that a weighted sum of voltages keeps from its limits in row k when
- * voltages that obey all limits are computed. It is twice the margin against rounding errors by
- * which a controller in single precision tightens these limits.
+ * Return the safety distance (V) that the sum in limit row k must keep from its limits when the
+ * host computes voltages that obey all limits. A controller in single precision tightens the limits
+ * by a margin against rounding errors; the safety distance is twice this margin.
  */
 static double safe_margin(const design *design, int k)
 {

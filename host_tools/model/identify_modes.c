@@ -73,11 +73,12 @@ typedef struct fit {
     double *signal; /* [channels][samples] signal of each channel (weighted sum of the readings),
                        without its mean in each interval of constant voltages (unit of the readings)
                      */
-    double *function, *slope; /* work arrays; rows are as long as the longest interval of constant
-                                 voltages. function: first BASIS rows: orthonormal functions that
-                                 span a constant and the modes' decaying cosines and sines; other
-                                 rows: derivatives of a fitted signal by each frequency and damping
-                                 ratio. slope: derivatives of the cosines and sines by these */
+    double *function, *slope; /* work arrays, whose rows are as long as the longest interval of
+                                 constant voltages. function: BASIS rows of orthonormal functions
+                                 that span a constant and the modes' decaying cosines and sines,
+                                 then rows of derivatives of a fitted signal by each frequency and
+                                 damping ratio. slope: derivatives of the cosines and sines by
+                                 frequency and damping ratio */
     double *column; /* work vector for one signal in the longest interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the

@@ -78,8 +78,8 @@ static int solve_path(analysis *analysis, int branch, double *displacement, char
 /*
  * Compute the displacement of the structure on one mesh, and append the values of the scene's
  * outputs to `values`. Returns 0, or -1 with error filled.
- *   branch in  at the end of the load path: number of the bifurcation at which to leave it, 0 for
- *       none; NULL: by the load steps of the scene
+ *   branch in  NULL: the displacement is the result of the scene's load steps. Otherwise it is the
+ *       end of the load path, which is left at the bifurcation with this number (0: at none)
  */
 static int solve_prepared(analysis *analysis, const int *branch, mesh_values *values, char *error)
 {
@@ -101,8 +101,10 @@ static int solve_prepared(analysis *analysis, const int *branch, mesh_values *va
 }
 
 /*
- * Prepare the computation for a scene, compute its displacement as solve_prepared does, and append
- * the values of the scene's outputs to `values`. Returns 0, or -1 with error filled.
+ * Analyse a scene, and append the values of its outputs to `values`. Returns 0, or -1 with error
+ * filled.
+ *   branch in  NULL: the displacement is the result of the scene's load steps. Otherwise it is the
+ *       end of the load path, which is left at the bifurcation with this number (0: at none)
  */
 static int measure_outputs(const scene *scene, const int *branch, mesh_values *values, char *error)
 {

@@ -42,14 +42,15 @@ typedef struct builder {
     const scene_modal_gains *scene;
     size_t *amplifier; /* [moving] amplifiers that are not held at one voltage */
     size_t moving, modes;
-    double *hessian; /* [moving][moving] H */
+    double *hessian; /* [moving][moving] Hessian H of the voltage optimisation problem */
     double *work;    /* [moving][moving] work matrix: eigenvalues on its diagonal, or the Cholesky
                         factor of H */
     double *vector;  /* [moving][moving] eigenvectors as columns */
     double *column;  /* [targets] a function of the scene at the target nodes */
     double *pattern; /* [modes][moving] voltages of each mode */
-    double *effect;  /* [modes][moving] H times the voltages of each mode */
-    double *left;    /* [modes] */
+    double *effect;  /* [modes][moving] product of the Hessian H and the voltages of each mode */
+    double *left; /* [modes] for a mode made from a function: norm of what the actuators cannot make
+                     of the function, over its norm */
 } builder;
 
 /* ---- Hessian -------------------------------------------------------------- */
@@ -199,8 +200,9 @@ static double fit(builder *builder, double *voltage)
 }
 
 /*
- * Subtract from the voltages of a mode its components along the modes before it, twice because of
- * rounding errors, and scale the rest. Returns the norm of the rest over that before.
+ * Subtract from the voltages of a mode its components along the preceding modes, twice because of
+ * rounding errors, and scale the remainder to norm 1. Returns the norm of the remainder over the
+ * norm that the voltages had before.
  */
 static double orthonormalise(builder *builder, size_t mode)
 {
@@ -433,7 +435,10 @@ static double largest_gain(double leak, int delay)
     return low;
 }
 
-/* Refuse the gain and the leak of mode `mode` (number, from 1; 0: everything else) if unstable. */
+/*
+ * Refuse the gain and the leak of a mode if its error would grow from tick to tick. Mode numbers
+ * count from 1; `mode` = 0 stands for the voltages that belong to no mode.
+ */
 static int check_mode(const design *design, double gain, double leak, size_t mode, char *error)
 {
     const int delay = design->simulate.delay;

@@ -64,7 +64,8 @@ static double mesh_size(const mesh *mesh)
 /*
  * Make a first step from a bifurcation along its mode. Its first increment keeps the load factor of
  * the bifurcation.
- *   amplitude in  largest displacement of the first increment (m), negative against the mode
+ *   amplitude in  largest displacement of the first increment (m). Its sign selects the direction:
+ *       along the mode, or opposite to it
  * Returns whether an equilibrium was found on the branch. It lies on the branch if its displacement
  * from the bifurcation encloses less than 45 degrees with the mode; the original path leaves the
  * bifurcation at a larger angle.

@@ -27,7 +27,9 @@ enum { ROUNDS = 2 };
  */
 typedef struct estimate {
     size_t rows, outputs;
-    /* [TRENDS][rows] orthonormal vectors of constant and drift; zeros where voltages explain them
+    /*
+     * [TRENDS][rows] orthonormal vectors of the two trends, constant and linear drift. The vector
+     * of a trend is 0 if the voltages explain the trend
      */
     double *trend;
     double scale[TRENDS]; /* component of each trend along its own vector in `trend`: of the

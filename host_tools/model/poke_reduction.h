@@ -23,8 +23,9 @@ typedef struct poke_reduction {
     const double *rest; /* [left][outputs] rows of the measured shapes, multiplied by the orthogonal
                            matrix Q' that makes the voltages of these rows 0: no influence matrix
                            can explain what is in them */
-    const double *extra; /* [left][extras] rows of the argument `regressor` of poke_reduce,
-                            multiplied by the same Q' as the shapes in `rest` */
+    const double *extra; /* [left][extras] further numbers of each poke (argument `regressor` of
+                            poke_reduce), multiplied by the orthogonal matrix Q'; only the rows in
+                            which Q' makes the voltages 0 */
     double *memory;      /* one allocation that holds the arrays of the reduction */
 } poke_reduction;
 

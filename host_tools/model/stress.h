@@ -16,8 +16,9 @@
 int stress_recover(stress_field *field, const stress_state *state);
 
 /*
- * Recover the stresses with a corrected displacement (stress_corrected.h), whose arrays the field
- * then owns. Arguments and return value are those of stress_field_fill.
+ * Recover the stresses of a structure whose displacement has been corrected (stress_corrected.h).
+ *   correction in  correction of the displacement, whose arrays the field then owns
+ * Returns 0, or -1 if memory runs out; call stress_free in both cases.
  */
 int stress_recover_with(stress_field *field, const stress_state *state,
                         const stress_correction *correction);

@@ -25,8 +25,9 @@ static void shear_strain(const laminate_ply *ply, const double stress[2], double
 }
 
 /*
- * Compute the shear stresses (1/m) in equilibrium with a bending moment of which the gradient along
- * its own direction is 1: moment 11 (direction 0) or 22 (direction 1) of a flat laminate.
+ * Compute the transverse shear stresses (1/m) that balance a bending moment which grows along its
+ * own direction with the gradient 1, in a flat laminate. direction = 0: moment 11 along direction
+ * 1; direction = 1: moment 22 along direction 2.
  */
 static void unit_shears(const stress_field *field, int element, double flex[6][6], int direction,
                         shears out)
@@ -152,7 +153,8 @@ static void add_shear(const stress_field *field, int element, double resultant[1
 /* ---- in-plane stresses ---------------------------------------------------------------- */
 
 /*
- * Store the in-plane stresses of an element that its theory leaves out, and add their resultants.
+ * Store the in-plane stresses that the straight cross-sections and the uniform normal stress 33 of
+ * an element leave out, and add their resultants to those of the correction.
  *   lacking   [layers][STRESS_HEIGHTS] out     these stresses 11, 22 and 12 (Pa)
  *   resultant [10]                     in/out  resultants per area (N/m)
  */
@@ -272,9 +274,9 @@ static bool fill_correction(stress_field *field, const pzs_model *model,
 }
 
 /*
- * Replace recovered stresses by those of the corrected displacement, whose arrays are then those of
- * the field; not where these are left with straight cross-sections alone. Returns 0, or -1 if
- * memory runs out.
+ * Replace recovered stresses by those of the corrected displacement, whose arrays the field then
+ * owns. The recovered stresses are kept if they contain the stresses of bent cross-sections, but
+ * those of the corrected displacement did not converge. Returns 0, or -1 if memory runs out.
  */
 static int replace_by_corrected(stress_field *field, const stress_state *state,
                                 const stress_correction *correction)

@@ -27,9 +27,11 @@ typedef double profile[STENCIL_SAMPLES][2];
 /* ---- integration through the thickness ---------------------------------------- */
 
 /*
- * Compute the transverse shear stresses from the gradient of the in-plane stresses: integrate the
- * equations of equilibrium (stress_equilibrium.h) from the inner face, where the stresses vanish.
- *   out  products c_1^2 c_2 s_13 and c_2^2 c_1 s_23 (profile)
+ * Compute the transverse shear stresses s_13 and s_23 from the gradient of the in-plane stresses:
+ * integrate the equations of equilibrium (stress_equilibrium.h) from the inner face, where the
+ * shear stresses are 0.
+ *   out  c_1^2 c_2 s_13 and c_2^2 c_1 s_23 at every height; c_1, c_2: lengths at the height over
+ *       those in the reference surface
  */
 static void balance(const stress_field *field, const stencil *stencil, gradient slope, profile out)
 {
@@ -176,8 +178,9 @@ static int solve_system(double matrix[PATTERNS][PATTERNS + 1], double x[PATTERNS
 
 /*
  * Correct a profile of transverse shear stresses so that it vanishes at the outer face and has the
- * shear resultants of the element, by adding the shear stresses of four gradients: of both normal
- * forces and both bending moments. Returns 0, or -1 if the plies cannot carry the shear.
+ * shear resultants of the element. For this, multiples of four shear profiles are added: those that
+ * balance unit gradients of the two normal forces and of the two bending moments. Returns 0, or -1
+ * if the plies cannot carry the shear.
  */
 static int correct(const stress_field *field, const stencil *stencil, profile values)
 {

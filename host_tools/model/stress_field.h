@@ -81,16 +81,18 @@ typedef struct stress_sample {
     double plane[3], shear[2], normal;
     double warp[3];     /* in-plane strains 11 22 12 (twice the tensor's) of bent cross-sections,
                            which `plane` contains (stress_warp.h) */
-    double squeeze[3];  /* in-plane stresses 11 22 12 which `plane` contains because the normal
-                           stress 33 differs from that of the element (stress_warp.h; Pa) */
-    double lacking[3];  /* in-plane stresses 11 22 12 that straight cross-sections and the normal
-                           stress 33 of the element leave out while the displacement of the
-                           structure remains the same (Pa) */
+    double squeeze[3];  /* part of the in-plane stresses 11 22 12 in `plane` that exists because the
+                           recovered normal stress 33 differs from `own_normal`, that of the element
+                           (stress_warp.h; Pa) */
+    double lacking[3];  /* in-plane stresses 11 22 12 that the elements leave out: stresses of bent
+                           cross-sections, and of a normal stress 33 that varies over the thickness,
+                           while the displacement of the structure remains the same (Pa) */
     double balanced[3]; /* in-plane stresses 11 22 12 that an earlier recovery found to be left out
                            (the member `lacking` there), and with which the displacement of the
                            structure was corrected since (stress_corrected.h; Pa) */
     double own_normal;  /* normal stress 33 of the element at this height (Pa) */
-    double thickening;  /* thickness strain 33 under this normal stress, without `warp` */
+    double thickening;  /* thickness strain 33 at this height while the normal stress 33 is
+                           `own_normal` and the strains `warp` of bent cross-sections are 0 */
 } stress_sample;
 
 /*
@@ -99,8 +101,8 @@ typedef struct stress_sample {
  */
 typedef struct stress_correction {
     double *displacement;    /* [free_dof] corrected displacement, of which the stresses are */
-    double (*resultant)[10]; /* [elements] resultants added to those that follow from the strains of
-                                an element, in the order of its ten strains (N/m) */
+    double (*resultant)[10]; /* [elements] stress resultants that the correction adds to those of
+                                each element, in the order of its ten strains (N/m) */
     double (*lacking)[3];    /* [elements][layers][STRESS_HEIGHTS] values of
                                 stress_sample.balanced (Pa) */
     double *electric;        /* [elements][layers] electric displacement of the layers before the
@@ -139,7 +141,9 @@ typedef struct stress_field {
                            strains of bent ones did not converge (stress_warp.h) */
     bool has_squeeze;   /* whether the in-plane stresses contain the effect of the normal stress 33
                            of each height */
-    stress_correction correction; /* correction of the displacement; empty without it */
+    stress_correction correction; /* correction of the displacement for assumptions of the elements,
+                                     such as straight cross-sections; all members are 0 if there is
+                                     no correction */
     double theory_error; /* estimated error of the displacement from assumptions of the elements,
                             such as straight cross-sections: largest change of the displacement at a
                             node by the correction, over the largest displacement; 0 where the

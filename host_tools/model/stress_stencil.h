@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gradients along the surface of what is known at the centres of elements, and integrals through
- * their thickness, for the recovery of stresses.
+ * Tools for the recovery of stresses: derivatives along the surface, formed from values at the
+ * centres of neighbouring elements, and integrals through the thickness of an element.
  */
 #ifndef STRESS_STENCIL_H
 #define STRESS_STENCIL_H

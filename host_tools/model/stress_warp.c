@@ -101,8 +101,9 @@ static int keep_resultants(const stress_field *field, const stencil *stencil, st
 /* ---- corrections ------------------------------------------------------------------ */
 
 /*
- * Compute the in-plane stresses that the normal stress 33 of each height causes at unchanged
- * in-plane strains, beyond the normal stress 33 of the element (squeeze out, Pa).
+ * Compute the in-plane stresses (squeeze out, Pa) that the thickness stress causes at every height
+ * while the in-plane strains are unchanged: only the part of the recovered normal stress 33 that
+ * exceeds the normal stress 33 of the element counts.
  */
 static void squeeze_of(const stress_field *field, int element, strains squeeze)
 {

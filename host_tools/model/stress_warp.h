@@ -1,23 +1,26 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * In-plane stresses that the straight cross-sections and the one normal stress 33 of the elements
- * leave out.
- *   bent cross-sections  The shear strains g_a3 of the plies and the gradient of their rise w_3
- *       displace a cross-section by w_a(z), where shells with straight cross-sections have a line
- *       in z (the line that has the same work with forces and moments is subtracted):
+ * In-plane stresses that the elements leave out, because their cross-sections are straight and all
+ * plies have the same normal stress 33.
+ *   bent cross-sections  A cross-section is displaced by w_a(z). Shells with straight
+ *       cross-sections have a line in z instead; the line that does the same work with forces and
+ *       moments is subtracted from w_a. The cause are the shear strains g_a3 of the plies and the
+ *       gradient of the plies' displacement w_3 along the normal:
  *         c_a (w_a/c_a),z = g_a3 - w_3,a/c_a       w_3,z = e_33
  *         e_ab = (w_a,b/c_b + w_b,a/c_a)/2, and e_aa contains k_a w_3/c_a
  *   normal stress 33     At unchanged strains it causes the stress c_ab33/c_3333 s_33.
- * Without a corrected displacement (stress_corrected.h) the second part and the rise are left out,
- * and membrane strains and curvatures are added that keep the resultants of the element. With it
- * the resultants of both parts belong to the equilibrium of the structure, and only what is left of
- * them is so removed.
+ *   c_a, k_a             lengths along direction a over those in the reference surface, principal
+ *       curvature
+ * Without a corrected displacement (stress_corrected.h) the stresses by the normal stress 33, and
+ * w_3, are left out. Membrane strains and curvatures are then added, so that the resultants of the
+ * element remain the same. With a corrected displacement, the equilibrium of the structure contains
+ * the resultants of these stresses. Only what that equilibrium does not contain is then removed by
+ * membrane strains and curvatures.
  *
- * The shear stresses follow from equilibrium with the in-plane stresses (stress_equilibrium.h),
- * which change: the strains are computed, then the transverse stresses, then the strains once more
- * (Noor, Burton and Peters 1990). Further transverse stresses would contain higher derivatives than
- * a mesh has.
- *   c_a, k_a  lengths along direction a over those in the reference surface, principal curvature
+ * The transverse stresses follow from equilibrium with the in-plane stresses
+ * (stress_equilibrium.h), and change with them. Three steps are made: the strains are computed,
+ * then the transverse stresses, then the strains once more (Noor, Burton and Peters 1990). Further
+ * steps would need higher derivatives than a mesh can give.
  */
 #ifndef STRESS_WARP_H
 #define STRESS_WARP_H
@@ -34,9 +37,9 @@
 int stress_warp(stress_field *field);
 
 /*
- * Return the largest ratio of the second to the first change of the in-plane stresses with which
- * stresses of bent cross-sections are added: 1/2, or 1/3 with a corrected displacement, which
- * contains higher derivatives with larger errors at edges.
+ * Return the limit of bend_change up to which the stresses of bent cross-sections are used: 1/2, or
+ * 1/3 with a corrected displacement, which contains higher derivatives with larger errors at edges.
+ * (bend_change: second change of the in-plane stresses by bent cross-sections over the first.)
  */
 double stress_bend_limit(const stress_field *field);
 

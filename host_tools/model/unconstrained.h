@@ -5,8 +5,8 @@
  *   v, v0  voltages and reference voltages
  *   W, B   weights and influence matrix
  *   e, r   error to be corrected, and regularisation
- * Factored by pivoted Cholesky, and refined with residuals from B. A voltage whose column of B
- * depends linearly on others stays at 0 V.
+ * The matrix is factored by Cholesky's method with pivoting. Iterative refinement computes its
+ * residuals from B. A voltage whose column of B depends linearly on others stays at 0 V.
  */
 #ifndef UNCONSTRAINED_H
 #define UNCONSTRAINED_H

@@ -5,7 +5,10 @@
 #include "design_rows.h"
 #include "../text/append.h"
 
-/* Append which limits of sums and differences of voltages are active. */
+/*
+ * Append the names of those limits of sums and differences of voltages that the voltages of a
+ * result reach.
+ */
 static void append_rows(const design *design, const voltages *result, char text[VOLTAGES_TEXT])
 {
     enum { MOST_NAMED = 8 };

@@ -9,9 +9,10 @@
 enum { VOLTAGES_TEXT = 8000 };
 
 /*
- * Write a text of no or several lines, indented by two spaces after an empty line: numbers of
- * amplifiers with narrower limits than the common ones and of target rows that cannot move, active
- * limits between amplifiers, and free functions of the target.
+ * Write a text on a result: the numbers of amplifiers with narrower limits than the common ones and
+ * of target rows that cannot move, the active limits between amplifiers, and the free functions of
+ * the target. The text is empty if there is nothing to say. Otherwise it begins with a line end,
+ * and its lines are indented by two spaces.
  */
 void voltages_words(const design *design, const voltages *result, char text[VOLTAGES_TEXT]);
 

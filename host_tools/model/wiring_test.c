@@ -268,8 +268,8 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
 
 /*
  * Return the height of the test pulse of one amplifier (V) at which its response stands out from
- * the noise in the scene file; infinite where the amplifier moves no sensor. The self-test
- * estimates the noise by the larger of two samples, which vary by chance; hence the margin.
+ * the noise in the scene file; infinite where the amplifier moves no sensor. The height contains a
+ * margin, because the self-test estimates the noise from two samples, which vary by chance.
  */
 static double sufficient_height(const wiring_test *test, const double *direct, size_t amplifier)
 {

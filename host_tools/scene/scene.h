@@ -1010,7 +1010,7 @@ typedef struct scene_modal_gains {
                              largest singular values */
     scene_mode *function; /* [functions] modes as functions at the target nodes */
     double *gain, *leak;  /* [modes] gain and leak of each mode; NULL without modes */
-    double other_gain, other_leak; /* gain and leak of all that is not in the modes */
+    double other_gain, other_leak; /* gain and leak of all voltages that belong to no mode */
     scene_at at;
 } scene_modal_gains;
 

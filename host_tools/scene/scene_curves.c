@@ -342,8 +342,8 @@ static double effect_of_zero(const scene_curves *curves, int set)
 }
 
 /*
- * Refuse a regularisation, which draws effects to 0, where 0 V has another effect. Returns 0, or -1
- * with error filled.
+ * Refuse a regularisation of the voltages if an actuator has an effect at 0 V by its curve: the
+ * regularisation draws effects to 0, not voltages. Returns 0, or -1 with error filled.
  */
 static int check_reference(const scene *scene, char *error)
 {

@@ -12,7 +12,8 @@ enum { MOST_MODES = 4096 };
 
 /* The section control.modal_gains as it is written in the scene file. */
 typedef struct modal_gains_text {
-    int modes, gain, leak;         /* YAML nodes of the keys; 0 for a key that is absent */
+    int modes, gain, leak; /* YAML nodes of the keys `modes`, `gain` and `leak`; 0 for a key that is
+                              absent */
     double other_gain, other_leak; /* gain and leak of the voltages that belong to no mode; NAN
                                       where the scene file does not give them */
 } modal_gains_text;
@@ -148,8 +149,8 @@ static int read_each(reader *reader, int node, int modes, const range *range, do
 
 /*
  * Read the gains or the leaks of the modes.
- *   node         in   YAML node of the key; 0: the key is absent, and all are `absent`
- *   value [max(modes, 1)] out  value of each mode; without modes that of everything
+ *   node   in   YAML node of the key; 0: the key is absent, and every value is `absent`
+ *   value  out  value of each mode; if the scene has no modes, one value, that of all shapes
  */
 static int read_values(reader *reader, int node, int modes, const range *range, double absent,
                        double *value)

@@ -210,8 +210,8 @@ field_read read_modal_gains;
 extern const form modal_gains_form;
 
 /*
- * Read a function at the target nodes, or a word for one (piston, tip, tilt), into the scene_mode
- * at `item` (scene_task.c).
+ * Read the shape of a mode: a function at the target nodes, or one of the words piston, tip and
+ * tilt. `item` points to the scene_mode that receives it (scene_task.c).
  */
 item_read read_shape_function;
 
