@@ -332,10 +332,12 @@ typedef enum pzs_control_behind {
 } pzs_control_behind;
 
 /*
- * First member of the memory of a block that changes the gradient of the objective in a tick
- * (target_gradient of the optimiser), such as that with gains of modes: its function. The argument
- * `missed` is the scale of the gradient's rounding errors, as a weighted squared norm of a shape
- * (m2); the function returns that after the change.
+ * Function by which a block (stage of the tick) changes the gradient of the objective in a tick
+ * (target_gradient of the optimiser), for example by gains of modes. The struct must be the first
+ * member of the block's memory.
+ *   missed in  scale of the gradient's rounding errors before the change, as the weighted squared
+ *              norm of a shape (m2)
+ * Returns this scale after the change (m2).
  */
 typedef struct pzs_step_filter {
     pzs_real (*filter_step)(struct pzs_control *control, struct pzs_step_filter *filter,
@@ -700,16 +702,20 @@ typedef struct pzs_reading_delay_state {
 } pzs_reading_delay_state;
 
 typedef struct pzs_modal_gains_state {
-    pzs_step_filter filter; /* function of the block in the control step, set in each tick */
+    pzs_step_filter filter; /* function that changes the gradient of the control step by gains and
+                               leaks; set in each tick, because memory may be damaged */
     const struct pzs_modal_gains *tables;
-    pzs_real *gradient;  /* [inputs] half the gradient of the objective without gains, with its sign
-                            changed (m2/V); then what the modes change of it */
-    pzs_real *deviation; /* [inputs] present voltages minus reference voltages (V), padded with
-                            zeros; 0 for an input that is held at one voltage */
-    pzs_real *product;   /* [inputs] Hessian of the optimisation times this deviation (m2/V) */
-    pzs_real *step;      /* [modes] change of the coordinate of each mode that the tick asks for
-                            beyond that of all that is not in the modes (m) */
-    pzs_real *coordinate; /* [modes] coordinate of each mode, from the reference voltages (m) */
+    pzs_real *gradient; /* [inputs] work array (m2/V): first half the gradient of the objective with
+                           its sign changed, before gains act on it; then the correction of this
+                           gradient in the modes */
+    pzs_real *deviation; /* [inputs] present voltages minus reference voltages, on which the leak
+                            acts (V), padded with zeros; 0 for an input whose voltage is fixed */
+    pzs_real *product;   /* [inputs] product of the Hessian of the optimisation with `deviation`
+                            (m2/V) */
+    pzs_real *step; /* [modes] wanted change of the coordinate of each mode in this tick (m), minus
+                       the change by which other_gain and other_leak would move it */
+    pzs_real *coordinate; /* [modes] present coordinate of each mode (m), 0 at the reference
+                             voltages */
 } pzs_modal_gains_state;
 
 typedef struct pzs_feed_forward_state {
@@ -752,18 +758,19 @@ typedef struct pzs_supervisor_core {
  */
 typedef struct pzs_polarity_state {
     pzs_real *direction; /* [outputs] last jump of the target shape (m) */
-    pzs_real least; /* smallest size of the change of a scalar product, `direction` times shape, at
-                       which the monitor judges the direction of the motion (m2) */
-    pzs_real before[2]; /* scalar products of `direction` with the predicted shape [0] and with the
-                           measured shape [1] at the jump of the target (m2) */
+    pzs_real least; /* smallest change of a scalar product (jump `direction` times shape) from which
+                       the monitor judges in which direction the structure moves (m2) */
+    pzs_real before[2]; /* scalar products of the jump of the target (`direction`) with the
+                           predicted shape [0] and with the measured shape [1], both at the time of
+                           the jump (m2) */
     pzs_real now[2];    /* present scalar products of the target's last jump (`direction`) with the
                            predicted shape [0] and the measured shape [1] (m2); one tick updates
                            the first product, the next tick the second, and so on */
-    uint32_t remaining; /* number of ticks in which the motion after the last jump of the target
-                           will still be judged; in the first two ticks after a jump the products in
-                           `before` are computed */
-    uint32_t first; /* number of ticks in which the motion after a jump of the target is judged, the
-                       start value of `remaining` */
+    uint32_t remaining; /* number of ticks left in which the monitor judges the motion after the
+                           last jump of the target; the first two ticks after a jump only compute
+                           the two products in `before` */
+    uint32_t first; /* start value of `remaining`: number of ticks in which the motion after a jump
+                       of the target is judged */
 } pzs_polarity_state;
 
 /*
@@ -772,10 +779,11 @@ typedef struct pzs_polarity_state {
  */
 typedef struct pzs_stuck_state {
     pzs_real *reference; /* [outputs] predicted shape when the last reading changed (m) */
-    uint32_t repeats; /* number of ticks in which all readings repeated; counts in a circle once the
-                         whole `reference` is stored */
-    uint32_t moved;   /* number of these ticks in which the predicted shape was far from
-                         `reference` */
+    uint32_t repeats; /* number of successive ticks in which all readings have repeated. It counts
+                         up while `reference` is stored, a part in each tick; after that it only
+                         tells which part the tick compares */
+    uint32_t moved; /* number of these ticks in which the predicted shape differed from `reference`
+                       by more than repeated readings allow */
 } pzs_stuck_state;
 
 /*

@@ -472,15 +472,15 @@ extern const pzs_block_type pzs_reading_delay_block;
  *   d_k  change of the coordinate in a tick without gains and leaks: that of the least-squares
  *        voltages for target shape minus measured shape
  *
- * `other_gain` and `other_leak` are those of all that is not in the modes. Gain 1 and leak 0
- * everywhere: the tick is that without gains.
+ * `other_gain` and `other_leak` hold for all voltages outside the span of the modes. With gain 1
+ * and leak 0 everywhere a tick is the same as without gains and leaks.
  *
  *   - Where limits are met, the voltages are the ones inside all limits that are nearest to the
- *     voltages of this formula, in the norm of H. Their memory is the voltages that were given, so
- *     that nothing winds up.
- *   - At rest, the voltages inside the limits minimise the sum over the modes of
- *     gain_k (c_k - o_k)^2 + leak_k c_k^2, where o_k are the coordinates of the least-squares
- *     voltages; equal gains without leak give the optimum of the tick without gains.
+ *     voltages of this formula, in the norm of H. The next tick starts from the voltages inside the
+ *     limits, so that there is no integrator windup.
+ *   - At rest, the voltages inside the limits minimise the sum over the modes of gain_k (c_k -
+ *     o_k)^2 + leak_k c_k^2, where o_k are the coordinates of the least-squares voltages; equal
+ *     gains without leak give the optimum of the tick without gains.
  *   - White noise of the measured shape with the variance s2 in a mode gives its coordinate the
  *     variance gain^2 s2 / ((gain + leak) (2 - gain - leak)).
  *
@@ -493,16 +493,20 @@ typedef struct pzs_modal_gains {
     uint32_t crc;            /* checksum of the tables of modal gains and their arrays, computed by
                                 pzs_modal_gains_seal */
     uint16_t inputs, modes;  /* number of inputs, and number of modes, which may be 0 */
-    const pzs_real *pattern; /* [modes][inputs] voltages of 1 m of each mode (V/m); NULL where the
-                                number of modes is 0, as for the next three members */
+    const pzs_real *pattern; /* [modes][inputs] voltages that make up 1 m of each mode (V/m). This
+                                array and the next three may be NULL if there are no modes */
     const pzs_real *effect;  /* [modes][inputs] Hessian of the optimisation times the voltages of
                                 each mode (m/V): B'W^2 B + regularisation I, with influence matrix B
                                 and output weights W */
-    const pzs_real *gain;    /* [modes] gain of each mode, from 0, gain plus leak below 2 */
-    const pzs_real *leak;    /* [modes] leak of each mode, from 0 to 1 */
-    pzs_real other_gain; /* gain of all that is not in the modes, from 0, below 2 with the leak */
-    pzs_real other_leak; /* leak of all that is not in the modes, from 0 to 1; above 0 a tick
-                            takes inputs * inputs multiply-adds more */
+    const pzs_real *gain; /* [modes] gain of each mode: part of the wanted change that a tick makes
+                             (dimensionless), at least 0; gain plus leak of a mode must be below 2
+                           */
+    const pzs_real *leak; /* [modes] leak of each mode: part of its coordinate that is lost in a
+                             tick, from 0 to 1 */
+    pzs_real other_gain;  /* gain of all voltages outside the span of the modes, at least 0;
+                             other_gain plus other_leak must be below 2 */
+    pzs_real other_leak;  /* leak of all voltages outside the span of the modes, from 0 to 1; if it
+                             is above 0, a tick takes inputs * inputs more multiply-adds */
 } pzs_modal_gains;
 
 /*
@@ -513,10 +517,12 @@ pzs_status pzs_modal_gains_seal(pzs_modal_gains *tables);
 
 /*
  * Block (stage of the control tick, in PZS_PHASE_READINGS) that gives the control step gains and
- * leaks of modes. Tables: pzs_modal_gains. Work of a tick: 3 * modes * inputs multiply-adds.
- * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and
- *   PZS_E_ARGUMENT  also for tables of other sizes, and for a gain or leak outside its range
- *                   (info.where = the mode; the number of modes for the rest)
+ * leaks of modes, which are patterns of voltages. Tables: pzs_modal_gains. Work of a tick: 3 *
+ * modes * inputs multiply-adds. Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_NONFINITE, and
+ *   PZS_E_ARGUMENT  also for tables of other sizes, and for a gain or leak out of range; info.where
+ *                   is then the index of the mode, or the number of modes for other_gain or
+ *                   other_leak
  *   PZS_E_STAGE     the loop damps vibration (pzs_vibration_block), with gains of its own
  */
 extern const pzs_block_type pzs_modal_gains_block;

@@ -26,8 +26,8 @@ static bool stays(double gain, double leak)
 }
 
 /*
- * Root mean square of the coordinate of a mode over that of white noise of the measured shape in
- * the mode.
+ * How much noise of the measured shape a mode passes on to its coordinate: root mean square of the
+ * coordinate, divided by that of white noise in the mode (dimensionless).
  */
 static double noise_of(double gain, double leak)
 {
@@ -35,11 +35,17 @@ static double noise_of(double gain, double leak)
     return sum > 0 ? gain / sqrt(sum * (2 - sum)) : 0;
 }
 
-/* Results for all modes and for the rest. */
+/*
+ * Extremes over all modes and, if there are fewer modes than amplifiers, over the voltages outside
+ * their span.
+ */
 typedef struct gains_facts {
-    double growth; /* largest part of an error that a tick leaves, over all that do not stay */
-    double noise;  /* largest part of the noise in a mode that the loop passes on */
-    int staying;   /* number of modes of gain 0 and leak 0 */
+    double growth; /* largest factor by which a tick multiplies an error in a mode (dimensionless);
+                      modes whose gain and leak are 0 do not count, because their errors stay */
+    double noise;  /* largest ratio of the noise in the coordinate of a mode to the noise of the
+                      measured shape (dimensionless) */
+    int staying;   /* number of modes whose gain and leak are both 0, so that the loop never changes
+                      them */
 } gains_facts;
 
 static void add_fact(gains_facts *facts, double gain, double leak, int delay)
@@ -73,7 +79,10 @@ static void print_extent(const char *name, const double *value, int count)
         printf("%s %.4g", name, of.least);
 }
 
-/* Print each function of the scene with its gain, its leak and what cannot be made of it. */
+/*
+ * Print each function that the scene lists as a mode, with its gain, its leak, and the part of it
+ * that the actuators cannot produce (%).
+ */
 static void print_functions(const design *design)
 {
     const scene_modal_gains *from = &design->control.modal_gains;

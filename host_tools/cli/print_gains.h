@@ -7,13 +7,13 @@
 #include "../text/json.h"
 
 /*
- * Print the gains and leaks of the modes of a scene, how fast errors decay with them, how much
- * noise they pass on, and what the actuators cannot make of the functions of the scene. Nothing
- * where the scene has no gains of modes.
+ * Print the gains and leaks of the modes of a scene, how fast errors decay with them, and how much
+ * noise they pass on. For modes that the scene gives as functions, also print the part of each
+ * function that the actuators cannot produce. Print nothing where the scene has no gains of modes.
  */
 void print_gains(const design *design);
 
-/* Write the same as the member "modal_gains" of a JSON object. */
+/* Write the results of print_gains as the member "modal_gains" of a JSON object. */
 void print_gains_json(json *json, const design *design);
 
 #endif

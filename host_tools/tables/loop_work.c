@@ -160,8 +160,9 @@ double loop_work_inverse(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bounds of the instructions of the blocks of actuator curves: for each input, three effects
- * of voltages before the step; after it two effects and a voltage, which needs a square root.
+ * Upper bounds of the instructions of the two blocks of actuator curves. For each input, the block
+ * before the control step looks up the effects of three voltages. The block after the step looks up
+ * two effects and one voltage, which needs a square root.
  */
 double loop_work_curve(const block_counts *of, const loop_processor *on)
 {
@@ -175,7 +176,8 @@ double loop_work_curve_inverse(const block_counts *of, const loop_processor *on)
 
 /*
  * Number of instructions with which the control step uses gains and leaks of modes: three products
- * with the modes, and one with the Hessian where everything leaks.
+ * with the matrices of the modes, and one with the Hessian if voltages outside their span have a
+ * leak.
  */
 static double gains_work(const block_counts *of, const loop_processor *on)
 {

@@ -28,10 +28,12 @@ typedef struct block_counts {
     size_t row_entries; /* number of coefficients in all limits of sums of voltages */
     size_t entries; /* number of entries of the influence matrix in the tables, if it is stored as
                    sparse rows; 0: it is stored as a full matrix */
-    bool has_gains; /* whether the loop has gains and leaks of modes */
-    size_t gain_modes;          /* number of modes with gains and leaks of their own */
-    bool has_other_leak;        /* whether what is not in these modes has a leak */
-    size_t blocks;              /* number of blocks (stages) of a control tick */
+    bool has_gains; /* whether the loop has gains and leaks of modes (patterns of voltages) */
+    size_t gain_modes;   /* number of modes (patterns of voltages) with gains and leaks of their own
+                          */
+    bool has_other_leak; /* whether the voltages outside the span of these modes have a leak, which
+                            takes a product with the Hessian in each tick */
+    size_t blocks;       /* number of blocks (stages) of a control tick */
     size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
                                    (ticks); damper_delay: age that the stage of the tick that damps
                                    vibration assumes (ticks) */

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gains and leaks of modes: a leaky integrator for each mode, inside all limits (pzs_modal_gains).
- * Half the gradient of the objective at the present voltages v, with its sign changed, is g = H d
- * with the change d that a tick without limits would make. The block replaces it by H d', where
- *   d' = gain d - leak (v - v0)        in the part that the modes do not span,
- *   p_k'H d' = gain_k p_k'g - leak_k (H p_k)'(v - v0)        for each mode p_k.
+ * Gains and leaks of modes, which are patterns of voltages: a leaky integrator for each mode,
+ * inside all limits (pzs_modal_gains). A tick without limits would change the present voltages v by
+ * d, where H d is half the gradient of the objective with its sign changed. This block replaces d
+ * by d':
+ *   outside the span of the modes    d' = gain d - leak (v - v0)
+ *   in each mode p_k                 p_k'H d' = gain_k p_k'H d - leak_k p_k'H (v - v0)
  *   H, v0  Hessian of the objective, reference voltages
  * The optimisation then chooses, inside all limits, the voltages nearest to v + d' in the norm of
  * H.
@@ -55,15 +56,18 @@ pzs_status pzs_modal_gains_seal(pzs_modal_gains *tables)
 
 /* ---- check of the tables ----------------------------------------------- */
 
-/* Whether a mode with this gain and leak comes to rest; false also for numbers that are NaN. */
+/*
+ * Whether a mode with this gain and leak comes to rest without oscillation that grows; false also
+ * for numbers that are NaN.
+ */
 static bool is_allowed(pzs_real gain, pzs_real leak)
 {
     return gain >= 0 && leak >= 0 && leak <= 1 && gain + leak < 2;
 }
 
 /*
- * Return the first mode whose gain or leak is outside its range, the number of modes for those of
- * the rest, or -1.
+ * Return the index of the first mode whose gain or leak is out of range; the number of modes if
+ * this is true only of other_gain or other_leak; -1 if all are in range.
  */
 static int32_t find_bad_gain(const pzs_modal_gains *tables)
 {
@@ -93,7 +97,8 @@ static pzs_status check(const pzs_modal_gains *tables, const pzs_problem *proble
 
 /*
  * Copy the gradient with its sign changed, and the deviation of the voltages from the reference
- * voltages. The deviation of an input that is held at one voltage is 0: it cannot leak.
+ * voltages. The deviation of an input whose voltage is fixed is set to 0, so that the leak does not
+ * act on it.
  */
 static void read_step(pzs_modal_gains_state *state, const pzs_control *control)
 {
@@ -109,8 +114,9 @@ static void read_step(pzs_modal_gains_state *state, const pzs_control *control)
 }
 
 /*
- * Set target_gradient to that of a tick whose gain and leak are other_gain and other_leak in all
- * directions. Returns the square of the leaking part, as a weighted squared norm of a shape (m2).
+ * Set target_gradient to that of a tick in which all patterns of voltages have the gain other_gain
+ * and the leak other_leak; filter_modes then corrects it in the modes. Returns the squared size of
+ * the leak term: the weighted squared norm of the shape that the leak removes in this tick (m2).
  */
 static pzs_real filter_all(const pzs_modal_gains_state *state, pzs_optimiser *optimiser)
 {
@@ -131,8 +137,9 @@ static pzs_real filter_all(const pzs_modal_gains_state *state, pzs_optimiser *op
 }
 
 /*
- * Change target_gradient in the modes, from other_gain and other_leak to those of each mode.
- * Returns the square of the leaking part, as a weighted squared norm of a shape (m2).
+ * Correct target_gradient in the modes, where filter_all has used other_gain and other_leak instead
+ * of the gain and leak of each mode. Returns the squared size of the correction of the leak term,
+ * as the weighted squared norm of a shape (m2).
  */
 static pzs_real filter_modes(pzs_modal_gains_state *state, pzs_optimiser *optimiser)
 {
@@ -153,8 +160,9 @@ static pzs_real filter_modes(pzs_modal_gains_state *state, pzs_optimiser *optimi
 }
 
 /*
- * Change the gradient of the objective in a tick (pzs_control_filter). Gains are below 2, so that
- * the change multiplies rounding errors of the gradient by less than 2, and their squares by 4.
+ * Change the gradient of the objective in a tick (pzs_control_filter). Returns the new scale of its
+ * rounding errors (m2). Gains are below 2, so that rounding errors of the gradient grow by less
+ * than a factor of 2, and their squares by less than 4.
  */
 static pzs_real filter_step(pzs_control *control, pzs_step_filter *filter, pzs_real missed)
 {
@@ -173,7 +181,7 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_MODAL_GAINS_BLOCK_BYTES(problem->inputs, gains->modes);
 }
 
-/* Set the pointers of the block to its tables and to its arrays. */
+/* Set the pointers of the block of modal gains to its tables and to its arrays. */
 static void place(pzs_modal_gains_state *state, const pzs_modal_gains *tables)
 {
     state->filter.filter_step = filter_step;

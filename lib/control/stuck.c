@@ -1,39 +1,53 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Stuck monitor of the supervisor. Where a converter, its memory access or its bus stops, every
- * reading of a tick has the bits of the tick before. Readings of a structure that stands still may
- * repeat, too, because converters round. They are stuck if since their last change
+ * Stuck monitor of the supervisor: detects that sensors repeat their readings bit by bit, as where
+ * a converter, its memory access or its bus stops. Readings of a structure that stands still may
+ * repeat, too, because converters round. Readings count as stuck if all of them repeat while the
+ * structure should have moved, that is, if
  *
- *     |predicted shape - predicted shape at that change|  >  min(load, 64 noise)
+ *     |predicted shape - predicted shape when the last reading changed|  >  min(load, 64 noise)
  *
- * (RMS over the outputs) for longer than the readings are old plus an eighth of the period of the
- * first vibration mode, and at least 8 ticks. The predicted shape is that under the voltages alone.
- * By then the structure has moved by many steps of its converters, also where hysteresis takes nine
- * tenths of the motion. A load may keep it where it is, but not to the bit.
+ * (RMS over the outputs; load and noise: members of pzs_supervision) holds for more ticks than the
+ * delay of the readings plus an eighth of the period of the first vibration mode, and at least 8.
+ * The predicted shape is that under the voltages alone. A structure that has moved so far has
+ * passed many converter steps, even if hysteresis takes nine tenths of the motion. A load may
+ * balance the voltages, but not so exactly that every bit stays the same.
  *
- * Not found are sensors that stick while neither target nor controller moves the voltages, and an
- * offset of all sensors, which is like a load. Readings that stay where they are but for noise are
- * found only after a jump of the target (polarity.h).
+ * Not found are sensors that are stuck while the voltages do not change, and a constant offset of
+ * all sensors, which is like a load. Sensors that are stuck except for noise are found only after a
+ * jump of the target (polarity.h).
  *
- * A tick compares a quarter of the outputs, in turn, and only if all readings repeat. The work of
- * such a tick is 2 operations for each output.
+ * A tick compares every fourth output, others in the next tick, and only if all readings repeat.
+ * The work of such a tick is 2 operations for each output.
  */
 #include "stuck.h"
 
 /*
- * Factor of the noise of the measured shape in the largest motion of the predicted shape under
- * which all readings may repeat.
+ * Largest motion of the predicted shape during which all readings may repeat, divided by the noise
+ * of the measured shape.
  */
 #define NOISE_MARGIN 64
-/* Smallest number of ticks for which readings must repeat after such a motion. */
+/*
+ * Readings count as stuck if they repeat for the delay of the readings plus at least this number of
+ * ticks after a motion of the predicted shape.
+ */
 #define LEAST_TICKS 8u
-/* Part of a period of the first vibration mode for which they must, as a reciprocal. */
+/*
+ * For slow structures, 1 / (part of a period of the first vibration mode) that replaces
+ * LEAST_TICKS.
+ */
 #define PERIOD_PART 8u
-/* A tick compares one in STRIDE outputs, if there are LEAST_OUTPUTS or more. */
+/*
+ * With LEAST_OUTPUTS outputs or more, a tick compares only every STRIDE-th output of the shape; the
+ * next ticks compare the others in turn.
+ */
 #define STRIDE 4u
 #define LEAST_OUTPUTS 32u
 
-/* Remember the predicted shape at every `stride`-th output, beginning with the first one. */
+/*
+ * Store the predicted shape (m) at every `stride`-th output from `first` on, with which later
+ * shapes are compared.
+ */
 static void store(pzs_real *reference, const pzs_real *predicted, uint32_t first, uint32_t outputs,
                   uint32_t stride)
 {
@@ -41,7 +55,10 @@ static void store(pzs_real *reference, const pzs_real *predicted, uint32_t first
         reference[i] = predicted[i];
 }
 
-/* Mean square of the motion since then (m2), at the same outputs. */
+/*
+ * Return the mean square change of the predicted shape since store (m2), at every `stride`-th
+ * output from `first` on.
+ */
 static pzs_real motion(const pzs_real *reference, const pzs_real *predicted, uint32_t first,
                        uint32_t outputs, uint32_t stride)
 {
@@ -54,8 +71,8 @@ static pzs_real motion(const pzs_real *reference, const pzs_real *predicted, uin
 }
 
 /*
- * Largest motion of the predicted shape under which all readings may repeat (m, RMS over the
- * outputs).
+ * Return the largest motion of the predicted shape during which all readings may repeat without
+ * counting as stuck (m, RMS over the outputs).
  */
 static pzs_real tolerance(const pzs_supervision *tables)
 {
@@ -63,7 +80,10 @@ static pzs_real tolerance(const pzs_supervision *tables)
     return noise < tables->load ? noise : tables->load;
 }
 
-/* Number of ticks for which readings must repeat after a motion until they count as stuck. */
+/*
+ * Return the number of ticks after a motion of the predicted shape in which all readings may repeat
+ * before they count as stuck.
+ */
 static uint32_t patience(const pzs_supervision *tables, const pzs_loop_signals *signals)
 {
     const uint32_t part = tables->alarm_ticks / PERIOD_PART;

@@ -9,10 +9,10 @@
 #include "pzs_loop.h"
 
 /*
- * Judge a tick. Returns whether the readings are stuck. Once they are, this stays so until a
- * reading changes.
- *   has_jumped in  the target has jumped, so that the supervisor has other work in this tick: only
- *                  look whether a reading has changed
+ * Check in one tick whether all readings are stuck, and return the result. After true it remains
+ * true until a reading changes.
+ *   has_jumped in  whether the target has jumped: the shapes are then not compared, because the
+ *                  supervisor needs the time of this tick for the jump
  */
 bool pzs_stuck_judge(pzs_stuck_state *stuck, const pzs_supervision *tables,
                      const pzs_loop_signals *signals, bool has_jumped);
