@@ -12,28 +12,28 @@
 #include "../core/numbers.h"
 
 /*
- * Tolerance for a voltage or limited sum of voltages that is a linear combination of others, which
- * are kept at their bounds. It counts as inside its own bounds if it is outside by at most this
- * factor times the machine epsilon times the largest voltage or sum.
+ * Relative rounding error of a voltage or limited sum of voltages, as a multiple of the machine
+ * epsilon. A quantity that is a linear combination of quantities kept at their bounds counts as
+ * inside its own bounds if it exceeds them by no more than this error of the largest voltage or
+ * sum.
  */
 #define ROUNDING_FACTOR 64
 /*
- * Number of times that ignored voltages and limited sums are examined again. The iterations ignore
- * those that are outside their bounds only by an amount that rounding errors explain. Examining
- * them again is useful only if an earlier round (sequence of iterations) of the same tick did not
- * lower the objective.
+ * Number of times that one round (sequence of iterations) examines again the voltages and limited
+ * sums that it has ignored, because they are outside their bounds by no more than rounding errors.
+ * This is done only if an earlier round of the same tick did not lower the objective.
  */
 #define REPEATS 2u
 
 /*
  * State of an input in the iterations, where weighted sums of absolute values of voltages are
- * limited. With
+ * limited.
  *   g  half the gradient of the objective by the voltage, without these limits (m2/V)
  *   f  sum of (weight * multiplier) over these limits (m2/V), see pzs_absolute_slopes
  *   s  chosen sign of the voltage, 1 or -1
- * a voltage between its bounds is optimal if s g + f = 0, and a voltage of 0 V if -f <= g <= f. The
- * multiplier m = s g + f that keeps an input at 0 V thus has two limits, 0 <= m <= 2f. If the
- * chosen sign is reversed, the multiplier becomes 2f - m.
+ * A voltage between its bounds is optimal if s g + f = 0, and a voltage of 0 V if -f <= g <= f. The
+ * multiplier m = s g + f keeps an input at 0 V; it must therefore obey 0 <= m <= 2f. With the
+ * opposite chosen sign the multiplier is 2f - m.
  */
 typedef enum {
     INPUT_FREE,     /* the voltage is kept neither at a bound nor at 0 V */
@@ -48,12 +48,13 @@ typedef enum {
  * one voltage or limited sum, the entering quantity, to bring this quantity to its bound.
  */
 typedef enum {
-    PULL_FAILED, /* the iterations must end: no change of the entering quantity's multiplier brings
-                    this quantity to its bound */
-    PULL_CONTINUES, /* another voltage or limited sum has become free; the next iteration changes
-                       the multiplier of the same quantity */
-    PULL_ENDED /* the entering quantity is kept at its bound or may stay free; the next iteration
-                  changes the multiplier of another quantity */
+    PULL_FAILED, /* the iterations must end, because no change of the entering quantity's multiplier
+                    moves this quantity to its bound */
+    PULL_CONTINUES, /* the entering quantity is not yet at its bound, because another one has become
+                       free before; the next iteration goes on changing the multiplier of the same
+                       entering quantity */
+    PULL_ENDED /* the entering quantity is done: kept at its bound, or free inside its bounds; the
+                  next iteration chooses a new entering quantity */
 } pull_end;
 
 static input_state state_of(const rows_run *run, uint32_t i)
@@ -64,9 +65,9 @@ static input_state state_of(const rows_run *run, uint32_t i)
 }
 
 /*
- * Tableau row `row` belongs to a limited sum of absolute voltages. Return whether this sum is free
- * (not kept at its limit) but still has a multiplier, as after a voltage of the sum was given the
- * other sign.
+ * Whether a limited sum of absolute voltages is free (not kept at its limit) but still has a
+ * multiplier, as after one of its voltages was given the other sign. Its place in the tableau is
+ * row `row`.
  */
 static bool is_pending(const rows_run *run, uint32_t row)
 {
@@ -74,8 +75,8 @@ static bool is_pending(const rows_run *run, uint32_t row)
 }
 
 /*
- * Compute the slope f (m2/V) of each input: the sum of (weight of the input * multiplier) over the
- * limited sums that contain its voltage. These limits act on half the objective like f * |voltage|.
+ * Compute the slope f of each input (m2/V): the sum of (weight of the input * multiplier) over the
+ * limited sums that contain its voltage. These limits add f * |voltage| to half the objective.
  * Returns the slopes [inputs].
  */
 static pzs_real *find_slopes(const rows_run *run)
@@ -87,10 +88,10 @@ static pzs_real *find_slopes(const rows_run *run)
 /* ---- signs ------------------------------------------------------------------- */
 
 /*
- * Reverse the chosen sign of free input i, whose voltage is on the other side of 0 V. This changes
- * the limited sums of absolute values that contain the voltage. These sums become free (not kept at
- * their limits) but keep their multipliers. The caller must then compute their rows of the tableau
- * anew (pzs_absolute_renew).
+ * Reverse the chosen sign of free input i, because its voltage is on the other side of 0 V. Limited
+ * sums of absolute values that contain the voltage change by this; they become free (not kept at
+ * their limits) but keep their multipliers. The caller must then compute the tableau rows of these
+ * sums anew (pzs_absolute_renew).
  */
 static void reverse_free(const rows_run *run, uint32_t i)
 {
@@ -109,9 +110,9 @@ static void reverse_free(const rows_run *run, uint32_t i)
 }
 
 /*
- * Reverse the chosen sign of each free input whose voltage is on the other side of 0 V, if its
- * voltage limits allow the other sign and no limited sum with a multiplier contains the voltage. If
- * the work limit does not allow this, note that the work limit has stopped the optimiser.
+ * Reverse the chosen sign of each free input whose voltage is on the other side of 0 V, if the
+ * input may have both signs and its limited sums have no multipliers. If the work limit leaves no
+ * time for this, set `is_cut`: the optimiser then ends.
  */
 static void follow_unconstrained(const rows_run *run)
 {
@@ -136,10 +137,10 @@ static void follow_unconstrained(const rows_run *run)
 }
 
 /*
- * The sum of absolute voltages counts each voltage with a chosen sign, 1 or -1. Reverse this sign
- * for each input that is kept at 0 V by a multiplier m > 2f. Here f is the
- * sum of (weight * multiplier) over the limited sums that contain the voltage. With the opposite
- * sign the multiplier is 2f - m < 0: it has the wrong sign, so that the input becomes free next.
+ * For each input at 0 V with a multiplier m > 2f reverse the chosen sign, 1 or -1, with which
+ * limited sums count its voltage. Here f is the sum of (weight * multiplier) over these sums. With
+ * the opposite sign the multiplier is 2f - m < 0, which is too small to keep the input at 0 V: the
+ * input becomes free next.
  *   rounding in  an excess of m over 2f up to this size does not count (m2/V)
  * Returns whether a sign was reversed.
  */
@@ -163,10 +164,10 @@ static bool reverse_exceeding(const rows_run *run, pzs_real rounding)
 }
 
 /*
- * Make free every voltage and limited sum that is kept at a bound or at 0 V by a multiplier outside
- * the limits of this multiplier (input_state), until none is left or the work limit stops the
- * optimiser.
- *   rounding in  an excess over these limits up to this size does not count (m2/V)
+ * Make free every voltage and limited sum whose multiplier has a value that cannot keep it at its
+ * bound or at 0 V (input_state). Repeat this until no such multiplier is left or the work limit
+ * stops the optimiser.
+ *   rounding in  multipliers that are wrong by no more than this do not count (m2/V)
  */
 static void drop_wrong(const rows_run *run, pzs_real rounding)
 {
@@ -185,9 +186,9 @@ static void drop_wrong(const rows_run *run, pzs_real rounding)
 /* ---- iteration ----------------------------------------------------------------- */
 
 /*
- * An iteration, as in boxls_dual.c, changes the multiplier of one free quantity (voltage or limited
- * sum) that is outside its bounds, the entering quantity. Active quantities, those kept at a bound
- * or at 0 V, stay there, and their multipliers follow.
+ * An iteration, as in boxls_dual.c, moves one free quantity (voltage or limited sum) from outside
+ * towards its bound by changing the multiplier of this quantity, the entering quantity. Active
+ * quantities, those kept at a bound or at 0 V, stay there, and their multipliers follow.
  *
  * For each input let f be the sum of (weight * multiplier) over the limited sums that contain its
  * voltage. The iteration ends at the first of these events:
@@ -202,16 +203,16 @@ static void drop_wrong(const rows_run *run, pzs_real rounding)
  */
 
 /*
- * If the chosen sign of a voltage that is not 0 V is reversed, the limited sums that contain the
- * voltage change and may leave their limits. These sums become free but keep their multipliers.
- * Further iterations bring each of these sums to its limit, or its multiplier to 0. The number of
- * iterations is finite, because every iteration of positive length raises the dual objective.
+ * A limited sum may leave its limit when the chosen sign of one of its voltages is reversed, unless
+ * that voltage is 0 V. Such a sum becomes free but keeps its multiplier. Later iterations either
+ * bring the sum to its limit or its multiplier to 0. Their number is finite, because every
+ * iteration of positive length raises the dual objective.
  */
 
 /*
- * Find the input whose multiplier is the first to become 2f in the present iteration. Here f is the
- * sum of (weight * multiplier) over the limited sums that contain the voltage of the input.
- * Candidates are the inputs kept at 0 V and the entering input.
+ * Find the input whose multiplier reaches the value 2f first in the present iteration. Here f is
+ * the sum of (weight * multiplier) over the limited sums that contain the voltage of the input.
+ * Only inputs kept at 0 V and the entering input can be found.
  *   entering in      quantity (voltage or limited sum) whose multiplier the iteration changes
  *   sense    in      sign of this change, 1 or -1
  *   part     in/out  in: largest size of this change; out: its size when the multiplier of the
@@ -296,10 +297,10 @@ static bool is_explained(const rows_run *run, pzs_real outside)
 }
 
 /*
- * Make one iteration, which changes the multiplier of the entering quantity i, a free voltage or
- * limited sum. The iteration usually brings a quantity outside its bounds to its bound. A limited
- * sum below its limit may have kept a multiplier (is_pending); the iteration then reduces this
- * multiplier.
+ * Make one iteration: change the multiplier of the entering quantity i, a free voltage or limited
+ * sum, until this quantity reaches its bound or another event ends the iteration. A free sum below
+ * its limit that still has a multiplier (is_pending) is treated here, too: its multiplier is
+ * reduced.
  */
 static pull_end pull(const rows_run *run, uint32_t i)
 {
@@ -340,10 +341,9 @@ static pull_end pull(const rows_run *run, uint32_t i)
 }
 
 /*
- * Choose the entering quantity, whose multiplier the next iteration changes. This is a limited sum
- * that is free but still has a multiplier (is_pending). If there is none, it is the free voltage or
- * limited sum that is farthest outside its bounds. Returns the number of quantities if there is
- * none either.
+ * Choose the entering quantity, whose multiplier the next iteration changes: a limited sum that is
+ * free but still has a multiplier (is_pending); if there is none, the free voltage or limited sum
+ * that is farthest outside its bounds. Returns the number of quantities if all are inside.
  */
 static uint32_t choose_entering(const rows_run *run)
 {
@@ -379,10 +379,10 @@ static bool pull_all(const rows_run *run, uint32_t most)
 }
 
 /*
- * Examine again the voltages and limited sums that the iterations have ignored, because rounding
- * errors explained why they were outside their bounds. Voltages and sums that are kept at a bound
- * are first moved exactly to it, which removes rounding errors. Returns false if the iterations end
- * while a voltage or sum is still outside its bounds (pull_all).
+ * Examine again the voltages and limited sums that this round has ignored, because they were
+ * outside their bounds by no more than rounding errors. First move those kept at a bound exactly to
+ * it, which removes rounding errors. Returns false if the iterations end before all are inside
+ * (pull_all).
  */
 static bool pull_ignored(const rows_run *run, uint32_t most)
 {
@@ -401,16 +401,16 @@ static bool pull_ignored(const rows_run *run, uint32_t most)
 }
 
 /*
- * Start a round (sequence of iterations): make free all voltages and limited sums that are kept at
- * a bound or at 0 V by multipliers outside the limits of these multipliers. Returns the number of
- * iterations at which the round must end; the iterations of earlier rounds count, too.
+ * Start a round (sequence of iterations): clear old multipliers, and make free all voltages and
+ * limited sums whose multipliers cannot keep them at a bound or at 0 V. Returns the total number of
+ * iterations, those of earlier rounds included, at which the round must end.
  */
 static uint32_t begin(const rows_run *run, pzs_real rounding)
 {
     const uint32_t most = pzs_dual_begin_round(run->tableau);
     pzs_absolute_clear(run);
-    // Limited sums have no lower bound in the iterations: a sum of (chosen sign * weight * voltage)
-    // may be negative where chosen signs differ from the signs of the voltages.
+    // During the iterations a limited sum of absolute values has no lower bound: where chosen signs
+    // are not those of the voltages, the sum of (chosen sign * weight * voltage) may be negative.
     for (uint32_t row = absolute_first(run); row < run->count; row++)
         run->tableau->lower[row] = -(pzs_real)HUGE_VAL;
     drop_wrong(run, rounding);
@@ -418,15 +418,15 @@ static uint32_t begin(const rows_run *run, pzs_real rounding)
 }
 
 /*
- * At the end of the iterations, note the chosen sign of each input in the array `waiting`: 1 or -1,
- * or 2 or -2 if the voltage is kept at a bound that is not 0 V. If the work limit has stopped the
- * iterations, the next tick continues with these signs (pzs_absolute_row_calls.resume).
+ * Store for each input what the next tick needs if the work limit has stopped the iterations
+ * (pzs_absolute_row_calls.resume): its chosen sign, 1 or -1, doubled where the voltage is kept at a
+ * bound other than 0 V. The store is the array `waiting`.
  */
 static void note_signs(const rows_run *run)
 {
     for (uint32_t i = 0; i < run->inputs; i++) {
         const bool is_bound = state_of(run, i) == INPUT_AT_BOUND;
-        // The array `waiting` holds nothing that is needed before the next iterations begin.
+        // The iterations are over, so that the array `waiting` may be overwritten.
         run->tableau->waiting[i] = run->solver->scale[i] * (is_bound ? 2 : 1);
     }
 }

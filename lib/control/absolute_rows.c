@@ -4,9 +4,9 @@
  * supply:
  *   sum over the inputs of (weight * |voltage|) <= upper limit
  *
- * Each input has a chosen sign, which replaces the absolute value by a factor 1 or -1, and its
- * voltage is bounded at 0 V as well. The iterations of the optimiser (absolute_dual.c) reverse
- * signs where the optimum demands it; only the tableau rows of these sums are then computed again.
+ * Each input has a chosen sign, 1 or -1: sign * voltage stands for |voltage| in the sums, and the
+ * voltage must not pass 0 V. The iterations of the optimiser (absolute_dual.c) reverse a sign where
+ * the optimum demands it; only the tableau rows of these sums are then computed again.
  */
 #include <string.h>
 #include "absolute_rows.h"
@@ -15,8 +15,8 @@
 #include "../core/product.h"
 
 /*
- * Return the index in pzs_rows.dof and pzs_rows.value of the first entry (input and its weight) of
- * the limited sums of absolute values. These sums are the last rows of the table.
+ * Return the place of the first limited sum of absolute values in the arrays pzs_rows.dof (inputs)
+ * and pzs_rows.value (weights): the index of its first entry. These sums are the last ones there.
  */
 static uint32_t first_entry(const rows_run *run)
 {
@@ -24,8 +24,8 @@ static uint32_t first_entry(const rows_run *run)
 }
 
 /*
- * Return the index in pzs_rows.dof and pzs_rows.value just after the last entry (input and its
- * weight) of the limited sums of absolute values.
+ * Return the index in pzs_rows.dof (inputs) and pzs_rows.value (weights) behind the last entry of
+ * the limited sums of absolute values, which is the number of all entries.
  */
 static uint32_t last_entry(const rows_run *run)
 {
@@ -48,8 +48,9 @@ void pzs_absolute_slopes(const rows_run *run, const pzs_real *multiplier, pzs_re
 /* ---- choice of the signs ------------------------------------------------- */
 
 /*
- * Set the bounds of the voltage of input i, which is part of a limited sum of absolute values: the
- * bounds of the present tick, cut off at 0 V so that the voltage keeps the sign chosen for it.
+ * Set the bounds of the voltage of input i in the optimiser: those of the present tick, cut off at
+ * 0 V so that the voltage keeps the sign chosen for it. In limited sums of absolute values this
+ * sign replaces the absolute value.
  */
 static void split_bounds(const rows_run *run, uint32_t i)
 {
@@ -105,8 +106,9 @@ uint64_t pzs_absolute_renew_work(const rows_run *run)
 
 /*
  * Compute anew the row and the column of limited sum k of absolute values of voltages in the
- * optimiser's tableau, the matrix that gives changes of voltages and sums from changes of
- * multipliers. The row is the sum of the rows of its inputs times their signed coefficients.
+ * optimiser's tableau, which gives changes of voltages and sums from changes of multipliers. The
+ * row of the sum is a linear combination of the rows of its inputs, with the signed coefficients of
+ * the sum.
  */
 static void renew_row(const rows_run *run, uint32_t k)
 {
@@ -149,7 +151,8 @@ static void follow_signs(pzs_control *control)
     bool has_changed = false;
     for (uint32_t at = first_entry(&run); at < last_entry(&run); at++) {
         const uint16_t i = run.rows->sums.dof[at];
-        // A sign that damaged memory has changed becomes 1 or -1 again.
+        // Repair the chosen sign of the voltage of input i, which damaged memory may have changed:
+        // it is 1 or -1.
         run.solver->scale[i] = run.solver->scale[i] < 0 ? (pzs_real)-1 : (pzs_real)1;
         split_bounds(&run, i);
         if (!is_sign_wrong(&run, i))
@@ -158,8 +161,9 @@ static void follow_signs(pzs_control *control)
         has_changed = true;
     }
     for (uint32_t row = absolute_first(&run); row < run.count; row++)
-        // Sums of absolute values are never negative. Their lower bound is set to a negative number
-        // that is finite, so that the duality gap stays finite.
+        // The lower bound of a sum of absolute values never acts, because the sum is not negative.
+        // It must be finite, so that the duality gap stays finite, and is set to minus the upper
+        // bound.
         run.tableau->lower[row] = -run.tableau->upper[row];
     if (has_changed)
         pzs_absolute_renew(&run);
@@ -167,8 +171,8 @@ static void follow_signs(pzs_control *control)
 
 /*
  * Compute the limited sums of absolute values for the present voltages, with each absolute value
- * replaced by (chosen sign * voltage), into the values of the tableau. Where a chosen sign is not
- * that of the voltage, the term is negative.
+ * replaced by (chosen sign * voltage), into the voltage array of the tableau. A term is negative
+ * where the voltage does not have its chosen sign.
  */
 static void load_signed_sums(const rows_run *run)
 {

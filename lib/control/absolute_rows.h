@@ -15,8 +15,8 @@ static inline uint32_t absolute_first(const rows_run *run)
 }
 
 /*
- * Whether the bound of input i on the given side (-1 lower, 1 upper) is 0 V only because of the
- * sign chosen for its voltage, so that the voltage may go beyond it with the other sign.
+ * Whether the bound of input i on the given side (-1 lower, 1 upper) is 0 V only because the
+ * voltage must keep the sign chosen for it. With the other sign the voltage may go beyond 0 V.
  */
 static inline bool absolute_is_split(const rows_run *run, uint32_t i, pzs_real side)
 {
@@ -33,9 +33,9 @@ static inline bool absolute_is_split(const rows_run *run, uint32_t i, pzs_real s
 void pzs_absolute_reverse(const rows_run *run, uint32_t i);
 
 /*
- * For each input, compute the slope f that the limits of sums of absolute values of voltages add to
- * half the objective on each side of 0 V, in the form f * |voltage|. It is the sum of (weight of
- * the input * absolute value of the multiplier) over these limits.
+ * Compute the slope f of each input: limits of sums of absolute values of voltages act like a term
+ * f * |voltage| in half the objective. It is the sum of (weight of the input * absolute value of
+ * the multiplier) over these limits.
  *   multiplier [inputs + rows] in   multipliers of the limits (m2/V), 0 for inactive limits
  *   slope      [inputs]        out  slope f of each input (m2/V)
  */
@@ -62,7 +62,7 @@ uint64_t pzs_absolute_renew_work(const rows_run *run);
  * Make the iterations of the dual active-set method where sums of absolute values of voltages are
  * limited (absolute_dual.c). Returns false if they end before all voltages and sums are inside
  * their bounds.
- *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
+ *   rounding in  multipliers whose sign is wrong by no more than this count as right (m2/V)
  */
 bool pzs_iterate_absolute(pzs_control *control, pzs_real rounding);
 

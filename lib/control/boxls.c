@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser: a primal active-set method that works on one symmetric matrix, the
- * tableau. Every iterate is feasible.
+ * tableau. All voltages that it computes on the way are inside their bounds.
  *
  *   H        Hessian
  *   F        free set: inputs whose voltages may change
@@ -11,7 +11,8 @@
  *   round    the full step to the minimum over F if all conditions allow it, otherwise a sequence
  *            of iterations; it ends with the gradient computed from H
  *
- *   - Rounding errors of the tableau never reach the voltages; they only cost another round.
+ *   - Rounding errors of the tableau do not make the result wrong, because every round ends with a
+ *     gradient computed from H; they only cause more rounds.
  *   - The optimiser begins no work that could exceed the work limit (multiply-adds) together with
  *     the matrix product at the end of the round. The next tick continues from the voltages and the
  *     free set reached.
@@ -37,13 +38,13 @@
  */
 #define WORN 2u
 /*
- * Largest number of iterations, between two computations of the gradient from the Hessian, in which
- * several inputs leave their bounds together.
+ * Largest number of iterations in which several inputs leave their bounds together, in one round. A
+ * round is a sequence of iterations that ends with a gradient computed from the Hessian.
  */
 #define TOGETHER 8u
 /*
- * Smallest number of inputs that the optimiser lets leave their bounds together; fewer inputs leave
- * them one after the other.
+ * Smallest number of inputs that leave their bounds together in one iteration of the optimiser;
+ * fewer inputs leave them one after the other.
  */
 #define LEAST_TOGETHER 3u
 /*
@@ -52,22 +53,23 @@
  */
 #define ROUNDING_FACTOR 4
 /*
- * Largest gradient with respect to a free voltage at the optimum, divided by its rounding-error
- * bound. A gradient above the bound is accepted on a second condition: it raises the objective
- * above its minimum by less than the machine epsilon times the scale of the objective.
+ * The voltages are accepted as optimal although a violation of the optimality (KKT) conditions
+ * exceeds its rounding-error bound, if it is at most this multiple of the bound. Before the end of
+ * the optimisation its effect on the objective must be negligible, too (is_negligible).
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Safety factor for errors of the predicted gradient. After a step the optimiser computes two of
- * its entries from the Hessian, for comparison. It assumes that the error of the other entries is
- * at most this factor times the error of these two.
+ * Safety factor for errors of the gradient that the tableau (pivoted Hessian) predicts after a
+ * step. The optimiser computes two entries of the gradient from the Hessian for comparison. It
+ * assumes that no other entry has an error above this factor times the error of these two.
  */
 #define UNMEASURED_FACTOR 8
 /* A decrease of the objective counts only if it exceeds this multiple of its rounding error. */
 #define SIGNIFICANT 16
 /*
- * The optimiser recomputes its pivoted Hessian (the tableau) if a round, a sequence of iterations,
- * divides the violation of the optimality (KKT) conditions by less than this factor.
+ * Smallest factor by which a round (sequence of iterations) must divide the violation of the
+ * optimality (KKT) conditions. After less progress the optimiser recomputes its pivoted Hessian
+ * (the tableau).
  */
 #define LEAST_PROGRESS 16
 
@@ -169,8 +171,9 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
 
 /*
  * Return by how much one voltage violates the optimality (KKT) conditions (m2/V). Between its
- * bounds the violation is the absolute value of the gradient; at a bound it is the component of the
- * negative gradient that points inwards, which is negative where the condition holds.
+ * bounds the violation is the absolute value of the gradient. At a bound it is the part of the
+ * negative gradient that points from the bound into the permitted range; a negative value is no
+ * violation.
  */
 static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_real lower,
                                        pzs_real upper)
@@ -184,10 +187,11 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
  * Predict a full step along the search direction. Returns the number of inputs that prevent it:
  * free ones that would exceed a bound, and active ones that would violate the optimality (KKT)
  * conditions by more than `rounding`.
- *   move   in/out  changes of the free voltages; for active inputs in: product of the tableau with
- *                  the gradient, out: gradient after the step
- *   next   out     voltages after the step
- *   offset out     voltages after the step minus the base voltages
+ *   move   in/out  for a free input the change of its voltage (V). For an active input in: product
+ *                  of the tableau with the gradient, out: gradient after the step (m2/V)
+ *   next   out     voltages after the step (V)
+ *   offset out     voltages after the step minus the base voltages, around which the gradient is
+ *                  computed (V)
  */
 static size_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                            pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -241,10 +245,11 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether a gradient can be neglected, because the objective exceeds its minimum over the free
+ * Whether a gradient is negligible: it can raise the objective above its minimum over the free
  * voltages by at most the machine epsilon times target_energy, the scale of the objective.
- *   size in  largest entry of the gradient for a free input (m2/V); the excess is at most size^2
- *            times the trace of the inverse of the Hessian, restricted to the free inputs
+ *   size in  largest entry of the gradient for a free input (m2/V). The objective is above its
+ *            minimum by at most size^2 times the trace of the inverse of the Hessian of the free
+ *            inputs
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
@@ -265,10 +270,11 @@ bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 }
 
 /*
- * Compute the violation of the optimality (KKT) conditions for each active input (input whose
- * voltage is kept), and 0 for free inputs.
- *   turn in  absolute value up to which the sign of a gradient is uncertain (m2/V); such a gradient
- *            of an input whose bounds differ counts as a violation of this size
+ * Compute the violation of the optimality (KKT) conditions for each active input (whose voltage is
+ * kept), and 0 for free inputs.
+ *   turn in  absolute value up to which the sign of a gradient is uncertain (m2/V); a gradient
+ *            within it counts as a violation of the size `turn`, unless both bounds of the input
+ *            are equal
  */
 static void active_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
@@ -285,8 +291,9 @@ static void active_violations(pzs_real *restrict out, const pzs_real *restrict v
 
 /*
  * Return the largest violation of the optimality (KKT) conditions by an active input (whose voltage
- * is kept). Gradients up to `turn` in absolute value count as in active_violations. The array
- * scratch is overwritten.
+ * is kept). Overwrites the array scratch.
+ *   turn in  absolute value up to which the sign of a gradient is uncertain (m2/V); a gradient
+ *            within it counts as a violation of the size `turn`
  */
 static pzs_real largest_active_violation(const pzs_optimiser *optimiser, const pzs_real *gradient,
                                          pzs_real turn)
@@ -298,14 +305,12 @@ static pzs_real largest_active_violation(const pzs_optimiser *optimiser, const p
 
 /*
  * Whether the voltages are optimal: no violation of the KKT conditions exceeds its rounding-error
- * bound. A violation somewhat above the bound is accepted on three conditions: only free inputs
- * violate the KKT conditions, the violation hardly raises the objective, and it is too small to
- * change the sign of a multiplier.
+ * bound. A violation up to TOLERATED times the bound is accepted under three conditions: only free
+ * inputs have it, it hardly raises the objective, and it cannot change the sign of any multiplier.
  */
 static bool is_converged(pzs_optimiser *optimiser)
 {
-    // The rounding-error bound is computed from the voltages: it is not finite if one of them is
-    // not.
+    // A voltage that is not finite makes the rounding-error bound infinite or NaN.
     if (!number_is_finite(optimiser->rounding_bound))
         return 0;
     if (optimiser->kkt_violation <= optimiser->rounding_bound)
@@ -323,13 +328,14 @@ static bool is_converged(pzs_optimiser *optimiser)
 /* ---- iterations of the active-set method ----------------------------- */
 
 /*
- * Iterations of the active-set method, with free set F and active set A:
- *   descent           Go along the direction to the minimum over F. An input that meets a bound
- *                     stays there and leaves F.
- *   release together  At a minimum over F: move all inputs of A, each of which alone would reach
- *                     its other bound, towards these bounds. F follows so that its gradient stays
- *                     zero. Stop at the minimum along this line, or where an input of F meets a
- *                     bound.
+ * Iterations of the active-set method, with free set F (voltages that may change) and active set A
+ * (voltages that are kept):
+ *   descent           Move along the search direction to the minimum over F. An input that reaches
+ *                     a bound stays there and leaves F.
+ *   release together  At a minimum over F: move several inputs of A towards their opposite bounds,
+ *                     those that would reach them if released alone. F follows so that its gradient
+ *                     stays zero. Stop at the minimum along this line, or where an input of F
+ *                     reaches a bound.
  *   release           At a minimum over F: move one input of A while F follows. If the minimum
  *                     along this line is nearer than the bound of the input, the input joins F
  *                     there.
@@ -339,13 +345,14 @@ static bool is_converged(pzs_optimiser *optimiser)
  * Why the iterations end: let f be the number of inputs in the free set F, and m the number of
  * inputs outside F whose voltages lie strictly between their bounds.
  *
- *   - A descent that a bound stops, and the release of an input between its bounds, each lower 2 m
- *     + f, which is at most twice the number n of inputs.
+ *   - A descent that a bound stops lowers 2 m + f, and so does the release of an input between its
+ *     bounds. This number is at most 2 n for n inputs.
  *   - After at most 3 n iterations the voltages thus minimise the objective on a face of the
  *     feasible box. Only then an input at a bound is released.
  *   - An iteration of zero length makes F smaller; one of positive length lowers the objective. No
  *     face occurs twice, and the number of faces is finite.
- *   - Releases together never raise the objective, and their number in a round is limited.
+ *   - Releases of several inputs together never raise the objective, and their number in a round is
+ *     limited.
  */
 
 typedef struct blocking {
@@ -388,8 +395,9 @@ static size_t mark_blocking(pzs_real *restrict mark, const pzs_real *restrict mo
 }
 
 /*
- * Find the first free input whose voltage reaches a bound when all free voltages change by move *
- * sense * part, and the fraction of the change at which it does.
+ * Find the free input whose voltage reaches a bound first, if all free voltages change along the
+ * line move * sense, up to the fraction `part` of `move`. Returns this input and the fraction at
+ * which it reaches the bound.
  *   move [inputs] in  change of the voltages (V)
  *   sense         in  1 or -1
  */
@@ -401,8 +409,8 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
     const pzs_real *mark = IS_WIDE ? optimiser->waiting : optimiser->free_set;
     const uint32_t inputs = optimiser->inputs;
     blocking first = {part, inputs};
-    // Vector instructions mark the free inputs whose voltages would pass a bound. Only these are
-    // then compared one by one.
+    // With vector instructions, first find out for all free inputs at once whether their voltages
+    // would pass a bound; only those that would are then compared one by one.
     if (IS_WIDE && mark_blocking(optimiser->waiting, move, optimiser->free_set, voltage, lower,
                                  upper, sense, part, optimiser_span(optimiser)) == 0)
         return first;
@@ -434,8 +442,8 @@ static void move_free(pzs_real *restrict voltage, const pzs_real *restrict move,
 
 /*
  * Change the free voltages by the vector `move` [inputs] (V) times `sense` (1 or -1) times the
- * fraction first.part, clamped to their bounds. If an input first.input reaches its bound at this
- * fraction, its voltage is set to the bound exactly.
+ * fraction first.part, clamped to their bounds. The voltage of input first.input, which reaches its
+ * bound there, is set to the bound exactly.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -461,12 +469,11 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 }
 
 /*
- * Update the search direction of the free inputs and the gradient of the active inputs, whose
- * voltages are kept. The free voltages have made a part of the step; one input has then reached a
- * bound and become active.
- *   row [width] in  row of this input in the tableau (pivoted Hessian)
+ * Update the prediction of a step after one input has reached a bound and become active: the search
+ * direction of the free inputs, and the gradient of the active inputs, whose voltages are kept.
+ *   row [width] in  row of the input at the bound in the tableau (pivoted Hessian)
  *   rest        in  part of the step that is left, as a fraction of the whole step (dimensionless)
- *   remaining   in  part of the step of this input that its bound prevents (V)
+ *   remaining   in  part of its own step that the input at the bound cannot make (V)
  */
 static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
                              const pzs_real *restrict free_set, pzs_real rest, pzs_real remaining,
@@ -498,7 +505,7 @@ static bool descend(pzs_optimiser *optimiser)
     return true;
 }
 
-/* Add to the sum [span] a vector [span] times a factor. */
+/* Add a vector [span] times a factor to the vector `sum` [span]. */
 static void add_multiple(pzs_real *restrict sum, const pzs_real *restrict vector, pzs_real factor,
                          size_t span)
 {
@@ -507,10 +514,10 @@ static void add_multiple(pzs_real *restrict sum, const pzs_real *restrict vector
 }
 
 /*
- * Choose an active input, whose voltage is kept, to be released. Active inputs whose voltages lie
- * between their bounds come first: of these, the one that violates the optimality (KKT) conditions
- * most is chosen. If none of them violates the conditions, it is the worst one of the active inputs
- * at a bound. Returns the number of inputs if no violation exceeds `rounding` (m2/V).
+ * Choose an active input (whose voltage is kept) to be released: the one that violates the
+ * optimality (KKT) conditions most, by more than `rounding` (m2/V). Inputs whose voltages lie
+ * between their bounds take precedence over those at a bound. Returns the number of inputs if there
+ * is no violation.
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -537,9 +544,9 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Return how far the voltage of input k, which was kept at a bound, can change while the free
- * voltages follow so that their gradient stays zero (V): to the minimum of the objective on this
- * straight line, or to the other bound of input k if that is nearer.
+ * Return how far the voltage of input k can move away from the bound at which it was kept (V). The
+ * free voltages follow so that their gradient stays zero. The motion ends at the minimum of the
+ * objective on this straight line, or at the other bound of input k.
  */
 static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real pivot,
                            bool *to_limit)
@@ -547,8 +554,8 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
     const pzs_real slope = number_absolute(optimiser->direction[k]);
     const pzs_real room = distance_to_bound(-optimiser->direction[k], optimiser->voltage[k],
                                             optimiser->lower[k], optimiser->upper[k]);
-    // The curvature is about 0 where input k depends linearly on the free inputs: the line then
-    // ends at its bound.
+    // Where the voltage of input k depends linearly on the free ones, the curvature along the line
+    // is about 0. A small positive curvature then lets the motion end at the bound of input k.
     const pzs_real floor = number_is_finite(room) ? PZS_EPSILON : optimiser->pivot_floor;
     const pzs_real least = floor * optimiser->diagonal[k];
     const pzs_real curvature = pivot > least ? pivot : least;
@@ -557,9 +564,10 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
 }
 
 /*
- * Change the voltage of input k, which was kept at a bound, while the free voltages follow so that
- * their gradient stays zero, and update the gradients of the other inputs at bounds. Returns how
- * far the change went, and the free input that reached a bound and ended it, if any.
+ * Move the voltage of input k, which was kept at a bound, by up to `length` (V), and update the
+ * gradients of the other inputs at bounds. The free voltages follow so that their gradient stays
+ * zero; the first of them that reaches a bound ends the motion. Returns this input and the length
+ * of the motion.
  */
 static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
                                pzs_real length)
@@ -594,10 +602,10 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* the gradient with respect to input k is set to exactly zero,
-                                        so that its voltage is not changed again, in two cases: the
-                                        change has reached the minimum of the objective, or neither
-                                        a finite bound nor a curvature has ended it */
+        optimiser->direction[k] = 0; /* set the gradient with respect to input k to exactly zero, so
+                                        that its voltage is not changed again: the motion has
+                                        reached the minimum of the objective, or nothing limits it,
+                                        neither a finite bound nor a curvature */
         // The pivot exchange, which makes an input free, is left out for an input whose effect on
         // the shape is a linear combination of the effects of the free inputs.
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
@@ -606,8 +614,8 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
 }
 
 /*
- * Count one more iteration of the optimiser if the work of an iteration plus `more` multiply-adds
- * is within the work limit. Otherwise note that the work limit has stopped the optimiser. Returns
+ * Count one more iteration of the optimiser, if the work limit allows the multiply-adds of an
+ * iteration plus `more`. Otherwise set is_cut: the work limit has stopped the optimiser. Returns
  * whether the iteration may be made.
  */
 static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
@@ -622,11 +630,11 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 }
 
 /*
- * Find the active inputs (whose voltages are kept) to be released together: those that violate the
- * optimality (KKT) conditions by more than `rounding`, and each of which, if it alone became free,
- * would go as far as its opposite bound.
- *   way [width] out  distance with sign of each of these inputs to that bound, 0 for all other
- *                    inputs (V)
+ * Find the active inputs (whose voltages are kept) that can be released together. Such an input
+ * violates the optimality (KKT) conditions by more than `rounding`, and released alone it would
+ * move to its opposite bound.
+ *   way [width] out  for each of these inputs the distance to that bound, with sign; 0 for all
+ *                    others (V)
  * Returns the number of these inputs.
  */
 static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real rounding, pzs_real *way)
@@ -689,8 +697,8 @@ static bool is_stationary(const pzs_optimiser *optimiser)
     if (optimiser_is_dual(optimiser) && !optimiser->dual->is_at_bounds(optimiser))
         return false;
     uint32_t i = 0;
-    // Until it receives voltages, the array next_voltage holds the gradients of the free inputs
-    // (m2/V).
+    // The array next_voltage holds the gradients of the free inputs here (m2/V), before it receives
+    // voltages.
     while (i < optimiser->inputs &&
            number_absolute(optimiser->next_voltage[i]) <= optimiser->rounding_bound)
         i++;
@@ -699,9 +707,9 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 
 /*
  * Iterate, after a bound has blocked the full step along the search direction, until no voltage
- * violates the optimality (KKT) conditions. Descent iterations come first, until no bound blocks
- * the free voltages; then active inputs, whose voltages were kept, are released. The collected
- * pivot exchanges need not be applied to the tableau (pivoted Hessian) here.
+ * violates the optimality (KKT) conditions. First come descent iterations, until no bound blocks
+ * the free voltages; then active inputs, whose voltages were kept, are released. May be called
+ * before the collected pivot exchanges are applied to the tableau (pivoted Hessian).
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -724,9 +732,9 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- whole step as one iteration ------------------------------------- */
 
 /*
- * Compute the part of the gradient of input k that depends on the voltages, after a predicted step,
- * from the Hessian into *model_gradient (m2/V). Returns its absolute difference from the gradient
- * that the tableau (pivoted Hessian) predicts.
+ * Compute from the Hessian, for input k after a predicted step, the part of the gradient that
+ * depends on the voltages, into *model_gradient (m2/V). Returns the error of the predicted gradient
+ * of this input: its absolute difference from the computed one (m2/V).
  */
 static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
@@ -739,9 +747,9 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
 }
 
 /*
- * Predict the gradient [inputs] at the end of a full step along the search direction (m2/V): 0 for
- * a free input, because the step ends at the minimum over the free voltages; for the others the
- * entry of `move`, which predict_step has computed.
+ * Set the gradient [inputs] to the one predicted for the end of a full step along the search
+ * direction (m2/V): 0 for a free input, because the step ends at the minimum over the free
+ * voltages; for an active input its entry of `move`, computed by predict_step.
  */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
@@ -751,9 +759,9 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
 }
 
 /*
- * Accept a full step along the search direction that the tableau (pivoted Hessian) has predicted:
- * set the voltages, and the part of the gradient that depends on the voltages, to their predicted
- * values.
+ * Accept the full step along the search direction that the tableau (pivoted Hessian) has predicted:
+ * set the voltages and model_gradient, the part of the gradient that depends on them, to the
+ * predicted values.
  */
 static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict model_gradient,
                               const pzs_real *restrict next, const pzs_real *restrict move,
@@ -767,9 +775,10 @@ static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict mod
 }
 
 /*
- * Make the full step along the search direction, which no bound blocks, as one iteration. Returns
- * false if the gradient that the tableau (pivoted Hessian) predicts differs, for two inputs, from
- * that computed from the Hessian: the voltages are then unchanged.
+ * Make the full step along the search direction, which no bound blocks, as one iteration, if the
+ * gradient that the tableau (pivoted Hessian) predicts is right. It is compared at two inputs with
+ * the gradient computed from the Hessian. Returns false, with unchanged voltages, if they differ
+ * too much.
  */
 static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -792,9 +801,8 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
         return false;
     }
     optimiser->model_rounding = rough;
-    // The next tick compares the gradient that the tableau (pivoted Hessian) predicts with the
-    // computed one at the next two inputs. An error of the tableau is thus found after at most
-    // inputs/2 + 1 ticks.
+    // Each tick compares the predicted with the computed gradient at the next two inputs, so that
+    // an error of the tableau (pivoted Hessian) is found after at most inputs/2 + 1 ticks.
     optimiser->checked_next = two + 1u < optimiser->inputs ? two + 1u : 0;
     optimiser->iterations++;
     accept_prediction(optimiser->voltage, optimiser->model_gradient, optimiser->next_voltage,
@@ -834,8 +842,8 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
                    sure = -change / SIGNIFICANT;
     const pzs_real far =
         PZS_SQRT(pzs_product_dot(optimiser->scratch, optimiser->scratch, optimiser->width));
-    // `change` is the change of the objective, computed with rounding errors. The rounding errors
-    // must be far below the change, or below the scale of the objective.
+    // The rounding error of `change`, the computed change of the objective, must be far below the
+    // change itself, or below the scale of the objective.
     return change < 0 && far * optimiser->model_rounding <
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }
@@ -897,10 +905,9 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     const bool was_predicted = optimiser->is_predicted;
     pzs_boxls_true_gradient(optimiser);
     /*
-     * The work limit may stop the iterations of the dual active-set method before their optimum.
-     * The objective may then be larger than at the start of the round. Therefore the voltages are
-     * moved to the minimum of the objective on the straight line from those at the start of the
-     * round to the present ones.
+     * The work limit may stop the dual active-set method at voltages whose objective is larger than
+     * at the start of the round. The round then ends at the minimum of the objective on the
+     * straight line between both voltage vectors.
      */
     if (!complete && pzs_boxls_shorten(optimiser))
         pzs_boxls_true_gradient(optimiser);
@@ -943,9 +950,9 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 }
 
 /*
- * Decide what becomes of the last round (sequence of iterations). The tableau counts as verified if
- * the round ended at the optimum. The round is undone unless it made no step, the objective fell,
- * or the voltages are optimal with the rounding-error bound that held before.
+ * Decide whether the last round (sequence of iterations) is kept. It is kept if it made no step,
+ * lowered the objective, or ended at optimal voltages; otherwise it is undone. If it ended at the
+ * optimum, the tableau (pivoted Hessian) counts as verified.
  */
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
@@ -956,9 +963,8 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
         optimiser->is_verified = true;
         optimiser->checked_next = 0;
     }
-    // The round is judged by the rounding-error bound from before it. The present bound would prove
-    // nothing: it grows with the voltages, so that even a round with diverging voltages could
-    // satisfy it.
+    // Compare with the rounding-error bound from before the round: the present bound grows with the
+    // voltages, so that voltages that diverge could satisfy it.
     if (!moved || (optimiser->is_optimal && optimiser->kkt_violation <= rounding) ||
         pzs_boxls_has_decreased(optimiser)) {
         optimiser->is_predicted = optimiser->is_predicted && !moved;
@@ -990,9 +996,8 @@ static bool renew_tableau(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the tableau (pivoted Hessian) is to be recomputed, because the last round (sequence of
- * iterations) did not end at the optimum and hardly reduced the violation of the optimality (KKT)
- * conditions.
+ * Whether the tableau (pivoted Hessian) must be recomputed, because the last round (sequence of
+ * iterations) made no step or hardly reduced the violation of the optimality (KKT) conditions.
  */
 static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 {
@@ -1022,8 +1027,8 @@ static bool make_round(pzs_optimiser *optimiser)
     conclude_round(optimiser, moves);
     optimiser->is_fresh = optimiser->is_fresh && !optimiser->is_optimal;
     const bool failed = moves && !blocked && verified;
-    // If the tableau (pivoted Hessian) predicts a wrong gradient after many pivot exchanges,
-    // rounding errors have accumulated in it.
+    // Rounding errors accumulate in the tableau (pivoted Hessian) with each pivot exchange. If it
+    // predicts a wrong gradient after many of them, it is worn and must be recomputed.
     const bool is_worn = failed && optimiser->exchanges > WORN * optimiser->inputs;
     if (is_worn || (!optimiser->is_optimal && !optimiser->is_cut && is_stuck(optimiser, moves)))
         return renew_tableau(optimiser);
@@ -1031,8 +1036,8 @@ static bool make_round(pzs_optimiser *optimiser)
 }
 
 /*
- * Complete the tableau (pivoted Hessian) of the optimiser if its recomputation is unfinished.
- * Returns whether the work limit then allows a round (sequence of iterations).
+ * If the recomputation of the tableau (pivoted Hessian) is unfinished, go on with it. Returns
+ * whether it is complete and the work limit allows a round (sequence of iterations).
  */
 static bool may_make_round(pzs_optimiser *optimiser)
 {
@@ -1070,9 +1075,9 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
         }
     }
     /*
-     * If the work limit did not stop the last iterations, a violation of the optimality (KKT)
-     * conditions slightly above its rounding-error bound is accepted, because rounding errors
-     * prevent a smaller one.
+     * Unless the work limit has stopped the optimiser, accept a violation of the optimality (KKT)
+     * conditions that is slightly above its rounding-error bound: rounding errors prevent a smaller
+     * one.
      */
     optimiser->is_optimal |=
         !optimiser->is_cut && optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;

@@ -31,14 +31,15 @@
 #include "../core/product.h"
 
 /*
- * The polarity monitor judges only motions of the shape that are larger than LOADS times the effect
- * of the largest expected sudden load plus NOISE_MARGIN times the noise of the measured shape.
+ * Smallest motion of the shape that the polarity monitor judges: LOADS times the effect of the
+ * largest expected sudden load plus NOISE_MARGIN times the noise of the measured shape.
  */
 #define LOADS 2
 #define NOISE_MARGIN 6
 /*
- * A structure does not follow its prediction if its motion is less than LEAST_ANSWER of a predicted
- * motion that is more than LONG_WAY times the smallest one that is judged.
+ * The structure does not follow its prediction if it makes less than LEAST_ANSWER of the predicted
+ * motion. This is judged only where the predicted motion exceeds the smallest judged motion by the
+ * factor LONG_WAY.
  */
 #define LONG_WAY 2
 #define LEAST_ANSWER PZS_R(0.1)

@@ -31,13 +31,13 @@
  */
 #define REBUILDS 3u
 /*
- * Largest number of rounds (sequences of iterations) in one call of the optimiser for limited sums
- * of voltages.
+ * Largest number of rounds in one call of the optimiser for limited sums of voltages. A round is a
+ * sequence of iterations that ends with a gradient computed from the Hessian.
  */
 #define ROUNDS 40u
 /*
- * Upper bound of the work of choosing the signs of voltages anew, for each limited sum of absolute
- * values of voltages. The unit of work is the product of a vector with the optimiser's tableau, the
+ * Upper bound of the work with which the signs of the voltages in one limited sum of absolute
+ * values are chosen anew, in products of a vector with the optimiser's tableau. The tableau is the
  * matrix that gives changes of voltages and sums from changes of multipliers.
  */
 #define SIGN_PRODUCTS 8u
@@ -78,9 +78,9 @@
 #define RAISE 10
 #define ABSOLUTE_RAISE 30
 /*
- * Iterations no longer reduce the duality gap if the gap times this number exceeds the last gap. A
- * larger shift makes the rounds (sequences of iterations) converge more slowly; where sums of
- * absolute values are limited, slower convergence is therefore accepted.
+ * The duality gap counts as no longer reduced if a round (sequence of iterations) does not divide
+ * it by at least this number: STUCK in general, ABSOLUTE_STUCK where sums of absolute values are
+ * limited. There the shift of the Hessian is often larger, which makes rounds converge more slowly.
  */
 #define STUCK PZS_R(4.0)
 #define ABSOLUTE_STUCK PZS_R(1.25)
@@ -102,8 +102,8 @@
 #define CORRECTIONS 2u
 
 /*
- * Largest finite duality gap that is stored (m2). A larger one is replaced by this number, because
- * infinity marks a round (sequence of iterations) that lowered the objective.
+ * Largest finite duality gap that is stored (m2). Larger gaps are replaced by it. An infinite gap
+ * has another meaning: the last round (sequence of iterations) has lowered the objective.
  */
 #define LARGEST_GAP PZS_BY_BITS(PZS_R(1e37), PZS_R(1e307))
 
@@ -119,9 +119,9 @@ static uint32_t entry_count(const rows_run *run)
 }
 
 /*
- * Return the number of multiply-adds that the end of a round (sequence of iterations) may take:
- * corrections of the voltages, weighted sums of voltages, and the gradient computed twice from the
- * Hessian.
+ * Return the largest number of multiply-adds of the work at the end of a round (sequence of
+ * iterations): corrections of the voltages, weighted sums of voltages, and the gradient, which is
+ * computed from the Hessian up to two times.
  */
 static uint64_t end_work(const rows_run *run)
 {
@@ -131,10 +131,9 @@ static uint64_t end_work(const rows_run *run)
 }
 
 /*
- * Return the number of multiply-adds that the work limit of the optimiser still allows for
- * iterations. The work that follows the iterations is already subtracted: they end with a
- * correction of the voltages for rounding errors and with a gradient computed from the Hessian
- * (end_work).
+ * Return the number of multiply-adds that are left for iterations within the optimiser's work
+ * limit. The work at the end of a round (end_work) is already subtracted: corrections of the
+ * voltages for rounding errors, and a gradient computed from the Hessian.
  */
 static uint64_t remaining_work(const rows_run *run)
 {
@@ -227,9 +226,10 @@ static void reset_tableau(const rows_run *run)
 }
 
 /*
- * Return the input for the next pivot exchange (elimination step) while the optimiser's tableau is
- * computed anew: the one with the largest pivot of those not yet exchanged. Returns the number of
- * inputs if there is none, or if so small a pivot demands a shift of the diagonal of the Hessian.
+ * Choose the next pivot exchange (elimination step) in the computation of the optimiser's tableau:
+ * return the input with the largest pivot among those not yet exchanged. Returns the number of
+ * inputs if all are exchanged, or if the largest pivot is so small that the diagonal of the Hessian
+ * must be shifted.
  */
 static uint32_t next_pivot(const rows_run *run)
 {
@@ -261,9 +261,10 @@ static void measure_pivots(const rows_run *run)
 }
 
 /*
- * Begin to compute the optimiser's tableau (matrix that gives changes of voltages and limited sums
- * from changes of multipliers) anew, with a larger shift of the diagonal of the Hessian: a multiple
- * of the last one, between the fixed bounds LEAST_CURVATURE and MOST_CURVATURE.
+ * Begin to compute the optimiser's tableau anew with a larger number (shift) added to the diagonal
+ * of the Hessian. The shift is a multiple of the last one, between LEAST_CURVATURE and
+ * MOST_CURVATURE. The tableau gives changes of voltages and limited sums from changes of
+ * multipliers.
  */
 static void raise_shift(const rows_run *run)
 {
@@ -354,9 +355,9 @@ void pzs_rows_load_values(const rows_run *run)
 }
 
 /*
- * Subtract from a gradient [inputs] the contributions of the active limit rows (limits of sums of
- * voltages): scaled coefficients times multiplier. Returns the largest absolute contribution, which
- * scales the rounding error (m2/V).
+ * Subtract from a gradient [inputs] what the active limit rows (limits of sums of voltages)
+ * contribute to it: scaled coefficients times multiplier. Returns the largest absolute contribution
+ * (m2/V), from which the rounding error is estimated.
  */
 pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient)
 {
@@ -377,9 +378,9 @@ pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient)
 }
 
 /*
- * Return by how much a multiplier (m2/V) of quantity k, a voltage or a limited sum, violates the
- * optimality (KKT) conditions; zero or less: not at all. A quantity is at a bound up to its margin
- * (solver->margin). Permitted multipliers:
+ * Return by how much the multiplier of quantity k (voltage or limited sum) violates the optimality
+ * (KKT) conditions (m2/V); zero or negative if it does not. The permitted sign depends on the
+ * bounds at which the quantity is, to within solver->margin:
  *   lower bound  positive or zero
  *   upper bound  negative or zero
  *   both bounds  any
@@ -426,8 +427,8 @@ pzs_real pzs_rows_violation(const rows_run *run, const pzs_real *reduced)
 
 /*
  * Return the largest violation of the optimality (KKT) conditions (m2/V), and store the duality gap
- * in solver->gap. In sums of absolute values, voltages at 0 V whose other sign would lower the
- * objective count, too.
+ * in solver->gap. It includes violations by voltages at 0 V in sums of absolute values, whose other
+ * sign would lower the objective.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  */
 static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
@@ -442,7 +443,7 @@ static pzs_real total_violation(const rows_run *run, const pzs_real *reduced)
 /*
  * Compute the violation of the optimality (KKT) conditions at the start of a round (sequence of
  * iterations), and its rounding-error bound. The array `scratch` of the optimiser receives the
- * gradient minus the contributions of the active limits of sums of voltages.
+ * gradient minus the contributions of the active limits of sums of voltages (m2/V).
  */
 static void measure_violation(const rows_run *run)
 {
@@ -453,9 +454,8 @@ static void measure_violation(const rows_run *run)
     optimiser->kkt_violation = total_violation(run, reduced);
     const pzs_real bound = ROUNDING_FACTOR * (optimiser->target_rounding +
                                               optimiser->model_rounding + 4 * PZS_EPSILON * forces);
-    // The rounding-error bound is at least that of the first round in the tick. Otherwise it would
-    // be nearly zero where the gradient is nearly zero, and rounding errors alone would count as a
-    // violation.
+    // The gradient may nearly vanish, and with it this bound; rounding errors alone would then
+    // count as a violation. The bound is therefore at least that of the first round of the tick.
     run->solver->least_rounding =
         run->solver->least_rounding > 0 ? run->solver->least_rounding : bound;
     optimiser->rounding_bound =
@@ -502,11 +502,10 @@ static void predict_step(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * Bring the sum of limit row k (limit of a sum of voltages) back inside its limits. The optimiser
- * narrows these limits by a margin, because of rounding errors. If the sum is outside the narrowed
- * limits by more than half of the margin, move it to the nearest narrowed limit. The voltages of
- * the row change as little as possible (sum of squares) and are clamped to their bounds. Returns
- * whether the sum was moved.
+ * Bring the sum of limit row k (limit of a sum of voltages) inside its limits, which the optimiser
+ * narrows by a margin for rounding errors. A sum that is outside the narrowed limits by more than
+ * half of the margin is moved to the nearer one. The voltages of the row change as little as
+ * possible (sum of squares) and are clamped to their bounds. Returns whether the sum was moved.
  */
 static bool project_row(const rows_run *run, uint32_t k)
 {
@@ -532,9 +531,9 @@ static bool project_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Correct the voltages for one limit row (limit of a sum of voltages) after the other, until no sum
- * is outside its limits narrowed by a margin. A correction may push another sum beyond its narrowed
- * limits only by rounding errors, so that it stays inside its true limits.
+ * Correct the voltages for one limit row (limit of a sum of voltages) after the other, until every
+ * sum is inside its limits. These are narrowed by a margin, so that a sum that a later correction
+ * moves beyond them by rounding errors is still inside the true limits.
  */
 static void project_rows(const rows_run *run)
 {
@@ -565,8 +564,8 @@ static bool is_away_from_bound(const rows_run *run)
 
 /*
  * Whether the sums of all limit rows (limits of sums of voltages), which pzs_rows_load_values has
- * computed, are inside their narrowed limits, or outside by at most half of the margin by which the
- * limits are narrowed. The sums are then inside their true limits.
+ * computed, are inside their true limits. The optimiser narrows these limits by a margin for
+ * rounding errors; a sum may exceed the narrowed limits by half of this margin.
  */
 static bool are_rows_inside(const rows_run *run)
 {
@@ -607,9 +606,9 @@ static void return_inside(const rows_run *run)
 }
 
 /*
- * Take the result of the iterations as the new voltages of the controller. They are corrected so
- * that they obey all bounds and limit rows (limits of sums of voltages) without any rounding error.
- * Returns whether this was possible without moving them back towards the start of the round.
+ * Take the result of the iterations as the new voltages of the controller, corrected so that they
+ * obey all bounds and limit rows (limits of sums of voltages) exactly. Returns false if this was
+ * possible only by moving the voltages back towards those at the start of the round.
  */
 static bool take_voltages(const rows_run *run, bool is_complete)
 {
@@ -662,9 +661,9 @@ static void undo_round(const rows_run *run)
 /* ---- rounds ------------------------------------------------------------------ */
 
 /*
- * A round begins with the gradient computed from the Hessian and the sums computed from the limit
- * rows, and ends with voltages inside all bounds and limit rows. Rounds are repeated until the
- * multipliers prove the voltages optimal up to rounding errors.
+ * Voltages inside limit rows are found in rounds, until the multipliers prove the voltages optimal
+ * up to rounding errors. A round starts with the gradient computed from the Hessian and the sums
+ * computed from the limit rows, and ends with voltages inside all bounds and limit rows:
  *   step        to the minimum over the free quantities (voltages and limited sums), with the
  *               active ones at their bounds;
  *   iterations  of the dual active-set method, until all quantities are inside their bounds and all
@@ -675,21 +674,21 @@ static void undo_round(const rows_run *run)
  */
 
 /*
- * Make a fresh start after iterations that no longer reduce the duality gap. Returns whether
- * further iterations may help.
+ * After iterations that no longer reduce the duality gap, start again with another active set or
+ * with a larger shift of the Hessian. Returns whether further iterations may help.
  */
 static bool start_anew(const rows_run *run)
 {
     run->solver->failures++;
     run->solver->last_gap = (pzs_real)HUGE_VAL;
-    // Where no sums of absolute values are limited, every second call of this function frees all
-    // voltages and limited sums from their bounds.
+    // Without limited sums of absolute values, the first remedy is to free all voltages and limited
+    // sums from their bounds. The shift is raised only if this has not helped in the call before.
     if (!has_absolute(run) && run->solver->failures % 2u != 0) {
         pzs_dual_free_all(run->tableau);
         return true;
     }
-    // Otherwise this function computes the tableau (matrix of the optimiser) anew, with a larger
-    // number added to the diagonal of the Hessian (shift).
+    // Compute the tableau (matrix of the optimiser) anew, with a larger number (shift) added to the
+    // diagonal of the Hessian.
     if (run->optimiser->rebuilds >= REBUILDS || remaining_work(run) < PZS_PRODUCT_WORK(run->count))
         return false;
     run->optimiser->rebuilds++;
@@ -698,9 +697,9 @@ static bool start_anew(const rows_run *run)
 }
 
 /*
- * Whether the present voltages are optimal: the distance of the objective from a lower bound of its
- * minimum, divided by the scale of the objective, is at most GAP, or at most LOOSE_GAP with a
- * violation of the optimality (KKT) conditions below its rounding-error bound.
+ * Whether the present voltages are optimal. The duality gap bounds how far half the objective is
+ * above its minimum. It must be at most GAP times the scale of the objective; LOOSE_GAP suffices if
+ * the violation of the optimality (KKT) conditions is below its rounding-error bound.
  */
 static bool is_converged(const rows_run *run)
 {
@@ -713,8 +712,9 @@ static bool is_converged(const rows_run *run)
 }
 
 /*
- * Whether the present voltages may be accepted as optimal although the optimiser did not converge,
- * because rounding errors prevent a smaller violation of the optimality (KKT) conditions.
+ * Whether the present voltages may be accepted as optimal when the optimiser makes no more
+ * progress: the violation of the optimality (KKT) conditions or the duality gap is as small as
+ * rounding errors permit.
  */
 static bool is_acceptable(const rows_run *run)
 {
@@ -724,8 +724,8 @@ static bool is_acceptable(const rows_run *run)
 }
 
 /*
- * Give the voltages in limited sums of absolute values the signs that they have at the start of a
- * round (sequence of iterations).
+ * For limited sums of absolute values, choose the signs of the voltages for the round (sequence of
+ * iterations) that begins: the signs that the voltages have now.
  */
 static void follow_signs(const rows_run *run)
 {
@@ -734,9 +734,9 @@ static void follow_signs(const rows_run *run)
 }
 
 /*
- * Make the iterations of the dual active-set method until no quantity (voltage or limited sum) is
- * outside its bounds and no multiplier outside its limits. Returns false if they end, for example
- * at the work limit, while there is still one.
+ * Make the iterations of the dual active-set method until every quantity (voltage or limited sum)
+ * is inside its bounds and every multiplier has a permitted value. Returns false if the iterations
+ * end earlier, for example at the work limit.
  */
 static bool iterate(const rows_run *run)
 {
@@ -748,8 +748,9 @@ static bool iterate(const rows_run *run)
 
 /*
  * Make the iterations of a round: the step to the minimum over the free quantities (voltages and
- * limited sums), then the dual active-set method. The voltages reached are taken as far as they are
- * inside all limits. Returns whether they are taken as they are.
+ * limited sums), then the dual active-set method. The voltages that they reach become the new ones;
+ * if limits of sums are violated, they are moved back towards the start as far as necessary.
+ * Returns whether no voltage had to be moved back.
  */
 static bool run_round(const rows_run *run)
 {
@@ -763,9 +764,9 @@ static bool run_round(const rows_run *run)
         run->rows->absolute_call->resume(run->control);
     predict_step(run);
     /*
-     * The dual active-set method subtracts from the work limit the work of two products of the
-     * matrix with a vector, for the end of its round (sequence of iterations). The work of these
-     * two products is added here, because remaining_work has already subtracted it.
+     * remaining_work has already subtracted the work of two products of the Hessian with a vector,
+     * for the end of the round. The dual active-set method subtracts the same work again, so it is
+     * added here.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = iterate(run);
@@ -777,10 +778,9 @@ static bool run_round(const rows_run *run)
 }
 
 /*
- * Return the largest change of the objective (m2) in the last iterations that does not count as a
- * gain or loss. It has two causes: rounding errors, and moves of the sums of voltages within their
- * margins. A margin is the distance by which the limits of a sum are narrowed because of rounding
- * errors.
+ * Return the largest change of the objective (m2) in the last iterations that counts as rounding.
+ * It has two sources: rounding errors, and sums of voltages that move within the margins by which
+ * their limits are narrowed because of rounding errors.
  */
 static pzs_real change_by_rounding(const rows_run *run)
 {
@@ -796,10 +796,11 @@ static pzs_real change_by_rounding(const rows_run *run)
 
 /*
  * Undo the last round (sequence of iterations) if it raised the objective by more than rounding
- * errors explain. If the round made no progress, store its duality gap.
- *   is_whole in  whether the voltages reached were inside all limits. If they had to be moved back
- *                and sums of absolute values are limited, only progress beyond rounding errors
- *                counts
+ * errors explain. Store for the next round whether this one made progress: last_gap becomes
+ * infinite if it did, otherwise the duality gap.
+ *   is_whole in  whether the voltages reached were inside all limits. If they were not, and sums of
+ *                absolute values are limited, a decrease counts only if rounding errors do not
+ *                explain it
  */
 static void judge_round(const rows_run *run, bool is_whole)
 {
@@ -817,8 +818,8 @@ static void judge_round(const rows_run *run, bool is_whole)
 }
 
 /*
- * Make one round (sequence of iterations) of the optimiser and keep the new voltages unless the
- * objective has risen. Its tableau (matrix that gives changes of voltages and limited sums from
+ * Make one round (sequence of iterations) of the optimiser and keep the new voltages unless they
+ * raise the objective. The tableau (matrix that gives changes of voltages and limited sums from
  * changes of multipliers) must be complete. Returns whether another round may lower the objective.
  */
 static bool make_round(const rows_run *run)
@@ -861,8 +862,8 @@ static bool may_make_round(const rows_run *run)
 }
 
 /*
- * Free all voltages and limit rows (limits of sums of voltages) from their bounds if the list of
- * the active ones is damaged.
+ * If the list of active quantities (kept at a bound) is damaged, free all voltages and limit rows
+ * (limits of sums of voltages) from their bounds.
  */
 static void check_active_set(const rows_run *run)
 {

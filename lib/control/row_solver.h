@@ -69,9 +69,9 @@ static inline pzs_real rows_coefficient(const rows_run *run, uint32_t k, uint32_
 void pzs_rows_load_values(const rows_run *run);
 
 /*
- * Subtract from a gradient [inputs] the contributions of the active limit rows (limits of sums of
- * voltages): scaled coefficients times multiplier. Returns the largest absolute contribution, which
- * scales the rounding error (m2/V).
+ * Subtract from a gradient [inputs] what the active limit rows (limits of sums of voltages)
+ * contribute to it: scaled coefficients times multiplier. Returns the largest absolute contribution
+ * (m2/V), from which the rounding error is estimated.
  */
 pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient);
 
