@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Least squares with bounds: an active-set method whose every iterate is feasible. It solves
+ * Least squares with bounds, by an active-set method whose intermediate results all obey the
+ * bounds. It solves
  *
  *   minimise   (v - base)' H (v - base) / 2 + (r - t)' (v - base)
  *   subject to lower <= v <= upper
@@ -16,7 +17,7 @@
 
 #include "optimiser.h"
 
-/* Number of vectors of the optimiser, without the voltages; each has an entry for each input. */
+/* Number of the optimiser's vectors with an entry for each input, without the voltages. */
 #define BOXLS_VECTORS (16u + PZS_PENDING)
 /*
  * Largest factor by which the pivot threshold for linearly dependent inputs may rise above its
@@ -39,14 +40,16 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work);
 void pzs_boxls_gradient(pzs_optimiser *optimiser);
 
 /*
- * Compute the gradient of the objective from the Hessian at the present voltages, instead of from
- * the tableau (pivoted Hessian), and its rounding-error bound.
+ * Compute the gradient of the objective at the present voltages from the Hessian itself, not from
+ * the tableau (pivoted Hessian), whose rounding errors accumulate. Also compute its rounding-error
+ * bound.
  */
 void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 
 /*
- * Compute the search direction from gradient and tableau (pivoted Hessian), to which the collected
- * pivot exchanges are applied before, and the voltages after a full step along it.
+ * Compute the search direction: the product of the tableau (pivoted Hessian) with the gradient of
+ * the free inputs. Before, apply the collected pivot exchanges to the tableau. Also compute the
+ * voltages after a full step along the direction.
  *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
  * Returns how many inputs prevent the full step: free ones that would exceed a bound, and active
  * ones that would violate the conditions.
@@ -92,9 +95,9 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 
 /*
  * Return whether the present voltages should replace the base voltages, around which the gradient
- * is computed. The rounding error of the gradient grows with the difference between present and
- * base voltages. They are replaced before this rounding error can raise the objective by more than
- * the machine epsilon times target_energy, the scale of the objective.
+ * is computed. The rounding error of the gradient grows with the difference between both. The base
+ * must be replaced if this error could raise the objective by more than the machine epsilon times
+ * target_energy, the scale of the objective.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

@@ -12,8 +12,9 @@
  *     thus occurs twice, and their number is finite.
  *   - Between iterations voltages may be outside their bounds; they are clamped to the bounds
  *     before they become the present voltages of the controller.
- *   - An iteration takes two triangular solutions with the factor of the inverse Hessian restricted
- *     to the active inputs, and its columns of these inputs: little work for a small active set.
+ *   - An iteration takes two triangular solutions with the Cholesky factor of the inverse Hessian
+ *     restricted to the active inputs, and a product with the columns of the inverse that belong to
+ *     the active inputs. This is little work while few inputs are active.
  */
 #include <string.h>
 #include "boxls_dual.h"
@@ -27,32 +28,32 @@
 #define ROUNDING_FACTOR 8
 /*
  * A voltage or limited sum of voltages counts as linearly independent of those that are kept at a
- * bound if its pivot exceeds this multiple of pivot_rounding, the estimated rounding error of the
+ * bound if its pivot exceeds CERTAIN times pivot_rounding, the estimated rounding error of the
  * pivots.
  */
 #define CERTAIN PZS_BY_BITS(4, 16)
 /*
- * Factor in a test of the dual active-set method, for a voltage that depends linearly on active
- * ones and seems to be outside its bounds by a distance d (V). It is a rounding error if
+ * A voltage that is a linear combination of active voltages may seem to be outside its bounds by a
+ * distance d (V) that is only a rounding error. It counts as such an error if
  *   PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change
  *   pivot_rounding     estimated rounding error of a pivot (V2/m2)
- *   multiplier_change  size of all changes of multipliers in the round (m2/V)
+ *   multiplier_change  sum of the sizes of all changes of multipliers in the round (m2/V)
  */
 #define PIVOT_TO_VALUE 16
 /*
- * Number of entries of a row below which a triangular solver subtracts the row by a plain loop,
- * which is then faster than a call of subtract_multiple.
+ * A triangular solver subtracts a row with fewer entries than this by a plain loop, which is then
+ * faster than a call of subtract_multiple.
  */
 #define SHORT_ROW 16u
 
 /*
- * The dual active-set method replaces its active set by an estimate if at least one in this number
- * of inputs is wrong: free with its voltage outside its bounds, or active (kept at a bound) with a
+ * The dual active-set method replaces its active set by an estimate if at least 1 in WRONG_PART
+ * inputs is wrong: free with its voltage outside its bounds, or active (kept at a bound) with a
  * multiplier of the wrong sign.
  */
 #define WRONG_PART 3u
 /*
- * Number of times that the dual active-set method goes through all inputs to estimate the optimal
+ * Number of sweeps over all inputs with which the dual active-set method estimates the optimal
  * voltages.
  */
 #define SWEEPS 6u
@@ -63,10 +64,10 @@
  */
 #define TRIAL_PART 4u
 /*
- * The dual active-set method estimates its active set anew without first trying ordinary iterations
- * (TRIAL_PART) if few inputs are right: at most (number of inputs) / FEW_RIGHT. An input is right
- * if it is free with its voltage inside its bounds, or active (kept at a bound) with a multiplier
- * of the right sign.
+ * Where at most 1 in FEW_RIGHT inputs is right, the dual active-set method estimates a new active
+ * set at once, without the ordinary iterations that come first otherwise (TRIAL_PART). An input is
+ * right if it is free with its voltage inside its bounds, or active (kept at a bound) with a
+ * multiplier of the right sign.
  */
 #define FEW_RIGHT 5u
 
@@ -131,7 +132,7 @@ static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
 /*
  * Make free input i active, so that its voltage is kept at a bound, and append its row to the
  * Cholesky factor of the inverse Hessian restricted to the active inputs (voltages at a bound).
- *   solution [active_count] in  this row without its last entry
+ *   solution [active_count] in  the new row of the factor without its last entry (V/m)
  *   pivot                   in  square of the last entry (V2/m2)
  */
 static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real *solution,
@@ -148,9 +149,10 @@ static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real
 }
 
 /*
- * Move row k + 1 of the Cholesky factor of the inverse Hessian, restricted to the active inputs
- * (voltages at a bound), to row k, after the input of row `removed` has become free. The plane
- * rotations of the rows before are applied, and a new one makes its entry beyond the diagonal zero.
+ * One step in removing row `removed` from the Cholesky factor of the inverse Hessian restricted to
+ * the active inputs (voltages at a bound): move row k + 1 to row k. Plane rotations of the columns
+ * keep the factor triangular: those of the earlier steps are applied to the row, and a new one
+ * removes its entry behind the diagonal.
  */
 static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
 {
@@ -170,8 +172,8 @@ static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_
 }
 
 /*
- * Make free the active input (kept at a bound) that belongs to row k of the Cholesky factor of the
- * inverse Hessian restricted to the active inputs (voltages at a bound), and remove this row.
+ * Make an active input (kept at a bound) free, and remove its row k from the Cholesky factor of the
+ * inverse Hessian restricted to the active inputs.
  */
 static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
 {
@@ -204,8 +206,8 @@ void pzs_dual_free_all(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the list of the inputs that belong to the rows of the Cholesky factor contains each
- * active input (voltage at a bound) once and no free input; otherwise memory is damaged.
+ * Whether the list `order` of the inputs in the Cholesky factor is intact: it contains each active
+ * input (voltage at a bound) once and no free input. Otherwise memory was damaged.
  */
 static bool is_order_valid(const pzs_optimiser *optimiser)
 {
@@ -251,9 +253,9 @@ bool pzs_is_at_bounds_dual(const pzs_optimiser *optimiser)
 /* ---- step of the free inputs to their minimum ------------------------ */
 
 /*
- * Subtract from a vector [width] the rows of the tableau (pivoted Hessian) that belong to the
- * active inputs (voltages at a bound), each multiplied by an entry of `factor`. As the tableau is
- * the negative inverse of the Hessian, this adds columns of the inverse.
+ * Add columns of the inverse Hessian to a vector [width]: those of the active inputs (voltages at a
+ * bound), each multiplied by its entry of `factor`. They are subtracted as rows of the tableau,
+ * which is the negative inverse of the Hessian.
  */
 static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_real *factor)
 {
@@ -282,9 +284,9 @@ void pzs_dual_move_to_bounds(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether active input i (voltage at a bound) should become free. Its Lagrange multiplier then has
- * the wrong sign by more than `rounding` (m2/V), so that a voltage away from the bound lowers the
- * objective, and its two bounds differ.
+ * Whether active input i (voltage at a bound) should become free. This is so if its two bounds
+ * differ and its Lagrange multiplier has the wrong sign by more than `rounding` (m2/V): the
+ * objective then falls if the voltage leaves the bound.
  */
 static bool is_wrong(const pzs_optimiser *optimiser, uint32_t i, pzs_real rounding)
 {
@@ -321,10 +323,10 @@ bool pzs_dual_affords(const pzs_optimiser *optimiser, uint64_t cost)
 }
 
 /*
- * Choose the active inputs (whose voltages are kept at a bound) that are to become free because
- * their multipliers have the wrong sign, as many as the work limit allows.
- *   change [active_count] out  for each chosen input the change of its multiplier to zero, 0 for
- *                              all others (m2/V)
+ * Choose the active inputs (voltages kept at a bound) that become free because their multipliers
+ * have the wrong sign, as many as the work limit allows.
+ *   change [active_count] out  for each chosen input the change that makes its multiplier zero, 0
+ *                              for all others (m2/V)
  * Returns the number of chosen inputs.
  */
 static uint32_t choose_wrong(pzs_optimiser *optimiser, pzs_real rounding, pzs_real *change)
@@ -381,9 +383,9 @@ uint32_t pzs_dual_choose_outside(const pzs_optimiser *optimiser)
 }
 
 /*
- * Compute the row that free input i would have, if it became active, in the Cholesky factor of the
- * inverse Hessian restricted to the active inputs (voltages at a bound), into the work array
- * DUAL_SOLUTION [active_count]. Returns the square of the last entry of the row (V2/m2).
+ * Compute the row that free input i gets in the Cholesky factor if it becomes active, into the work
+ * array DUAL_SOLUTION [active_count] (V/m). The factor is that of the inverse Hessian restricted to
+ * the active inputs (voltages at a bound). Returns the square of the last entry of the row (V2/m2).
  */
 static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -398,9 +400,9 @@ static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Return the smallest pivot (V2/m2) with which input i may become active (voltage at a bound). With
- * a smaller pivot the voltage of input i counts as linearly dependent on the voltages of the active
- * inputs.
+ * Return the smallest pivot with which input i may become active, so that its voltage is kept at a
+ * bound (V2/m2). With a smaller pivot its voltage counts as linearly dependent on those of the
+ * active inputs.
  */
 static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 {
@@ -464,9 +466,10 @@ bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside)
 }
 
 /*
- * Make one iteration of the dual active-set method: change the multiplier of free input i until its
- * voltage reaches its bound (array `side`) and it becomes active, or until the multiplier of an
- * active input becomes zero and that input becomes free. Returns false if neither happens.
+ * Make one iteration of the dual active-set method: change the multiplier of free input i until the
+ * voltage of this input reaches its bound (array `side`). The input then becomes active. If the
+ * multiplier of an active input becomes zero before, the iteration ends there, and that input
+ * becomes free. Returns false if neither happens.
  */
 static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -498,9 +501,9 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 /* ---- new choice of the active set ------------------------------------ */
 
 /*
- * Return the number of free inputs whose voltages are outside their bounds plus the number of
- * active inputs (voltages at a bound) whose multipliers have the wrong sign by more than `rounding`
- * (m2/V).
+ * Return how many inputs contradict the optimality conditions: free inputs with a voltage outside
+ * its bounds, and active inputs (voltages at a bound) whose multipliers have the wrong sign by more
+ * than `rounding` (m2/V).
  */
 static uint32_t count_errors(const pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -565,9 +568,9 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
 }
 
 /*
- * Replace the active set (inputs kept at a bound) by an estimate, if the work limit allows this: an
- * input becomes active if its estimated optimal voltage is at a bound and the objective would fall
- * beyond this bound.
+ * Replace the active set (inputs kept at a bound) by an estimate, if the work limit allows this. An
+ * input becomes active if its estimated optimal voltage is at a bound and the gradient would drive
+ * it beyond.
  */
 static void choose_anew(pzs_optimiser *optimiser)
 {
@@ -606,9 +609,9 @@ bool pzs_dual_may_iterate(pzs_optimiser *optimiser, uint64_t extra)
 }
 
 /*
- * Move the voltages of free inputs that are outside their bounds to these bounds, one after the
- * other, until none is outside or the optimiser has made `enough` iterations. Returns false if the
- * work limit or the largest number `most` of iterations ends this earlier.
+ * Move the voltages of free inputs from outside to their bounds, one after the other, until none is
+ * outside or the optimiser has made `enough` iterations. Returns false if this ends earlier, at the
+ * work limit or after `most` iterations.
  */
 static bool pull_all_inside(pzs_optimiser *optimiser, uint32_t enough, uint32_t most)
 {

@@ -102,17 +102,17 @@ void pzs_dual_join(pzs_optimiser *optimiser, uint32_t i, pzs_real side);
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 
 /*
- * Iterate the dual active-set method, from next_voltage of pzs_predict_step_dual, until no voltage
- * is outside its bounds and no multiplier has the wrong sign. The optimiser's voltages become those
- * reached, clamped to the bounds.
+ * Iterate the dual active-set method until no voltage is outside its bounds and no multiplier has
+ * the wrong sign. The start is next_voltage, as pzs_predict_step_dual leaves it. The result,
+ * clamped to the bounds, becomes the optimiser's voltages.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
  * Returns false if the iterations ended early, for example at the work limit.
  */
 bool pzs_iterate_dual(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
- * Iterate the dual active-set method as pzs_iterate_dual does, where no sums of voltages are
- * limited. If much of the active set is still wrong after a few iterations, as after a jump of the
+ * Make a round (sequence of iterations) of the dual active-set method where no sums of voltages are
+ * limited. If much of the active set is wrong after a few iterations, as after a jump of the
  * target, a new active set is estimated from the Hessian, which takes less work than further
  * iterations.
  */
@@ -121,16 +121,15 @@ bool pzs_run_round_dual(pzs_optimiser *optimiser, pzs_real rounding);
 /* ---- parts of the iterations, also for sums of absolute values ------------- */
 
 /*
- * Prepare a round (sequence of iterations) of the dual active-set method. Returns the largest
- * number of iterations, those of earlier rounds included, that the optimiser may have made when the
- * round ends.
+ * Prepare a round (sequence of iterations) of the dual active-set method. Returns the iteration
+ * count at which the round must end; the count includes the iterations of earlier rounds.
  */
 uint32_t pzs_dual_begin_round(pzs_optimiser *optimiser);
 
 /*
- * Whether the work limit of the optimiser allows `cost` more multiply-adds now. Work is kept in
- * reserve for the end of the present round (sequence of iterations): two products of the Hessian
- * with a vector, because the gradient may have to be computed twice there.
+ * Whether the work limit of the optimiser allows `cost` more multiply-adds now. Enough of the limit
+ * is kept for the end of the present round (sequence of iterations), where the gradient may have to
+ * be computed twice: two products of the Hessian with a vector.
  */
 bool pzs_dual_affords(const pzs_optimiser *optimiser, uint64_t cost);
 
@@ -143,14 +142,14 @@ void pzs_dual_drop_wrong(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
  * Choose the free input whose voltage is farthest outside its bounds, set its multiplier to zero,
- * and note at which bound it is to be kept. Returns the number of inputs if all voltages are inside
- * up to rounding errors.
+ * and store the bound to which it must go in the array `side`. Returns the number of inputs if all
+ * voltages are inside up to rounding errors.
  */
 uint32_t pzs_dual_choose_outside(const pzs_optimiser *optimiser);
 
 /*
- * Count one more iteration of the dual active-set method if its work is within the work limit.
- * Otherwise note that the work limit has stopped the optimiser. Returns whether the iteration may
+ * Count one more iteration of the dual active-set method, if its work is within the work limit.
+ * Otherwise set is_cut: the work limit has stopped the optimiser. Returns whether the iteration may
  * be made.
  *   extra in  work that the caller adds to that of the iteration (multiply-adds)
  */
@@ -177,17 +176,18 @@ pzs_real pzs_dual_find_response(pzs_optimiser *optimiser, uint32_t i);
 bool pzs_dual_may_join(const pzs_optimiser *optimiser, uint32_t i, pzs_real pivot);
 
 /*
- * Whether rounding errors explain that a voltage (or limited sum of voltages) is outside its bounds
- * by the distance `outside` (V) although it is a linear combination of those that are kept at their
- * bounds. The dual active-set method ignores it until the next exact computation of the gradient.
+ * Whether it is only a rounding error that a voltage (or limited sum of voltages) seems to be
+ * outside its bounds by the distance `outside` (V). It must be a linear combination of those that
+ * are kept at their bounds. The iterations then ignore it until the gradient is next computed from
+ * the Hessian.
  */
 bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside);
 
 /*
  * Find the active input whose multiplier becomes zero first in the present iteration, so that it
- * must become free. The multiplier of one free input changes, and those of active inputs in
- * proportion.
- *   sense in      sign of the change of the multiplier of the free input: 1 or -1
+ * must become free. The iteration changes the multiplier of one free input, and those of the active
+ * inputs in proportion.
+ *   sense in      sign of the change of the free input's multiplier: 1 or -1
  *   part  in/out  in: size of this change in the whole iteration (m2/V); out: its size when the
  *                 multiplier of the found input becomes zero, unchanged if none is found
  * Returns the place of the found input in the list optimiser->order, or active_count if there is
@@ -196,15 +196,15 @@ bool pzs_dual_is_rounding(const pzs_optimiser *optimiser, pzs_real outside);
 uint32_t pzs_dual_first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part);
 
 /*
- * Change the multiplier of free input i, whose voltage is outside its bounds, by `change` (m2/V).
- * This moves the voltage towards its bound, where the input becomes active. The multipliers of the
- * active inputs and the voltages next_voltage follow, as pzs_dual_find_response has computed.
+ * Change the multiplier of free input i, whose voltage is outside its bounds, by `change` (m2/V),
+ * so that the voltage moves towards its bound. The voltages next_voltage and the multipliers of the
+ * active inputs change in proportion, with the factors that pzs_dual_find_response has computed.
  */
 void pzs_dual_advance(pzs_optimiser *optimiser, uint32_t i, pzs_real change);
 
 /*
- * Make the voltages next_voltage those of the optimiser, with the active inputs exactly at their
- * bounds and all others clamped to theirs.
+ * Make next_voltage the voltages of the optimiser: active inputs exactly at their bounds, all
+ * others clamped to their bounds.
  */
 void pzs_dual_take_voltages(pzs_optimiser *optimiser);
 

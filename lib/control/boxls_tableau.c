@@ -68,9 +68,10 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 
 /*
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them to its
- * tableau, which is then read and written less often. They are stored in arrays of the dual
- * active-set method, which is not in use while the tableau is computed:
- *   factor       in three equal parts their rank-one updates, and two copies that apply_wide makes
+ * tableau, which is then read and written less often. The collected exchanges are stored in arrays
+ * of the dual active-set method, which are not needed while the tableau is computed:
+ *   factor       three equal parts: the rank-one updates of the exchanges, and two copies of them
+ *                that apply_wide makes
  *   side, order  input, sign, scale and pivot of each exchange
  */
 static void collect_many(pzs_optimiser *optimiser)
@@ -110,9 +111,8 @@ static inline void read_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real
 }
 
 /*
- * Bring row k of the tableau (the optimiser's pivoted Hessian) up to date: subtract rank-one
- * updates of collected pivot exchanges, at most a fixed number (TOGETHER). The first of these
- * updates has the index `first`.
+ * Bring row k of the tableau (the optimiser's pivoted Hessian) up to date: subtract the rank-one
+ * updates of up to TOGETHER collected pivot exchanges, from number `first` on.
  *   row [width] in/out  row k of the tableau
  */
 static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t first, uint32_t k,
@@ -130,12 +130,12 @@ static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t fir
 
 /*
  * Compute row k of the tableau T, the pivoted Hessian, including the pivot exchanges that are
- * collected but not yet applied. An exchange of input c changes T, for other inputs i and j:
- *   T_ij  becomes  T_ij - sign(p) u_i u_j
+ * collected but not yet applied. With row r of T, which belongs to input c, and its diagonal entry
+ * p, the exchange of input c changes T as follows, for other inputs i and j:
+ *   T_ij  becomes  T_ij - sign(p) u_i u_j,  u_i = r_i / sqrt |p|
  *   T_ic  becomes  r_i / |p|
  *   T_cc  becomes  -1 / p
- *   r, p  row c before the exchange, pivot r_c
- *   u     r / sqrt |p|, but u_c = -sign(p) / sqrt |p|
+ * The stored vector u has the entry u_c = -sign(p) / sqrt |p|.
  */
 static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
@@ -144,16 +144,16 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
     while (j > 0 && optimiser->exchange[j - 1u].input != k)
         j--;
     if (j > 0) {
-        // The last exchange of input k gives its row as a multiple of its vector u. Earlier ones do
-        // not change the row, because entry k of their vectors was set to zero.
+        // If input k itself was exchanged, its row after its last exchange is a multiple of the
+        // update vector of this exchange. Exchanges before that do not matter for the row.
         const pzs_exchange *own = &optimiser->exchange[j - 1u];
         set_multiple(row, optimiser->pending + (j - 1u) * width, own->scale, span);
         row[k] = own->pivot;
     } else {
         read_row(optimiser, k, row);
     }
-    // In row k, the entry in the column of an exchanged input is set to zero before the rank-one
-    // update of its exchange is subtracted: the subtraction then gives the new value of the entry.
+    // Where another input was exchanged later, its entry of row k is set to zero: subtracting the
+    // update of that exchange then gives the new value of the entry.
     for (uint32_t later = j; later < optimiser->pending_count; later++)
         row[optimiser->exchange[later].input] = 0;
     for (; j < optimiser->pending_count; j += TOGETHER)
@@ -167,8 +167,8 @@ void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict ro
 }
 
 /*
- * Compute what a pivot exchange changes in the row of the exchanged input and on the diagonal of
- * the tableau (pivoted Hessian), except for the entries of the exchanged input itself.
+ * Compute the effect of a pivot exchange on the row of the exchanged input and on the diagonal of
+ * the tableau (pivoted Hessian). The caller sets the two entries of the exchanged input itself.
  *   row    [width] in/out  row of the exchanged input in the tableau before and after the exchange
  *   update [width] out     vector of the rank-one update of the tableau
  *   pivot  [width] in/out  diagonal of the tableau
@@ -210,8 +210,8 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 
 /*
  * Prepare rows i to i + most - 1 of the tableau (fewer at the end of the matrix) for the rank-one
- * updates of the collected pivot exchanges: set entries in the row or column of an exchanged input
- * to zero, because the updates give them their new values.
+ * updates of the collected pivot exchanges: set all entries in a row or column of an exchanged
+ * input to zero. Subtracting the updates then gives these entries their new values.
  */
 static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
@@ -222,17 +222,16 @@ static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
         const size_t input = optimiser->exchange[j].input;
         if (input >= i && input < i + rows)
             memset(optimiser->tableau + input * width, 0, width * sizeof(pzs_real));
-        // In the rows of other inputs, the column of the exchanged input is cleared only if it lies
-        // left of column i + rows: the caller updates these rows only up to there.
+        // Columns from i + rows on may keep their values in the rows of other inputs, because the
+        // caller updates only the columns to the left of them.
         for (size_t line = 0; input < i + rows && line < rows; line++)
             first[line * width + input] = 0;
     }
 }
 
 /*
- * Set the diagonal entries of exchanged inputs in the tableau (the optimiser's pivoted Hessian),
- * for which the collected rank-one updates give wrong values. The array `pivot` holds the diagonal
- * after all collected exchanges.
+ * Set the diagonal entries of exchanged inputs in the tableau (the optimiser's pivoted Hessian) to
+ * those in the array `pivot`. The rank-one updates alone would give wrong values there.
  */
 static void set_exchanged_diagonal(pzs_optimiser *optimiser)
 {
@@ -311,9 +310,10 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
- * Apply all collected rank-one updates to the lower triangle and the diagonal of the tableau, while
- * a tableau with many inputs is computed on a host with AVX2. Returns false, and changes nothing,
- * on other processors and if collect_many has not placed the update vectors.
+ * On a host with AVX2, apply all collected rank-one updates to the lower triangle and the diagonal
+ * of the tableau (pivoted Hessian) of an optimiser with many inputs, while the tableau is computed.
+ * Returns false, without a change, on other processors, and if the updates are not stored where
+ * collect_many stores them.
  */
 static bool apply_wide(pzs_optimiser *optimiser)
 {
@@ -358,10 +358,10 @@ static bool apply_whole(pzs_optimiser *optimiser)
 }
 
 /*
- * Apply all collected rank-one updates to the lower triangle of the tableau (pivoted Hessian) block
- * by block and, unless only half of the tableau is kept up to date, mirror it to the upper
- * triangle. Blocks on the diagonal are computed as a whole; the last rows, fewer than a block has,
- * one by one.
+ * Apply all collected rank-one updates to the tableau (pivoted Hessian), with C code for any
+ * processor. The lower triangle is updated block by block and copied to the upper one, unless only
+ * half of the tableau is kept up to date. Blocks on the diagonal are computed as a whole; the last
+ * rows, fewer than a block has, one by one.
  */
 static void apply_to_all(pzs_optimiser *optimiser)
 {
@@ -420,8 +420,8 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
 
 /*
  * Return the next input whose voltage becomes free again while the tableau (pivoted Hessian) is
- * recomputed: of those that wait, the one whose effect on the shape is most independent of those of
- * the free inputs. Returns the number of inputs if all waiting ones depend linearly on the free
+ * recomputed: the waiting input whose effect on the shape is most independent of the effects of the
+ * free inputs. Returns the number of inputs if every waiting input depends linearly on the free
  * ones.
  */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
