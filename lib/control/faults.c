@@ -24,14 +24,14 @@
 
 #define READY 1u
 /*
- * Factor by which the decaying sums of the fault detector (voltage changes of each electrode,
- * commanded and indicated by the shape) are multiplied before the next measured shape is added.
+ * Factor by which a new measured shape multiplies the fault detector's old sums of squared voltage
+ * changes of each electrode, so that old changes are gradually forgotten. The changes are those
+ * that were commanded and those that the shape indicates.
  */
 #define FADING PZS_R(0.75)
 /*
- * Threshold of the fault detector: an electrode does not respond if this number times the sum of
- * the squared voltage changes that the shape indicates is below the sum of its squared commanded
- * voltage changes.
+ * An electrode does not respond if this number times the sum of squares of the voltage changes that
+ * the measured shape indicates is below the sum of squares of its commanded changes.
  */
 #define NO_RESPONSE 16
 /*
@@ -40,9 +40,8 @@
  */
 #define LEAST_RIDGE PZS_R(1e-5)
 /*
- * Threshold of the fault detector: an electrode is observable if the least-squares estimate,
- * applied to the shape that 1 V on this electrode alone makes, returns more than this fraction of a
- * volt for this electrode.
+ * An electrode is observable if the least-squares estimate of electrode voltages finds more than
+ * this part of 1 V on it in the shape that 1 V on this electrode alone makes.
  */
 #define OBSERVABLE PZS_R(0.75)
 /* Number of voltage changes by which the fault detector tests an electrode. */
@@ -396,9 +395,9 @@ static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *v
  *   - The shape jumped as if the voltage of this electrode, more than that of any other, had
  *     vanished: it has just died.
  *
- * A load may cause either. The suspected electrode is therefore set alternately one amplitude above
- * and below its voltage, inside all limits. It is faulty if it does not respond; a load does not
- * correlate with these moves.
+ * A load may look like either case. The suspected electrode is therefore set to two voltages in
+ * turn, one amplitude above and below its voltage, inside all limits. It is faulty if the shape
+ * does not respond; a load does not change in the rhythm of this test.
  */
 
 static bool is_held(const pzs_control *control, uint32_t j)
@@ -407,8 +406,9 @@ static bool is_held(const pzs_control *control, uint32_t j)
 }
 
 /*
- * Whether electrode j seems to have lost about all of its voltage since the last shape: 40 % to 160
- * % of it according to the least-squares estimate, and at least half of the norm of all deviations.
+ * Whether electrode j seems to have lost about all of its voltage since the last shape. The loss
+ * that the least-squares estimate finds must be 40 % to 160 % of the voltage, and at least half of
+ * the norm of the deviations of all electrodes.
  *   deviation2 in  sum over all electrodes of the squared differences between indicated and
  *                  commanded voltage changes (V2)
  */
@@ -423,8 +423,8 @@ static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_
 }
 
 /*
- * Return the rank of electrode j among those suspected of a fault (V2); the largest is tested
- * first.
+ * Return how strongly electrode j is suspected of a fault (V2); the electrode with the largest
+ * value is tested first.
  *   0                                             not suspected
  *   squared voltage that seems to be lost         if it is about the whole voltage
  *   sum of the squared commanded voltage changes  otherwise, if the electrode hardly responds
@@ -725,7 +725,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     pzs_fault_detector *detector = self;
     if (!(detection->amplitude >= 0) || !number_is_finite(detection->amplitude))
         return PZS_E_ARGUMENT;
-    /* The fault detector predicts shapes from voltages, not from effects of actuator curves. */
+    /*
+     * The fault detector is refused where actuators have curves: it predicts shapes from voltages,
+     * not from the effects to which the displacements are proportional.
+     */
     if (signals->curves != NULL)
         return PZS_E_STAGE;
     const pzs_status status = pzs_fault_detector_init(

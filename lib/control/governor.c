@@ -73,7 +73,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     if (!(governor->share > 0) || !(governor->share <= 1) || !(governor->part > 0) ||
         !(governor->part <= 1))
         return PZS_E_ARGUMENT;
-    /* The governor takes step limits of voltages, which do not hold for effects of curves. */
+    /*
+     * The governor is refused where actuators have curves: it limits how fast voltages change, and
+     * these limits do not hold for the effects that the loop then optimises instead of voltages.
+     */
     if (signals->curves != NULL)
         return PZS_E_STAGE;
     memset(state, 0, sizeof *state);

@@ -28,36 +28,36 @@
  */
 #define READING_LIMIT PZS_R(1e12)
 /*
- * Regularisation weight when the voltage errors of the electrodes are estimated from the readings
- * by least squares, relative to the mean diagonal entry of the normal matrix. A voltage error is
- * the voltage that the readings show minus the given one.
+ * Regularisation weight of the least-squares estimate of the electrodes' voltage errors from the
+ * readings, relative to the mean diagonal entry of the normal matrix. The voltage error of an
+ * electrode is the voltage that the readings show minus the one that its amplifier gave.
  */
 #define RIDGE PZS_R(1e-4)
 /*
- * Smallest part of the change of the readings (since an earlier interval in which the target stood
- * still) that a fault of one electrode must explain to make the electrode suspected.
- * LEAST_MOVING_SHARE holds while the target moves, because vibration and damping add to the change.
+ * An electrode is suspected only if its fault would explain at least this part of the change of the
+ * readings since an earlier interval in which the target stood still. While the target moves, the
+ * larger LEAST_MOVING_SHARE holds, because vibration and damping add to the change.
  */
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
- * Effective number of readings from which on LEAST_SHARE and LEAST_MOVING_SHARE hold as they are.
- * With fewer readings some electrode explains a large part of any change by chance; both thresholds
- * are then multiplied by
+ * Number of independent readings from which on LEAST_SHARE and LEAST_MOVING_SHARE are used
+ * unchanged. With fewer readings some electrode explains a large part of any change by chance; both
+ * thresholds are then multiplied by
  *   (2 + MANY_READINGS / t) / 3
- *   t  effective number of readings: trace of the resolution matrix (LEAST_RESOLUTION)
+ *   t  effective number of independent readings: trace of the resolution matrix (LEAST_RESOLUTION)
  */
 #define MANY_READINGS PZS_R(24)
 /*
- * Smallest resolution at which a fault of an electrode can be found. The resolution is the part of
- * a missing voltage that the least-squares estimate assigns to the right electrode. In single
- * precision it has an error of about 0.003.
+ * Smallest resolution of an electrode whose faults can be found. The resolution is the part of a
+ * missing voltage that the least-squares estimate assigns to the electrode that really lacks it, 0
+ * to 1. In single precision it has an error of about 0.003.
  */
 #define LEAST_RESOLUTION PZS_R(0.01)
 /*
  * An electrode is suspected of a fault only if the voltage that it seems to lack is LEAST_LOSS to
- * LARGEST_LOSS times the voltage that the fault would take from it. A dead electrode lacks its
- * whole voltage. A stuck or reversed electrode lacks the change of its voltage.
+ * LARGEST_LOSS times the loss that such a fault would cause: the whole voltage of a dead electrode,
+ * the change of the voltage of a stuck or reversed one.
  */
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
@@ -67,8 +67,9 @@
  */
 #define NOTICED PZS_R(0.05)
 /*
- * Largest part of the voltage changes that may seem to be missing at all electrodes alike. Such an
- * apparent loss occurs if the gain of the structure differs from the model.
+ * Structures whose gain differs from the model seem to lack the same part of the voltage change at
+ * all electrodes. This is the largest such part that the fault detector subtracts from the voltage
+ * errors.
  */
 #define COMMON_LOSS PZS_R(0.5)
 /*
@@ -97,16 +98,15 @@
 #define WEAK PZS_R(0.75)
 #define REVERSED PZS_R(0.3)
 /*
- * Largest jump of the readings during a test pulse, divided by the modelled response of the
- * suspected electrode. A pulse with a larger jump proves no fault. A permitted jump of a load
- * changes the gain (measured divided by modelled response) by less than 2.4 times this limit.
+ * Largest jump of the readings during a test pulse that may prove a fault, divided by the modelled
+ * response of the suspected electrode. A smaller jump, as by a load, changes the gain (measured
+ * divided by modelled response) by less than 2.4 times this limit.
  */
 #define JUMPED PZS_R(0.1)
 /*
- * Largest jump of the readings during a test pulse, divided by the modelled response of the
- * reference electrode (a healthy one). A pulse with a larger jump does not count as proof of a
- * fault. The limit is larger than that for the suspected electrode (JUMPED), because the gain of
- * the reference electrode need not be accurate.
+ * Largest jump of the readings during a test pulse that may prove a fault, divided by the modelled
+ * response of the reference electrode (a healthy one). It is larger than JUMPED, the limit for the
+ * suspected electrode, because the gain of the reference electrode need not be accurate.
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
@@ -139,8 +139,8 @@
  */
 #define CLEARED_WINDOWS 32u
 /*
- * An electrode that has passed its test is suspected again if the voltage that it seems to have
- * lost has become larger than this multiple of the one before its test.
+ * An electrode that has passed its test is suspected again if the voltage that it seems to lack
+ * exceeds this multiple of the voltage that it seemed to lack before the test.
  */
 #define WORSE 2
 /*
@@ -155,8 +155,9 @@
 #define MISSING_LIMIT 8u
 /*
  * The target shape counts as unmoved while its squared change is below 1/STILL of the smallest
- * squared response of the shape to the test pulse of an electrode. Both are sums of squares over
- * the weighted outputs (m2). The change is that since the last tick in which the target moved.
+ * squared response of the shape to the test pulse of an electrode (sums of squares over the
+ * weighted outputs, m2). The change is counted from the target of the last tick in which the target
+ * moved.
  */
 #define STILL PZS_R(64)
 
@@ -178,9 +179,9 @@ static pzs_real square(pzs_real number)
  */
 #define GROWTH PZS_R(4)
 /*
- * Smallest predicted motion of an electrode in a test pulse, relative to the motion without
- * hysteresis. If a loop that compensates hysteresis predicts less for the suspected or for the
- * reference electrode, the test pulses of both are made higher (GROWTH).
+ * Smallest motion of an electrode that the hysteresis model predicts for a test pulse, relative to
+ * the motion without hysteresis. Where a loop compensates hysteresis and one of the two electrodes
+ * under test would move less, the pulses of both are made higher (GROWTH).
  */
 #define WEAK_PULSE PZS_R(0.25)
 
@@ -595,8 +596,8 @@ static void find_means(pzs_pulse_detector_state *state)
 
 /*
  * Compare the means of the fault detector's last window (time over which it averages) with those of
- * an earlier interval in which the target stood still: compute the changes of the voltages, and the
- * changes of the readings that these do not explain.
+ * an earlier interval in which the target stood still. Computes the changes of the mean voltages,
+ * and the part of the changes of the mean readings that the voltage changes do not explain.
  */
 static void compare_means(pzs_pulse_detector_state *state)
 {
@@ -612,9 +613,10 @@ static void compare_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Estimate by regularised least squares, from the changes of the mean readings, the voltage errors
- * of all electrodes: voltages that the readings show minus those given. Returns the sum of squares
- * of the unexplained changes, divided by the weight of the regularisation (V2).
+ * Estimate the voltage errors of all electrodes (voltages that the readings show minus those given)
+ * by regularised least squares from the changes of the mean readings. Returns how much the estimate
+ * leaves unexplained: the sum of squares of the remaining changes, divided by the weight of the
+ * regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -632,8 +634,8 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute which changes of the electrode voltages the regularised least-squares estimate would find
- * from readings without noise: the resolution matrix R times the true changes (V).
+ * Compute what the regularised least-squares estimate makes of the true voltage changes if the
+ * readings have no noise: the resolution matrix R times the changes (V).
  *   R = 1 - r (G + r)^-1
  *   r, G + r  weight of the regularisation, matrix of the estimate
  */
@@ -647,17 +649,17 @@ static void resolve_moves(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums over the electrodes whose voltages are not fixed. If the gain of the structure differs from
- * the model, the voltage errors of all electrodes (voltages that the readings show minus those
- * given) are proportional to their voltage changes, with the factor both / moves.
+ * Sums over the electrodes whose voltages are not fixed, from which a wrong gain of the structure
+ * in the model is found: it makes the voltage error of every electrode (voltage that the readings
+ * show minus the one given) proportional to its voltage change, with the factor both / moves.
  */
 typedef struct loss_sums {
     pzs_real losses; /* sum of the squared voltage errors of the electrodes (V2) */
-    pzs_real moves;  /* sum over the electrodes of the voltage change times its estimate from the
-                        readings (V2) */
+    pzs_real moves; /* sum over the electrodes of two factors: voltage change, and what the estimate
+                       finds of it in noise- free readings (resolve_moves) (V2) */
     /*
-     * sum over the electrodes of (voltage error) * (change of the given voltage) (V2); the voltage
-     * error is the voltage that the readings show minus the given one
+     * sum over the electrodes of two factors: voltage error (voltage that the readings show minus
+     * the one given), and change of the given voltage (V2)
      */
     pzs_real both;
 } loss_sums;
@@ -676,9 +678,9 @@ static loss_sums sum_losses(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Whether a voltage error `loss` of an electrode (voltage that the readings show minus the given
- * one) has about the size and the sign of a fault in which the electrode does not receive the
- * voltage `whole` (V).
+ * Whether a voltage error `loss` of an electrode is that of a fault by which the electrode does not
+ * receive the voltage `whole` (V), judged by sign and approximate size. A voltage error is the
+ * voltage that the readings show minus the given one (V).
  */
 static bool is_loss_of(pzs_real loss, pzs_real whole)
 {
@@ -692,13 +694,12 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
  * one.
  */
 typedef struct own_loss {
-    pzs_real common; /* voltage error of each electrode that the gain of the structure explains,
-                        divided by the voltage change of the electrode; the same number for all
-                        electrodes (dimensionless). It is negative if the structure responds less
-                        than the model, and at most COMMON_LOSS in size */
-    pzs_real lost;   /* voltage error of the electrode (V): the voltage that the readings show minus
-                        the given one, without the error that all electrodes have in common because
-                        the gain of the structure differs from the model */
+    pzs_real common; /* part of every voltage change that is missing because the gain of the
+                        structure differs from the model, the same for all electrodes
+                        (dimensionless): voltage error divided by voltage change. Negative if the
+                        structure responds less than the model; at most COMMON_LOSS in size */
+    pzs_real lost;   /* voltage error of the electrode (V), the voltage that the readings show minus
+                        the given one, after the part `common` is subtracted */
 } own_loss;
 
 /*
@@ -717,11 +718,11 @@ static own_loss own_loss_of(const pzs_pulse_detector_state *state, uint32_t j,
 }
 
 /*
- * Return which part (0 to 1) of the change of the readings a fault of electrode j explains. The
- * result is 0 if the voltage that the electrode seems to lack fits no dead, stuck or reversed
- * electrode.
+ * Return which part (0 to 1) of the change of the readings a fault of electrode j would explain.
+ * The result is 0 if the voltage that the electrode seems to lack fits neither a dead nor a stuck
+ * or reversed electrode.
  *   sums in  result of sum_losses
- *   rest in  result of find_losses: unexplained part of the change (V2)
+ *   rest in  part of the change that no voltage errors explain, the result of find_losses (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -740,8 +741,8 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
 
 /*
  * Whether the fault detector may suspect electrode j: its voltage is not fixed, and it is not under
- * test. If it has passed a test, the voltage that it seems to lack must exceed WORSE times the one
- * that caused this test.
+ * test. An electrode that has passed a test is suspected again only if it seems to lack WORSE times
+ * the voltage that it seemed to lack before that test.
  */
 static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 {
@@ -754,7 +755,7 @@ static bool may_be_suspected(const pzs_pulse_detector_state *state, uint32_t j)
 /*
  * Return the electrode whose fault explains the largest part of the change of the readings
  * (share_of), or NO_INPUT if no electrode is suspected.
- *   rest  in  result of find_losses: unexplained part of the change (V2)
+ *   rest  in  part of the change that no voltage errors explain, the result of find_losses (V2)
  *   least in  smallest part that makes an electrode suspected (dimensionless)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
@@ -799,9 +800,9 @@ static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j, 
 }
 
 /*
- * Return the electrode with which the suspected electrode is compared, or NO_INPUT if there is
- * none.
- *   but in  electrode that is not chosen; NO_INPUT: none
+ * Choose the reference electrode, a healthy one with which the suspected electrode is compared.
+ * Returns NO_INPUT if there is none.
+ *   but in  electrode that must not be chosen; NO_INPUT: any may be chosen
  */
 static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
 {
@@ -815,12 +816,12 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
                                 state->electrode[j] == PZS_ELECTRODE_CLEARED;
         if (j == suspect || j == but || !is_healthy || is_held(state->control, j))
             continue;
-        // A possible reference electrode that seems to have followed its voltage is probably
-        // healthy.
+        // An electrode that seems to have followed its voltage is probably healthy, and is
+        // preferred as reference.
         const bool has_followed =
             2 * number_absolute(state->loss[j]) < number_absolute(state->move[j]);
-        // Suspected and reference electrode should move the sensors by similar amounts: errors of a
-        // much larger response would hide the smaller one.
+        // The suspected and the reference electrode should move the sensors by similar amounts,
+        // because errors of the larger response would hide the smaller one.
         const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
         const pzs_real likeness = ratio > 1 ? 1 / ratio : ratio;
         const pzs_real preference = has_followed ? 100 : 1;
@@ -834,9 +835,9 @@ static uint32_t find_reference(pzs_pulse_detector_state *state, uint32_t but)
 }
 
 /*
- * Whether the voltage of any electrode differs from its base voltage by more than twice the height
- * of its test pulse. Base voltages are the mean voltages of an earlier interval in which the target
- * stood still; set_base stores them.
+ * Whether the voltage of any electrode has moved away from its base voltage by more than twice the
+ * height of its test pulse. Base voltages are the mean voltages of an earlier interval in which the
+ * target stood still; set_base stores them.
  */
 static bool has_moved(const pzs_pulse_detector_state *state)
 {
@@ -863,16 +864,17 @@ static void set_base(pzs_pulse_detector_state *state)
 /* ---- proof ---------------------------------------------------------------- */
 
 /*
- * Proof that a suspected electrode is faulty:
+ * How the fault of a suspected electrode is proved:
  *   - The suspected electrode and a reference electrode, which seems healthy, make slow test pulses
  *     (test_pulse.h) at the same time. Meanwhile the loop damps vibration, but does not follow the
  *     target.
- *   - A fit of modelled responses to weighted sums of the readings (pulse_fit.h) gives the gains of
- *     both electrodes. The weights suppress constant loads, drift and vibration.
+ *   - The gain of each of them (measured divided by modelled response) follows from a fit of
+ *     modelled responses to weighted sums of the readings (pulse_fit.h). The weights suppress
+ *     constant loads, drift and vibration.
  *   - The suspected electrode is faulty if its gain is small or negative compared with that of the
  *     reference electrode. Hysteresis, a wrong model or missing readings change both gains alike.
  *   - A pulse during which a load has jumped proves nothing.
- *   - A motion of the target interrupts a proof, which begins anew after a pause of the target.
+ *   - A motion of the target interrupts the test, which begins anew after a pause of the target.
  */
 
 /*
@@ -933,9 +935,9 @@ static void begin_suspicion(pzs_pulse_detector_state *state, uint32_t suspect, b
 }
 
 /*
- * Choose the reference electrode, a healthy one with which the suspected electrode is compared, or
- * another one than before. Without any, the suspicion ends. The test pulses begin at once or, after
- * a motion of the target, once it stands still.
+ * Choose the reference electrode, a healthy one with which the suspected electrode is compared; if
+ * there was one before, another one. If there is none, the test ends. Otherwise the test pulses
+ * begin: at once, or if the target is moving, when it stands still.
  */
 static void choose_reference(pzs_pulse_detector *detector)
 {
@@ -957,8 +959,8 @@ static void choose_reference(pzs_pulse_detector *detector)
 }
 
 /*
- * Fix the suspected electrode, whose fault is proved, at its present voltage, for which the model
- * goes on to predict the shape.
+ * Fix the voltage of the suspected electrode, whose fault is proved, at its present value, so that
+ * the controller no longer uses the electrode.
  */
 static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fault)
 {
@@ -989,8 +991,8 @@ static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state,
 }
 
 /*
- * Let the next tick choose another reference electrode, with which the suspected one is compared,
- * after the present one has not responded to its test pulse.
+ * The reference electrode has not responded to its test pulse: release both electrodes under test,
+ * and let the next tick choose another reference electrode for the suspected one.
  */
 static void change_reference(pzs_pulse_detector_state *state)
 {
@@ -999,14 +1001,14 @@ static void change_reference(pzs_pulse_detector_state *state)
 }
 
 /*
- * Return the number of test pulses without a response that prove a fault.
+ * Return how many test pulses without a response of the suspected electrode prove a fault.
  *   reference in  gain (measured divided by modelled response) of the reference electrode, a
  *                 healthy one
  */
 static uint32_t silent_pulses(const pzs_pulse_detector_state *state, pzs_real reference)
 {
-    // Without a model of hysteresis, a small gain of the reference electrode shows that a healthy
-    // electrode may hardly respond to a single pulse.
+    // If the loop has no model of hysteresis, a small gain of the reference electrode means that
+    // even a healthy electrode may hardly respond to one pulse; more pulses are then needed.
     return state->compensator == NULL && reference < WEAK ? WEAK_PULSES : SILENT_PULSES;
 }
 
@@ -1029,9 +1031,10 @@ static bool is_sure(const pzs_pulse_detector_state *state, const pulse_response 
 }
 
 /*
- * Decide what a measured test pulse proves about the suspected electrode. A small gain (measured
- * divided by modelled response) of this electrode counts only if the gain of the reference
- * electrode is large. Returns the input that was found faulty, or NO_INPUT if there is none.
+ * Decide what a measured test pulse proves about the suspected electrode: that it is healthy, that
+ * it is faulty, or nothing. A small gain (measured divided by modelled response) of this electrode
+ * counts as a fault only if the gain of the reference electrode is large. Returns the input that
+ * was found faulty, or NO_INPUT.
  */
 static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_response *response)
 {
@@ -1063,8 +1066,8 @@ static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_respons
 
 /*
  * Repeat a test pulse whose readings were disturbed. Where the loop compensates hysteresis, the
- * repeated pulse is higher: the ceramic may hardly follow a small change after a reversal of the
- * voltage, so that a pulse of the usual height has little effect.
+ * repeated pulse is higher: after a reversal of the voltage the ceramic hardly follows a small
+ * change, so that a pulse of the usual height may have little effect.
  */
 static void repeat_disturbed(pzs_pulse_detector_state *state)
 {
@@ -1099,9 +1102,9 @@ static uint32_t judge(pzs_pulse_detector *detector)
 /* ---- tick ----------------------------------------------------------------- */
 
 /*
- * After a window in which readings were averaged, count down the time for which electrodes that
- * have passed a test are not suspected. Also observe again each faulty electrode whose voltage is
- * no longer kept constant, because the program has called pzs_release for it.
+ * Update the states of the electrodes after a window in which readings were averaged. Electrodes
+ * that have passed a test are suspected again after a number of windows. A faulty electrode that
+ * the program has released by pzs_release is observed again.
  */
 static void update_states(pzs_pulse_detector_state *state)
 {
@@ -1117,10 +1120,9 @@ static void update_states(pzs_pulse_detector_state *state)
 }
 
 /*
- * Begin the test pulses of a suspected electrode after a motion of the target, and first estimate
- * again the voltage that it lacks. The estimate at the time of the suspicion may be too small,
- * because the fault may have occurred in the middle of the interval over which the readings were
- * averaged.
+ * After a motion of the target has ended, begin the test pulses of the suspected electrode. First
+ * estimate again the voltage that it lacks: the estimate that led to the suspicion may be too
+ * small, because the fault may have occurred in the middle of the averaging time.
  */
 static void resume_proof(pzs_pulse_detector_state *state)
 {
@@ -1139,9 +1141,8 @@ static void resume_proof(pzs_pulse_detector_state *state)
 }
 
 /*
- * Evaluate the mean readings of a window (time over which they are averaged), and choose an
- * electrode to be tested. After a window that only lets vibration decay before test pulses, the
- * pulses begin.
+ * At the end of a window, evaluate the mean readings and choose an electrode to be tested. If an
+ * electrode is already suspected, the window only let vibration decay, and the test pulses begin.
  */
 static void end_window(pzs_pulse_detector_state *state)
 {

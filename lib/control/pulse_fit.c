@@ -8,16 +8,16 @@
 #include "../core/product.h"
 
 /*
- * Largest unexplained part of a measured response to a test pulse: sum of squares of the part that
- * has another shape than the modelled response, divided by the sum of squares of the modelled
- * response. A larger part means that something else has disturbed the test pulse.
+ * Largest unexplained part of a measured response to a test pulse, as a ratio of sums of squares:
+ * the part whose shape is not that of the modelled responses, divided by the modelled response. A
+ * larger part means that something else has disturbed the pulse.
  */
 #define DISTURBED PZS_R(0.25)
 /*
  * Weight of an additional equation in the least-squares fit of a test pulse, relative to the
- * squared modelled response to the suspected electrode: the common gain (measured divided by
- * modelled response) of all electrodes without a pulse is 1. The controller may change their
- * voltages meanwhile.
+ * squared modelled response to the suspected electrode. The equation says that all electrodes
+ * without a pulse, whose voltages the controller may change meanwhile, have the gain 1 (measured
+ * divided by modelled response).
  */
 #define EXPECTED PZS_R(0.05)
 /*
@@ -99,8 +99,9 @@ static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
         fit.energy += square(measured);
     }
     fit.own = fit.matrix[SUSPECT][SUSPECT];
-    // Add the equation that the gain of all other electrodes together is 1. Without it the fit is
-    // undetermined if the response to them is a combination of the two other responses.
+    // Add the equation that the electrodes without a pulse have the gain 1 (measured divided by
+    // modelled response). It makes the fit unique where their modelled response is a combination of
+    // those to the two electrodes with a pulse.
     fit.matrix[OTHERS][OTHERS] += EXPECTED * fit.own;
     fit.response[OTHERS] += EXPECTED * fit.own;
     fit.energy += EXPECTED * fit.own;

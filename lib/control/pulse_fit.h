@@ -10,8 +10,8 @@
 #include "pzs_loop.h"
 
 /*
- * Smallest difference between the modelled responses to the suspected and to the reference
- * electrode with which the two can be tested together; otherwise is_measured is false. The
+ * Smallest accepted difference between the modelled responses to the suspected and to the reference
+ * electrode; with a smaller one the two cannot be tested together, and is_measured is false. The
  * difference is the part of the response to the reference electrode that is orthogonal to the other
  * response, divided by the whole response (ratio of sums of squares, dimensionless).
  */

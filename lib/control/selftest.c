@@ -111,7 +111,10 @@ pzs_status pzs_selftest_check(const pzs_selftest_tables *tables, const pzs_loop_
     pzs_table_part part[PZS_TABLE_PARTS];
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
         return PZS_E_FORMAT;
-    /* Test pulses are compared with the response to voltages, not to effects of actuator curves. */
+    /*
+     * The self-test is refused where actuators have curves: it compares its pulses with the
+     * response to voltages, not to the effects to which the displacements are proportional.
+     */
     if (signals->curves != NULL)
         return PZS_E_STAGE;
     const bool has_sizes =
