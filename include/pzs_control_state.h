@@ -203,11 +203,11 @@ typedef struct pzs_optimiser {
                                  (m2): weighted squared norm of the target shape minus the shape
                                  without voltages */
     /*
-     * violation of the optimality (KKT) conditions (m2/V), to be compared with `rounding_bound`:
-     * the largest violation by an input. A gradient that the tableau (pivoted Hessian) has
-     * predicted shows no violation; in its place stands the error of that prediction: the tick
-     * computes two entries of the gradient from the Hessian as well, and adds their absolute
-     * differences
+     * how far the present voltages are from the optimality (KKT) conditions (m2/V), compared with
+     * `rounding_bound`: the largest violation by an input. If the tableau (pivoted Hessian) has
+     * predicted the gradient, which then violates nothing, it is an estimate of the prediction
+     * error: two entries of the gradient are computed from the Hessian, too, and their absolute
+     * errors added
      */
     pzs_real kkt_violation;
     pzs_real rounding_bound; /* rounding-error bound of a violation of the optimality (KKT)
@@ -565,10 +565,10 @@ typedef struct pzs_pulse_detector_state {
                        errors of all electrodes by least squares. The voltage error of an
                        electrode is the voltage that the readings show minus the one that its
                        amplifier gave */
-    pzs_real share_factor; /* factor (dimensionless), at least 1, of a threshold of the fault
-                              detector; larger than 1 where the sensors are few. An electrode is
-                              suspected only if its fault would explain a large enough part of the
-                              change of the readings; the threshold is the smallest such part */
+    pzs_real share_factor; /* factor, at least 1, by which the fault detector raises a threshold
+                              where the sensors are few (dimensionless). The threshold is the part
+                              of the change of the readings that the fault of an electrode must
+                              explain to make the electrode suspected */
     pzs_real least_energy; /* smallest response of the shape to a full test pulse (m2): sum of the
                               squared weighted changes of the outputs, for the input for which it is
                               smallest */
@@ -950,19 +950,20 @@ typedef struct pzs_selftest_state {
      */
     pzs_real difference[2];
     /*
-     * squared sine of the smallest angle found so far between the modelled responses (vectors) of
-     * the amplifier (or sensor) under examination and of another one (dimensionless). The start
-     * value belongs to the smallest angle at which the self-test would notice exchanged cables
+     * squared sine of the smallest angle found so far between two modelled responses (vectors):
+     * that of the amplifier (or sensor) under examination, and that of another one (dimensionless).
+     * The start value is the angle below which the self-test would not notice exchanged cables
      */
     pzs_real least_angle;
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
-                                       sensor) under evaluation with two modelled responses: with
-                                       its own (own), and with the nearest one found so far
-                                       (nearest) */
+                                       sensor) under evaluation: with the modelled response of the
+                                       same one (own), and with the nearest modelled response of all
+                                       found so far (nearest) */
     /*
-     * test for exchanged cables of two amplifiers (or of two sensors): the one under evaluation and
-     * its partner. Comparisons of the measured response of the partner: with the modelled response
-     * of the partner (partner_own), and with that of the one under evaluation (partner_nearest)
+     * the same comparisons for the possible partner, with whose cable that of the amplifier (or
+     * sensor) under evaluation may be exchanged. The measured response of the partner is compared
+     * with its own modelled response (partner_own), and with that of the one under evaluation
+     * (partner_nearest)
      */
     pzs_selftest_sums partner_own, partner_nearest;
     uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs

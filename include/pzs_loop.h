@@ -1102,10 +1102,10 @@ typedef struct pzs_hysteresis {
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
                                    each creep term moves in a tick */
     /*
-     * Measured hysteresis model of the electrodes (`identified_...`), which the fault detector
-     * uses; NULL where it equals the model of the members without this prefix. The compensation
-     * uses the members without the prefix; their model may have less hysteresis than the ceramic,
-     * so that its inverse is robust.
+     * Measured hysteresis model of the electrodes, the members `identified_...`. The fault detector
+     * uses it, because it must predict how far the ceramic really moves. The compensation uses the
+     * members without this prefix, which may describe less hysteresis, so that its inverse is
+     * robust. NULL: both models are equal.
      */
     const pzs_real *identified_offset; /* [parameter sets: 1 or inputs] measured hysteresis model,
                                           constant part of the effect of an electrode (V): the
@@ -1208,8 +1208,9 @@ typedef struct pzs_actuator_curves {
     const pzs_real *effect;  /* [curves: 1 or inputs][points] effects at the points of an actuator
                                 curve, ascending; the displacement of an actuator is proportional to
                                 its effect */
-    const pzs_real *bend; /* [curves: 1 or inputs][points - 1] bends of the segments of an actuator
-                             curve, from -1 to 1 (dimensionless); NULL: all are 0 */
+    const pzs_real *bend; /* [curves: 1 or inputs][points - 1] bend of each segment of an actuator
+                             curve, from -1 to 1 (dimensionless): 0 for a straight line, see the
+                             formula above; NULL: all are 0 */
 } pzs_actuator_curves;
 
 /*

@@ -62,8 +62,9 @@ pzs_status pzs_actuator_curves_seal(pzs_actuator_curves *tables)
 typedef struct actuator_curve {
     const pzs_real *voltage; /* [points] voltages of the points of the curve, ascending (V) */
     const pzs_real *effect;  /* [points] effects of the points of the curve, ascending */
-    const pzs_real *bend;    /* [points - 1] bends of the segments of the curve (dimensionless);
-                                NULL: all are 0 */
+    const pzs_real *bend; /* [points - 1] bend of each segment of the curve (dimensionless): 0 for a
+                             straight line, otherwise positive or negative curvature, from -1 to 1;
+                             NULL: all are 0 */
     uint32_t points;
 } actuator_curve;
 
@@ -190,8 +191,8 @@ pzs_real pzs_actuator_curve_voltage(const pzs_actuator_curves *tables, uint32_t 
 /* ---- blocks ----------------------------------------------------------- */
 
 /*
- * Whether the regularisation, which draws the effect of input k to the reference voltage, also
- * draws the voltage of the input there.
+ * Whether the reference voltage of input k is its own effect on the curve. The regularisation draws
+ * the effect of the input to the reference voltage; only then does it draw the voltage there, too.
  */
 static bool is_reference_kept(const actuator_curve *curve, const pzs_problem *problem, uint32_t k)
 {
@@ -357,8 +358,9 @@ static pzs_real voltage_of(const actuator_curve *curve, pzs_real wanted, pzs_rea
 }
 
 /*
- * Replace the effects that the optimiser has chosen by voltages. Voltage limits and step limits of
- * the tick are computed again, with the same bits as before the step.
+ * Replace the effects that the optimiser has chosen by voltages. The voltage limits and step limits
+ * of the tick, which the optimiser has used as limits of effects, are first computed again, bit by
+ * bit as before the control step.
  */
 static pzs_status inverse_tick(void *self, pzs_loop_signals *signals)
 {

@@ -25,15 +25,15 @@
  */
 #define READY 1u
 /*
- * The sum of the squares of the numbers of one record (voltages and readings), multiplied by this
- * factor, must stay below the largest real number, so that the sum over 2^32 records does not
- * overflow.
+ * Reserve against overflow: the sum over 2^32 records must not overflow. A record (voltages and
+ * readings) is therefore refused if the sum of its squared numbers, times this factor, exceeds the
+ * largest real number.
  */
 #define SUM_RESERVE PZS_R(4294967296.0)
 /*
  * A test voltage of a calibration counts as constant if it changes in a tick by at most this
- * fraction of the voltage range of its input and by at most half of its step limit. (Far from the
- * value that the test pattern demands, it changes by the whole step limit.)
+ * fraction of the voltage range of its input and at most half of its step limit. On its way to the
+ * value that the test pattern demands it changes by the whole step limit.
  */
 #define AT_REST PZS_R(1e-4)
 /*
@@ -333,9 +333,8 @@ static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
 }
 
 /*
- * Remove the rows of the triangular factor of the information matrix whose diagonal entry is 0:
- * rotate each into the rows below it, until the whole row is 0. The rows below then hold what it
- * contained about their inputs.
+ * Remove the rows of the triangular factor of the information matrix whose diagonal entry is 0.
+ * Plane rotations move the content of such a row into the rows below it, until the whole row is 0.
  */
 static void clear_open_rows(pzs_calibration *calibration)
 {

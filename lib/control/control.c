@@ -329,15 +329,15 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
                                         (1 - share) * optimiser->regularisation_gradient[i] +
                                         damping[i];
     }
-    // Norm of the target error (m) that can cause the largest entry of `damping` in the gradient.
+    // A target error (m) of this norm could cause the largest entry of `damping` in the gradient.
     const pzs_real height = column > 0 ? largest / column : 0;
     return missed + height * height;
 }
 
 /*
- * Add to target_gradient the gradient caused by the motion of voltages that pzs_hold has just
- * fixed. Otherwise a tick that damps vibration, and so resists changes of the shape, would move the
- * free voltages to compensate this motion.
+ * Add to target_gradient the gradient that arises because pzs_hold has just fixed voltages, which
+ * thereby move the shape. A tick that damps vibration resists every change of the shape; without
+ * this term it would move the free voltages to compensate the motion.
  */
 static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *control)
 {

@@ -161,11 +161,11 @@ static pzs_real largest_part(const pzs_governor_state *state)
 }
 
 /*
- * Move the governor's reference voltages towards the optimal voltages by one tick, and compute the
- * voltages `ahead` (V) whose shape is to be subtracted from the target:
+ * Move the governor's reference voltages by one tick towards the optimal voltages. Compute the
+ * voltages `ahead` (V); the governor then subtracts the shape that they cause from the target:
  *   ahead = (optimal voltages - reference) - r / pzs_governor.share
- *   r  change of the reference voltages in this tick; a control tick makes only the part `share` of
- *      what the target demands
+ *   r  change of the reference voltages in this tick, divided by `share` because a control tick
+ *      makes only this part of what the target demands
  * Returns whether the reference voltages still differed from the optimal ones at the start of the
  * tick.
  */

@@ -37,14 +37,13 @@
  */
 #define MARGIN 4
 /*
- * Factor of the RMS noise of the measured shape in the threshold of the divergence monitor: a tick
- * is implausible if the measured shape deviates from the predicted one by more than the threshold
- * (see MARGIN).
+ * Factor of the RMS noise of the measured shape in the threshold of the divergence monitor (formula
+ * at MARGIN). A tick is implausible if the measured shape deviates from the predicted one by more.
  */
 #define NOISE_MARGIN 6
 /*
- * Factor by which the divergence monitor multiplies its largest recent deviation of the measured
- * from the predicted shape in each tick, so that a single deviation is forgotten.
+ * Factor by which the divergence monitor multiplies its largest recent deviation (measured minus
+ * predicted shape) in each tick, so that the effect of a single large deviation ends.
  */
 #define PEAK_FADING PZS_R(0.9)
 /*
@@ -307,7 +306,10 @@ static bool is_damaged(const pzs_monitor_state *monitor)
                              polarity->least + polarity->before[0] + polarity->before[1]);
 }
 
-/* Whether a tick of a loop without a vibration damper is implausible. */
+/*
+ * Judge one tick of a loop without a vibration damper: return whether the measured shape is
+ * implausible, because it deviates too far from the predicted one or does not follow the voltages.
+ */
 static bool judge_shape(pzs_monitor_state *monitor, const pzs_supervision *tables,
                         const pzs_loop_signals *signals)
 {
@@ -321,7 +323,7 @@ static bool judge_shape(pzs_monitor_state *monitor, const pzs_supervision *table
 }
 
 /*
- * Lower the counter of implausible ticks by 2, to 0 at least, for a plausible tick, and return it.
+ * Return the counter of implausible ticks after a plausible tick: lower by 2, but at least 0.
  */
 static uint32_t lowered(uint32_t over)
 {
@@ -346,7 +348,10 @@ static void count_vibration(pzs_monitor_state *monitor, const pzs_supervision *t
     monitor->later = 0;
 }
 
-/* Whether a structure keeps vibrating more than changes of the target and loads explain. */
+/*
+ * Whether the vibration of a structure is implausible for so long that it is an alarm: changes of
+ * the target and loads do not explain its amplitude, and it does not fall.
+ */
 static bool keeps_vibrating(pzs_monitor_state *monitor, const pzs_supervision *tables)
 {
     if (monitor->amplitude > pzs_monitor_threshold(monitor, tables))
@@ -361,8 +366,9 @@ static bool keeps_vibrating(pzs_monitor_state *monitor, const pzs_supervision *t
 }
 
 /*
- * Whether a structure moves against its prediction. In the second tick of a loop the target counts
- * as having jumped from the predicted shape.
+ * Whether a structure moves against its prediction, as the polarity monitor sees it. At the second
+ * tick of a loop the predicted shape takes the place of the target before, so that a first target
+ * counts as a jump.
  *   has_jumped in  whether the target has jumped in this tick
  */
 static bool moves_against(pzs_monitor_state *monitor, const pzs_supervision *tables,

@@ -20,7 +20,8 @@
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
-    // Clearing bits that are zero already tells the compiler that the loop has no remainder.
+    // With wide vectors, the span is a multiple of PZS_TILE. The mask, which changes nothing, tells
+    // the compiler so; it then leaves out the code for a remainder of the loop.
     return IS_WIDE || PZS_TILE > 4 ? optimiser->width & ~(PZS_TILE - 1u) : optimiser->inputs;
 }
 
@@ -38,9 +39,9 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 /* Return whether the work limit of the optimiser allows `cost` more multiply-adds now. */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {
-    // Work kept in reserve: a product of the Hessian with a vector gives the gradient at the end of
-    // the iterations. If these must be undone and the gradient at their start was only predicted, a
-    // second product computes the gradient at the start.
+    // Keep enough work in reserve for the end of the iterations: a product of the Hessian with a
+    // vector, which gives the gradient there. A second product is needed if the iterations may be
+    // undone and the gradient at their start was only predicted.
     const uint64_t products = optimiser->is_predicted ? 2u : 1u;
     const uint64_t to_end = products * PZS_PRODUCT_WORK(optimiser->inputs);
     return optimiser->work + cost + to_end <= optimiser->work_limit;

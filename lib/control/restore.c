@@ -225,8 +225,8 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
     /*
-     * The damping of vibration, and gains of modes, are switched off at the start of each tick. The
-     * blocks for them, if the loop has such, switch them on again later in the tick.
+     * Switch off the damping of vibration and the gains of modes at the start of each tick. Their
+     * blocks, if the loop has them, switch them on again later in the tick.
      */
     pzs_control_damp(control, 1, NULL, NULL);
     pzs_control_filter(control, NULL);

@@ -73,8 +73,8 @@ uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
 }
 
 /*
- * A number minus itself is 0 if it is finite, and NaN if it is NaN or infinite. The test thus needs
- * no classification of numbers.
+ * Add up the differences of each number and itself: 0 for a finite number, NaN for NaN or infinity.
+ * This needs no classification of numbers.
  */
 int32_t pzs_guard_nonfinite(const pzs_real *value, uint32_t count)
 {

@@ -35,10 +35,11 @@ static inline polynomial load(const uint8_t *data)
 }
 
 /*
- * Move a polynomial of a CRC-32 by n bits: return a polynomial equal to value * x^n modulo the
- * polynomial of the CRC-32, which n bits later in an array gives the same CRC-32.
- *   factor in  powers of x modulo that polynomial, by which the lower and the upper 64 bits of
- *              `value` are multiplied; they determine n
+ * Multiply a polynomial of a CRC-32 by x^n, modulo the polynomial of the CRC-32. In the CRC-32 of
+ * an array, the product added to the data n bits later has the same effect as the value in its own
+ * place, so that long data can be folded onto later data.
+ *   factor in  powers of x modulo the CRC-32 polynomial, by which the lower and the upper 64 bits
+ *              of `value` are multiplied; they determine n
  */
 PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 {
@@ -49,13 +50,13 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
     /*
-     * factor with which the function `move` moves CRC_REST bytes of data to a place CRC_BLOCK bytes
-     * later in the array
+     * factor for the function `move` that folds data onto the data CRC_BLOCK bytes later, which is
+     * the distance of one step
      */
     const polynomial over_block = {0x154442bd4, 0x1c6e41596};
     /*
-     * factor with which the function `move` moves CRC_REST bytes of data to a place CRC_REST bytes
-     * later in the array
+     * factor for the function `move` that folds data onto the next CRC_REST bytes, for the last
+     * four parts
      */
     const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};
     const polynomial start = {(long long)crc, 0};
@@ -75,7 +76,8 @@ PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *d
 }
 
 /*
- * A number minus itself is 0 if it is finite and NaN otherwise, and NaN stays in a sum.
+ * A number minus itself is 0 if the number is finite, otherwise NaN. NaN stays in a sum, so that
+ * one test of the sum suffices for the whole array.
  */
 bool pzs_wide_is_finite(const pzs_real *value, size_t count)
 {

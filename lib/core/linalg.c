@@ -268,7 +268,8 @@ static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, 
         UNROLLED
     for (int i = 0; i < PZS_TILE; i++)
         sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
-    // Terms W_ik L_jk of the factor L D L^T, W = L D, for columns k that have just been computed.
+    // Subtract the terms W_ik L_jk (factors L D L^T, W = L D) of those columns k of the strip that
+    // this loop has just computed.
     UNROLLED
     for (int k = 0; k < STRIP; k++, lower += PZS_TILE)
         UNROLLED
@@ -590,9 +591,9 @@ static uint32_t index_of_largest(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Fill a vector b with numbers of alternating signs and growing size. For this vector the ratio
- * |A^-1 b| / |b| in the 1-norm is immune to cancellation, which can mislead the estimate of the
- * condition number of A (Higham 1988, section 3).
+ * Fill a vector b with numbers of alternating signs and growing size. The ratio |A^-1 b| / |b| in
+ * the 1-norm is then a second estimate of the norm of A^-1, which saves the estimate of the
+ * condition number where cancellation misleads the first one (Higham 1988, section 3).
  */
 static void fill_alternating(pzs_real *vector, uint32_t count)
 {
@@ -603,9 +604,9 @@ static void fill_alternating(pzs_real *vector, uint32_t count)
 }
 
 /*
- * Estimate the condition number in the 1-norm by Hager's method, which maximises |A^-1 x| over the
- * unit ball with at most five of its corners, the unit vectors. Every vector x gives a lower bound;
- * the gradient A^-1 sign(A^-1 x) shows the next corner.
+ * Estimate the condition number in the 1-norm by Hager's method. It maximises |A^-1 x| over all x
+ * of norm 1, which is a maximum at a unit vector. Every x gives a lower bound, and the gradient
+ * A^-1 sign(A^-1 x) of the norm shows which unit vector to try next, at most five times.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {
@@ -620,8 +621,8 @@ pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_r
         vector[i] = 1 / (pzs_real)rows;
         sign[i] = 0;
     }
-    // One more lower bound of the norm of the inverse matrix comes from a vector whose entries have
-    // alternating signs. It is solved for together with the first vector x.
+    // A vector of alternating signs gives another lower bound of the norm of the inverse matrix.
+    // Both vectors are solved for in one call.
     fill_alternating(alternating, rows);
     const pzs_real size = norm1(alternating, rows);
     pzs_linalg_solve_many(matrix, work, 2, rows);

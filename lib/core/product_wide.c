@@ -397,15 +397,16 @@ AVX512 static void update_eight_rows(pzs_real *block, size_t stride, const pzs_r
     UNROLLED
     for (unsigned line = 0; line < WIDE_BLOCK; line++) {
         sum[line] = *(const widest_vector *)(block + line * stride);
-        // Fetch the block to the right of the next block into the cache.
+        // Fetch the next block but one of the matrix row into the cache ahead of its use.
         __builtin_prefetch(block + line * stride + 2 * WIDE_BLOCK, 1);
     }
     for (size_t k = 0; k < count; k++, column += WIDE_BLOCK, row += WIDE_BLOCK) {
         const widest_vector entries = *(const widest_vector *)row;
         UNROLLED
         for (unsigned line = 0; line < WIDE_BLOCK; line++) {
-            // The product is stored in a variable of its own, so that the compiler does not join
-            // multiplication and subtraction, which would round only once.
+            // Keep the product in a variable of its own. The compiler could otherwise fuse
+            // multiplication and subtraction into one instruction, which rounds only once and
+            // changes the bits of the result.
             widest_vector product = column[line] * entries;
             __asm__("" : "+v"(product));
             sum[line] -= product;

@@ -204,9 +204,9 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 /* ---- assemble --------------------------------------------------------- */
 
 /*
- * Return `dof`, the index of a free degree of freedom, unless the array `constrained` of the last
- * call of pzs_assemble marks it as constrained: then return PZS_CONSTRAINED. PZS_CONSTRAINED as
- * argument, the mark of a supported degree of freedom, is returned as well.
+ * Return `dof`, the index of a free degree of freedom, or PZS_CONSTRAINED if the degree of freedom
+ * is constrained: by a support, where the argument is PZS_CONSTRAINED already, or by the array
+ * `constrained` of the last call of pzs_assemble.
  */
 static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
 {
@@ -575,8 +575,8 @@ static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
     memcpy(p, z, n * sizeof *p);
     memset(u, 0, n * sizeof *u);
     pzs_real residual_energy = pzs_linalg_inner(r, z, n);
-    // The iterations end when the squared error in the energy norm is below the rounding error of
-    // the energy of u.
+    // Iterate until the squared error of the displacement u in the energy norm is below the
+    // rounding error of the strain energy of u.
     for (model->info.refinements = 0; model->info.refinements < REFINEMENT_LIMIT &&
                                       residual_energy > energy * PZS_EPSILON * PZS_EPSILON;) {
         memset(kp, 0, n * sizeof *kp);
@@ -626,8 +626,8 @@ static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_re
     pzs_model_backsolve(model, residual, correction);
     const pzs_real error = pzs_linalg_inner(residual, correction, free_dof);
     /*
-     * A tiny squared error of the displacement may be negative because of rounding and then counts
-     * as 0; a NaN must stay NaN.
+     * Rounding errors may make a tiny squared error of the displacement negative; it then counts as
+     * 0. A NaN must stay NaN.
      */
     model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, residual) / load);
     const pzs_real error2 = error < 0 ? 0 : error;
@@ -686,8 +686,7 @@ static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
         displacement[i] /= unit;
     /*
-     * NaN is not below any bound, so that an estimate of the solution's error that is NaN leads to
-     * an error.
+     * With an estimated error of NaN the comparison is false, so that PZS_E_RESIDUAL is returned.
      */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
                    pzs_guard_nonfinite(displacement, model->state.stiffness.n) < 0

@@ -7,13 +7,14 @@
 #include "shell_corner.h"
 
 /*
- * Correct the in-plane strains of an element for its skew a1, a2 and its length ratio r
- * (pzs_element_type.skew). Below, e10_22 is strain 22 in strain mode 10, and so on. With
+ * Correct the in-plane strains of an element that is not a parallelogram, with skew a1, a2 and
+ * length ratio r (pzs_element_type.skew). e10_22, for example, is strain 22 in strain mode 10. With
  *   b = r (e10_22 - a2 e00_22) - a1 e00_12
  *   c = (a1 (e01_11 - a1 e00_11) + a2 r b) / (1 - a1^2 - a2^2)
- * first c is subtracted from e00_11 and c/r^2 from e00_22, then
- *   2 a1 e00_11 + a2 r e00_12    is subtracted from e01_11
- *   2 a2 e00_22 + a1/r e00_12    is subtracted from e10_22
+ * the correction subtracts, in this order,
+ *   c                            from e00_11, and c / r^2 from e00_22
+ *   2 a1 e00_11 + a2 r e00_12    from e01_11
+ *   2 a2 e00_22 + a1/r e00_12    from e10_22
  *   face in  0: the strains are means of the two faces, 1: differences
  */
 static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
@@ -24,7 +25,8 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
     const pzs_real of_22 = ratio * (*along2 - a2 * *e22) - a1 * e12;
     const pzs_real sum = a1 * (*along1 - a1 * *e11) + a2 * ratio * of_22;
     const pzs_real excess = sum / (1 - a1 * a1 - a2 * a2);
-    // Turn mode 00 from the mean over the four corners into the strain at the centre.
+    // Change the constant strains (mode 00) from the mean over the four corners to the value at the
+    // centre of the element.
     *e11 -= excess;
     *e22 -= excess / (ratio * ratio);
     // Subtract from the strains of the linear modes 01 and 10 the parts that a strain constant over

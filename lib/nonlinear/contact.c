@@ -522,9 +522,10 @@ static void axis_of_dof(const pzs_structure *structure, const pzs_real triad[3][
 }
 
 /*
- * Add r'r for one constrained degree of freedom to the Gram matrix [6][6] with which is_loose
- * checks the supports: r [6] holds the values of the degree of freedom under three unit
- * translations and three unit rotations.
+ * Add one constrained degree of freedom to the Gram matrix [6][6] with which is_loose finds out
+ * whether the supports prevent every rigid motion. The matrix receives r'r, where r [6] holds the
+ * displacement along this degree of freedom in three unit translations and three unit rotations of
+ * the shell.
  *   height in  height of the contact face above the middle between both faces (m)
  *   k      in  number of the degree of freedom at its node (0 to 5)
  */
@@ -534,8 +535,8 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
     const pzs_real(*triad)[3] = contact->state.face->triad[node];
     pzs_real unit[3], arm[3], row[6];
     axis_of_dof(solver->state.model->state.structure, triad, node, k, unit);
-    // Displacements by rotation are divided by the size of the mesh, so that all entries of the
-    // Gram matrix are about 1.
+    // Divide displacements by rotations by the size of the mesh, so that the entries of the Gram
+    // matrix for translations and rotations are of the same size.
     for (int i = 0; i < 3; i++)
         arm[i] = k < 3 ? (contact->state.face->place[node][i] - height * triad[2][i] -
                           contact->state.face->place[0][i]) /
@@ -551,8 +552,8 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
 }
 
 /*
- * Whether the supports let the shell move as a rigid body, that is, whether the Gram matrix [6][6]
- * of the supported degrees of freedom (add_support) is singular. All its entries are about 1.
+ * Whether the supports let the shell move as a rigid body: some rigid motion moves no supported
+ * degree of freedom. The Gram matrix [6][6] of the supports (add_support) is then singular.
  */
 static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {
@@ -564,8 +565,8 @@ static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
                          structure->node_dof[(size_t)node * structure->dof_per_node + (size_t)k]))
                 add_support(contact, solver, face_height(contact, solver), node, k, gram);
     for (int i = 0; i < 6; i++)
-        // A pivot of the Gram matrix up to this limit counts as zero: 1e-6 plus a bound of the
-        // rounding error of the pivot.
+        // Bound below which a pivot of the supports' Gram matrix, whose entries are about 1, counts
+        // as zero: 1e-6, plus a bound of the rounding error of the pivot.
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int pivot = 0; pivot < 6; pivot++) {
         if (!(gram[pivot][pivot] > least[pivot]))
@@ -596,9 +597,9 @@ static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *so
     for (uint16_t node = 0; node < solver->state.model->state.structure->nodes; node++)
         kept += contact->state.converged_touching[node];
     /*
-     * The body does not hold the shell if the last linear solve found no node pressed onto it, or
-     * if no node touched it at the last equilibrium and the tangent matrix was singular or had
-     * negative pivots.
+     * The body does not hold the shell in two cases: the last linear solve found no node pressed
+     * onto it; or no node touched it at the last equilibrium, and the tangent matrix was singular
+     * or had negative pivots.
      */
     return contact->state.is_loose &&
            (contact->state.lacks_contact ||

@@ -215,8 +215,9 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 }
 
 /*
- * Compute the derivatives of the distance from the contact body, along its normal, with respect to
- * the two coordinates of a flat facet (element of the shell), into search->slope (m).
+ * Compute into search->slope (m) how the distance of a point of a flat facet (element of the shell)
+ * from the contact body, along the normal of the body, changes with the two facet coordinates of
+ * the point: its two derivatives.
  *   along, across in  facet coordinates of the point (0 to 1)
  *   time          in  time within the load step (0 to 1), at which the positions are interpolated
  *   normal [3]    in  normal of the body (dimensionless)
@@ -233,9 +234,9 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 }
 
 /*
- * Return the depth (m) to which a point of a facet may lie in the contact body although the nodes
- * of the facet lie outside: twice the depth to which a flat facet enters a body of radius R that
- * its corners touch, which is about
+ * Return the depth (m) to which a point of a flat facet may lie in the contact body although all
+ * nodes of the facet lie outside. It is twice the depth that a body of radius R has in a facet
+ * whose corners it touches, about
  *   sum over the corners of N d^2 / (2 R)
  *   d  distance from the point to the corner
  *   N  shape function of the corner at the point
@@ -246,10 +247,9 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
     const pzs_real weight[4] = {(1 - along) * (1 - across), along * (1 - across), along * across,
                                 (1 - along) * across};
     const pzs_real(*corner)[3] = search->corner[1];
-    // curvature_along returns about d^2 / R for a corner at the distance d (m) from the point, with
-    // the body's radius of curvature R (m). The mean of this over the corners is twice the depth to
-    // which the flat facet is expected to enter the body. Twice the depth is allowed because a
-    // body's gap function may exceed the true distance from the body.
+    // curvature_along returns about d^2 / R for a corner at the distance d (m), so that `sag`
+    // becomes twice the depth sum(N d^2 / (2 R)) of the body between the corners. The factor of two
+    // is a reserve, because the gap function of a body may exceed its true distance.
     pzs_real sag = 0, diagonal = 0;
     for (int index = 0; index < 4; index++) {
         const pzs_real offset[3] = {corner[index][0] - position[0], corner[index][1] - position[1],
@@ -262,12 +262,13 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
         const pzs_real length = curvature_along(at, offset);
         diagonal = length > diagonal ? length : diagonal;
     }
-    // If a diagonal of the facet is longer than the body's radius of curvature, the body could pass
-    // between the nodes. No depth is then allowed unless a corner of the facet is in contact.
+    // If a diagonal of the facet is longer than the body's radius of curvature, the body could slip
+    // between the nodes. It must then not enter the facet at all, unless a corner of the facet is
+    // in contact.
     if (!search->is_supported && diagonal > at->radius)
         return 0;
-    // The depth is limited to a fifth of the body's radius of curvature. A flat facet whose
-    // diagonals are as long as this radius enters the body by less.
+    // The body may enter a facet by at most SAG_LIMIT (a fifth) of its radius of curvature. This is
+    // enough for all facets whose diagonals are not longer than that radius.
     const pzs_real most = SAG_LIMIT * at->radius;
     return sag < most ? sag : most;
 }

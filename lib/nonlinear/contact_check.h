@@ -29,9 +29,10 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver);
 
 /*
  * Return the largest part (above 0, at most 1) of the way from the last equilibrium to the wanted
- * input values that one load step may take. A load step ends at the latest when the contact body is
- * as near to a node as half of the longest diagonal of an element; nearer than this, the body moves
- * in a load step by at most half of its smallest radius of curvature.
+ * input values that one load step may take, so that the checks of penetration cannot miss a fast
+ * body. A load step ends when the contact body has come as near to a node as half of the longest
+ * diagonal of an element. A body that is already nearer moves in a load step by at most half of its
+ * smallest radius of curvature.
  *   value [inputs] in  wanted input values
  */
 pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *solver,

@@ -558,9 +558,9 @@ static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
                 solver, solver->state.iteration >= solver->settings.extrapolated_iterations, du))
             return false;
         /*
-         * Size of the motion for the tolerance: a small part of the whole displacement is added to
-         * the displacement of the load step. Otherwise rounding errors could exceed the tolerance
-         * in a very short step.
+         * The tolerance refers to the size of the load step's displacement. A small part of the
+         * whole displacement is added to it, because in a very short load step rounding errors
+         * could otherwise exceed the tolerance.
          */
         const pzs_real moved2 =
             pzs_nonlinear_norm2(solver, solver->state.displacement,
@@ -575,7 +575,8 @@ static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
         if (rising < ramp || !(last2 <= limit2 * moved2))
             continue;
         solver->state.pending_error = unconverged_option(solver);
-        // Converged: forces in balance, and also the predicted next increment below the tolerance.
+        // The iteration has converged if the forces are in balance and the predicted next increment
+        // is below the tolerance, too.
         if (!solver->state.pending_error && assess_equilibrium(solver, du) &&
             solver->state.is_balanced && pzs_nonlinear_norm2(solver, du, NULL) <= limit2 * moved2)
             return true;
@@ -685,18 +686,18 @@ static pzs_real largest_part(const pzs_solver *solver, const pzs_real *value)
 }
 
 /*
- * Progress of the input values from the last equilibrium to the wanted values. The way between them
- * is divided into a number of equal units, in which load steps are counted: units in total, units
- * done, units of the next load step, and units of the longest load step.
+ * Progress of the load steps on the way from the last equilibrium to the wanted input values. The
+ * way is divided into equal units; the members count the units in total, those done, those of the
+ * next load step (stride) and those of the longest load step.
  */
 typedef struct load_progress {
     uint32_t total, done, stride, longest;
 } load_progress;
 
 /*
- * Double the number of units in which load steps are counted until a shortened load step can still
- * be halved STEP_HALVINGS times. The way from the last equilibrium to the wanted input values has
- * progress->total equal units.
+ * Make the units in which load steps are counted finer: halve their size, and thus double all
+ * counts, until a shortened load step has at least 2^STEP_HALVINGS units. It can then still be
+ * halved STEP_HALVINGS times.
  *   part in  shortened load step, as a fraction (0 to 1) of the remaining way
  */
 static void refine_units(load_progress *progress, pzs_real part)
@@ -712,9 +713,9 @@ static void refine_units(load_progress *progress, pzs_real part)
 }
 
 /*
- * Return how many of the equal units, into which the way to the wanted input values is divided, the
- * next load step takes, or 0 if the options of the solver (such as a contact) allow none. *is_short
- * tells whether an option shortens the load step.
+ * Return the length of the next load step in units (load_progress), or 0 if an option of the
+ * solver, such as a contact, allows not even one unit. *is_short tells whether an option has
+ * shortened the load step.
  */
 static uint32_t next_step_units(const pzs_solver *solver, load_progress *progress,
                                 const pzs_real *value, bool *is_short)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tangent stiffness of the four-node shell element at a deformed shape (shell.h), in closed form.
- * All strain modes depend on the nodal displacements in the same way, apart from a sign, so that
- * one array A of nodal strains serves every mode:
+ * The four strain modes depend on the nodal displacements in the same way, apart from a sign for
+ * each node and mode. One array A of nodal strains (strains per unit of each nodal degree of
+ * freedom) therefore serves all modes. With nodes p, r = 0 to 3 and strain modes m:
  *   strains of mode m            s_m(r) A_r, per unit of each degree of freedom of node r
  *   stresses at node p           Y_pr = sum over m of s_m(p) s_m(r) D_m A_r
- *   block of the tangent         K_pr = A_p^T Y_pr + geometric part,  p, r = 0 to 3
+ *   block p, r of the tangent    K_pr = A_p^T Y_pr + geometric part
  *   m       strain mode ab = 00, 01, 10 or 11, which varies as xi1^a xi2^b with the element
  *           coordinates
  *   s_m(p)  value (1 or -1) of mode m at node p
@@ -43,7 +44,8 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Strains that the element takes into account in one strain mode, in the order of this file.
+ * Strains that the element takes into account in one strain mode (constant, linear or bilinear over
+ * the element), with their places in the arrays of this file.
  *   count   number of strains of the mode
  *   with_q  number of these strains that depend on the seventh degree of freedom q of a node
  *   start   row of stress_row_of (stresses per unit of each nodal degree of freedom) for the first
@@ -67,11 +69,12 @@ static const mode_rows rows_of_mode[4] = {
 
 /*
  * One step of the fast Walsh-Hadamard transform by which modes_to_nodes turns the stresses of the
- * strain modes into the stresses at the nodes. The step replaces two rows of stress_row_of that
- * belong to the same strain. In the columns of node r,
+ * four strain modes into the stresses at the four nodes. A step combines two rows of stress_row_of
+ * that hold stresses for the same strain, by adding and subtracting a strain mode s, which is 1 or
+ * -1 at each node. In the columns of node r,
  *   row `second` becomes  first + s_r second, a part of the stress at the nodes where s is 1
  *   row `first` becomes   first - s_r second, a part of the stress at the nodes where s is -1
- *   mode  index (0 to 3) in mode_sign of a strain mode s
+ *   mode  index (0 to 3) in mode_sign of the strain mode s
  *   s_r   value (1 or -1) of this strain mode at node r
  */
 typedef struct row_pair {
@@ -226,9 +229,9 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
     const pzs_real *w = type->warp, xi2 = mode_sign[1][node], xi1 = mode_sign[2][node];
-    // The factors w[1], w[2], w[6] and w[8] belong to strains that vary linearly over the element.
-    // Each node contributes to such a strain its entry of `nodal` times its element coordinate xi1
-    // or xi2 (1 or -1).
+    // Four of the factors (w[1], w[2], w[6], w[8]) multiply strains that vary linearly over the
+    // element. In such a strain the entries of a node have the sign of the element coordinate xi1
+    // or xi2 at the node.
     const pzs_real of_13 = w[3] + xi2 * w[1], of_23 = w[4] + xi1 * w[2];
     const pzs_real of_11 = w[5] + xi2 * w[6], of_22 = w[7] + xi1 * w[8];
     for (int i = NODE_DOF * node; i < NODE_DOF * (node + 1); i++)
@@ -251,10 +254,9 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
 /* ---- material part ---------------------------------------------------- */
 
 /*
- * Compute 12 entries of a linear combination of rows: `to` receives the sum over i of factor[i *
- * stride] times row[i], from index `column` on. This is the innermost loop of the tangent
- * stiffness. The list of rows ends with NULL because gcc would vectorise a known number of rows
- * with slow gather instructions.
+ * Compute 12 entries, from index `column` on, of a linear combination of rows: the sum over i of
+ * factor[i * stride] times row[i]. This is the innermost loop of the tangent stiffness. The list of
+ * rows ends with NULL: with a known number of rows gcc would use slow gather instructions.
  */
 static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                      const pzs_real *const *restrict row, int column)
@@ -346,8 +348,8 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
  * modes of an element, from its column of the array of nodal strains.
  *   column  in   index of the degree of freedom, the column in the array of nodal strains
  *   node    in   node to which the degree of freedom belongs
- *   strains out  strains of each mode, in the order of pzs_element_type.d; those that do not depend
- *                on the seventh degree of freedom q are zero in its columns
+ *   strains out  strains of each mode, in the order of pzs_element_type.d; a column of the seventh
+ *                degree of freedom q has zeros for strains that do not depend on q
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -415,15 +417,16 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
  *   stress at node p = sum over m of s_m(p) s_m(r) (row of mode m)
  *   m       strain mode ab = 00, 01, 10 or 11, which varies over the element as xi1^a xi2^b
  *   s_m(p)  value (1 or -1) of mode m at node p
- *   s_m(r)  factor of node r in the strains of mode m, which the rows of the modes leave out
+ *   s_m(r)  sign with which node r contributes to the strains of mode m; the rows of the modes do
+ *           not contain it
  *   stress_row_of [22][28] in/out  in: rows of the four modes, one for each of the 10 + 5 + 5 + 2
  *                                  stresses of the modes (rows_of_mode); out: rows of the nodes,
  *                                  listed in stress_row
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
-    // Each step replaces two rows by their sum and their difference, with the sign s_r of the
-    // column (row_pair).
+    // Each step of the transform combines two rows into their sum and their difference; the sign of
+    // the strain mode at the node decides which row receives the sum (row_pair).
     for (int i = 0; i < PAIRS; i++) {
         pzs_real *first = stress_row_of[row_pairs[i].first],
                  *second = stress_row_of[row_pairs[i].second];
