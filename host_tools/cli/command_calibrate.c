@@ -24,15 +24,15 @@ typedef struct run {
     const scene *scene;
     number_table voltages, shapes;
     pokes pokes;
-    calibration_model model; /* model whose influence matrix is computed from a scene file with
-                                fitted factors of its material constants; empty where the scene file
-                                gives a measured matrix, or without a scene */
+    calibration_model model; /* model of the scene with fitted factors of its material constants,
+                                whose influence matrix is compared with the measured one; empty
+                                without a scene, or where the scene gives a measured matrix */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
     int crosstalks;
     crosstalk crosstalk[WIRING_FAULTS];
-    double size; /* root mean square of the measured shapes relative to that of the shapes that the
-                    scene's model predicts; 0 without a scene */
+    double size;    /* how large the measured shapes are compared with those that the scene's model
+                       predicts: ratio of both root mean squares; 0 without a scene */
     double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
                        measured under known voltages), with the found wiring faults taken into
                        account (V) */

@@ -50,7 +50,7 @@ static void append_words(kind_text *to, const choice *words)
 
 static void append_kind(kind_text *to, const form *form);
 
-/* Return how many of the forms that a value may have (FORM_ANY) are mappings. */
+/* Return how many of the forms that a value may have (members of FORM_ANY) are mappings of keys. */
 static int mappings_of(const form *form)
 {
     int mappings = 0;
@@ -60,8 +60,9 @@ static int mappings_of(const form *form)
 }
 
 /*
- * Append the forms that a value may have (FORM_ANY) to its description. Several mappings, whose
- * keys are listed below it, are named once, with their number.
+ * Append to the description of a value the forms that it may have (FORM_ANY), as alternatives. If
+ * more than one of them is a mapping, they appear as "one of N mappings", and their keys are listed
+ * below.
  */
 static void append_any(kind_text *to, const form *form)
 {

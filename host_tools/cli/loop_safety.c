@@ -13,7 +13,7 @@
 #include "../simulate/certify.h"
 #include "../tables/loop_blocks.h"
 
-enum { ADVICE_PART = 190 }; /* size of one part of the advice in an error message */
+enum { ADVICE_PART = 190 }; /* characters of one part of the advice in an error message */
 
 /*
  * Whether the control tick of a firmware with the constants that `pzs tables` writes would damp

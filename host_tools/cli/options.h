@@ -36,9 +36,10 @@ typedef struct options {
     bool is_compact; /* whether to write tables without what the device can compute from the nodes
                         (option --compact) */
     bool quasi_static;
-    bool follows_path; /* whether to follow the load path through limit points */
-    int branch; /* number of the bifurcation at which to leave the load path, negative against its
-                   mode; 0: stay on the path */
+    bool follows_path; /* whether the load path is followed beyond limit points, where the load has
+                          an extreme value */
+    int branch; /* number of the bifurcation at which pzs changes from the load path to its branch;
+                   a negative number takes the branch in the opposite direction; 0: no change */
     bool estimates_error; /* whether to estimate the discretisation error from coarser meshes */
     bool recovers_stress; /* whether to recover stresses and strains from the displacement */
     const char *report, *svg, *vtu, *csv, *output, *prefix;

@@ -21,8 +21,8 @@ typedef struct shape_run {
      */
     voltages *results;
     voltages before;     /* displacements and shape error with all voltages zero */
-    int count, compared; /* number of sets of voltages in `results`; index of the first set that the
-                            scene file gives for comparison */
+    int count, compared; /* count: number of results in `results`; compared: index of the first
+                            result for voltages that the scene file gives for comparison */
     modes modes; /* shape errors for each single shape, if the target is a list of shapes for which
                     the voltages are optimised one by one; otherwise empty */
 } shape_run;

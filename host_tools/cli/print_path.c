@@ -38,9 +38,10 @@ static void print_head_of_points(const analysis *analysis)
 }
 
 /*
- * Print the cause of the critical points of a load path that has reached the full load, if known:
- * the law of the material has softened, or the shell has turned so far that the seventh dof of a
- * node (middle surface relative to both faces) has lost its stiffness.
+ * Print why a load path that has reached the full load has critical points, if one of two causes is
+ * known: the material law has softened; or the shell has turned so far that the seventh degree of
+ * freedom of a node (displacement of the middle surface relative to both faces) has no stiffness
+ * left.
  */
 static void print_cause(const analysis *analysis, const load_path *path)
 {
@@ -67,7 +68,7 @@ static void print_values(const analysis *analysis, const double *value)
 
 /*
  * Print the critical points of the load path, with the values of the outputs there. For a
- * bifurcation, also print the command-line option with which pzs leaves the path there.
+ * bifurcation, also print the command-line option (--branch) with which pzs follows its branch.
  */
 static void print_events(const analysis *analysis, const load_path *path)
 {

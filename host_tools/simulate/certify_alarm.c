@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Storms (simulations with fast jumps of the target) with the supervisor of the loop, which must
- * not take control away while the loop is in order (certify_trial.h).
+ * not take control away while the loop is in order (certify_trial.h). After a jump of the target
+ * the supervisor tolerates a larger deviation of the shape; this tolerance decays with the fading
+ * time.
  */
 #include <math.h>
 #include "certify_trial.h"
 
 /*
- * Largest fading time of the supervisor's tolerance that is tried (periods of the first observed
- * mode).
+ * Largest time in which the supervisor's tolerance after a jump of the target may fall by a factor
+ * e (periods of the first observed mode); longer times are not tried.
  */
 static const double longest_fading = 128;
 
 /*
- * Smallest ratio of the fading time that the slowest vibration of the certificate needs to the
- * default time at which it is taken instead of the default.
+ * The default fading time of the supervisor's tolerance is replaced by the decay time of the
+ * slowest vibration if that is longer by at least this factor.
  */
 static const double slower = 1.5;
 
@@ -33,8 +35,8 @@ static bool visit_alarm(void *context, const storm_task *task, const storm_resul
 }
 
 /*
- * Count the storms in which the supervisor takes control away, up to `enough`. Returns 0, or -1
- * with error filled.
+ * Count the storms in which the supervisor takes control away; no further storm is run after
+ * `enough` of them. Returns 0, or -1 with error filled.
  */
 static int count_alarms(const storm_rig *rig, int enough, int *count, char *error)
 {
@@ -48,9 +50,9 @@ static int count_alarms(const storm_rig *rig, int enough, int *count, char *erro
 }
 
 /*
- * Return the fading time with which the search begins (periods): the default, but for a loop that
- * damps slower the time in which the slowest vibration on all structures of the certificate falls
- * by e.
+ * Return the fading time of the supervisor's tolerance with which the search begins (periods): the
+ * time in which the slowest vibration on all structures of the certificate falls by a factor e, or
+ * the default if that time is not much longer.
  */
 static double first_fading(const trial *trial, double usual)
 {
@@ -60,7 +62,10 @@ static double first_fading(const trial *trial, double usual)
     return needed > slower * usual ? fmin(needed, longest_fading) : usual;
 }
 
-/* Run the storms with one fading time of the supervisor. Returns 0, or -1 with error filled. */
+/*
+ * Run the storms (simulations with fast jumps of the target) with one fading time of the
+ * supervisor's tolerance, and count the alarms. Returns 0, or -1 with error filled.
+ */
 static int try_fading(trial *trial, const damper_options *options, int *alarms, char *error)
 {
     const bool is_last = 2 * options->settings.fading_periods > longest_fading;

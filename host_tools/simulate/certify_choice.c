@@ -10,10 +10,11 @@ static const double two_pi = 6.283185307179586;
 /*
  * Settings of the vibration damper, of which the stability tests choose one row. The first three
  * rows compensate a load step fast; of these, rows with less noise in the voltages come first. The
- * other rows tolerate larger deviations of the readings' delay. Units are those of damper_settings.
+ * other rows stay stable with larger errors of the assumed delay of the readings. Units are those
+ * of damper_settings.
  *   damping  strength of the damping
- *   mix      a mode's deviation from equilibrium is estimated from its position, with the weight
- *            1 - mix, and from the change of its velocity in a tick, with the weight mix
+ *   mix      weight of the change of velocity in a tick in the estimate of a mode's deviation from
+ *            equilibrium; the mode's position has the weight 1 - mix
  *   follow   speed at which the voltages approach the statically optimal voltages
  *   drift    random change of the loads that the observer assumes: a larger value estimates a load
  *            faster, with more sensor noise in the voltages
@@ -31,26 +32,26 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
- * Largest acceptable ratio of two settling times after fast target jumps: with settings that
- * tolerate a larger deviation of the readings' delay, to that with the first settings that passed
- * all tests.
+ * How much slower a loop may settle after fast target jumps if its settings tolerate larger errors
+ * of the readings' delay: factor of the settling time with the first settings that passed all
+ * tests.
  */
 static const double slowest = 1.25;
 
 /*
- * Numbers that determine the gain of the low-pass filter for residual readings
- * (damper_settings.slow): number times the phase angle (rad) by which the first observed mode
- * advances in a tick. After a row of settings is chosen, they are tried in this order, the fastest
- * filter first; that one leaves 5 % of a residual after 3.2 periods of the mode.
+ * Gains of the low-pass filter for residual readings (damper_settings.slow) that are tried after a
+ * row of settings is chosen, the largest first. Each is this number times the phase angle (rad) by
+ * which the first observed mode advances in a tick. With the first number the filter leaves 5 % of
+ * a residual after 3.2 periods of the mode.
  */
 static const double residual_part[] = {0.15, 0.075, 0.0375};
 static const double residual_limit = 0.15; /* largest gain of the low-pass filter of the residual
                                               readings (dimensionless) */
 
 /*
- * Static response of the structure to voltages, relative to the model, at which small vibrations
- * must still decay with a faster filter: more than the 1.33 of the other tests, because the filter
- * must not use up the margin of the loop.
+ * With a faster filter of the residual readings, small vibrations must still decay on a structure
+ * whose static response to voltages is this multiple of the model's. It is more than the 1.33 of
+ * the other tests, so that the filter does not use up the margin of the loop.
  */
 static const double residual_margin = 1.6;
 
@@ -83,7 +84,8 @@ static void set_options(const trial *trial, int choice, damper_options *options)
 }
 
 /*
- * Measure the time in which the loop with one choice of settings compensates a load step.
+ * Measure the time in which the loop compensates a suddenly applied load, with the settings in one
+ * row of the table `choices`.
  *   periods out  time (periods of the first observed mode); NAN where no mode is observed, or where
  *                no load can be compensated
  * Returns 0, or -1 with error filled.
@@ -113,7 +115,7 @@ static double residual_periods(double angle, double gain)
 
 /*
  * Number of storms (simulations with fast jumps of the target) that may fail to settle with the
- * next choice of settings until it is known to be no better than the best one so far.
+ * next choice of settings. With one more failure it is no better than the best choice so far.
  */
 static int enough_failures(const certificate_loop *best)
 {
@@ -198,8 +200,9 @@ static bool is_better(const certificate_loop *loop, const certificate_loop *best
     if (!loop->is_stable)
         return loop->failed + loop->target.failed < best->failed + best->target.failed;
     /*
-     * Of two loops that pass the stability tests, the one that tolerates the larger deviation of
-     * the readings' delay is better, unless it settles much later.
+     * Of two loops that pass the stability tests, the better one tolerates the larger error of the
+     * assumed delay of the readings. It may settle somewhat later than the first loop that passed
+     * (`slowest`).
      */
     return tolerance_of(loop) > tolerance_of(best) && loop->ticks <= slowest * fastest;
 }
@@ -220,9 +223,10 @@ static int try_older(trial *trial, int choice, bool *tolerates, char *error)
 /*
  * Test one row of the table `choices` of damper settings, and keep it if it is better than the best
  * one so far.
- *   load_step in      time in which the loop compensates a load step with these settings (periods)
- *   fastest   in/out  ticks until the shape settles after a storm (fast jumps of the target), mean
- *                     of all storms, with the first settings that pass; 0 before there are any
+ *   load_step in      time in which the loop compensates a load step with these settings (periods
+ *                     of the first mode)
+ *   fastest   in/out  mean number of ticks until the shape settles after a storm (fast jumps of the
+ *                     target), with the first settings that passed; 0 as long as none have passed
  * Returns 0, or -1 with error filled.
  */
 static int compare_choice(trial *trial, int choice, double load_step, double *fastest, char *error)
@@ -233,9 +237,9 @@ static int compare_choice(trial *trial, int choice, double load_step, double *fa
     bool tolerates = true;
     const bool has_stable = certificate->loop.is_stable;
     /*
-     * Once some settings have passed all tests, others are taken in their place only if the loop
-     * also works with readings that are one tick older than the scene says. That is tried first,
-     * because it takes little time.
+     * Once some settings have passed all tests, others can only be better if they also work with
+     * readings that are one tick older than the scene file states. This test takes little time and
+     * comes first.
      */
     if (has_stable && try_older(trial, choice, &tolerates, error) < 0)
         return -1;
@@ -261,8 +265,9 @@ static int compare_choice(trial *trial, int choice, double load_step, double *fa
  */
 typedef struct candidate {
     bool is_measured, is_tried;
-    double load_step; /* time until the loop with these settings has compensated a load that appears
-                         at once (periods of the first vibration mode that the loop observes) */
+    double load_step; /* time until the loop has compensated a load that appears at once, with the
+                         settings of this row (periods of the first vibration mode that the loop
+                         observes) */
 } candidate;
 
 /*
@@ -304,9 +309,9 @@ static int keeps_margin(const trial *trial, bool *keeps, char *error)
 }
 
 /*
- * Test the chosen settings with another gain of the low-pass filter of the residual readings, and
- * keep it if the loop passes all tests that it has passed before: growth, storms, load steps and
- * readings one tick older or newer.
+ * Test the chosen settings with another gain of the low-pass filter of the residual readings. Keep
+ * this gain if the loop still passes the tests that it passed before: growth, storms, load steps,
+ * and readings one tick older or newer.
  *   is_kept out  whether the gain is kept
  * Returns 0, or -1 with error filled.
  */
@@ -341,9 +346,9 @@ static int try_residual(trial *trial, double gain, bool *is_kept, char *error)
 }
 
 /*
- * Make the low-pass filter of the residual readings as fast, relative to the first observed mode,
- * as the tests of the chosen loop permit. The fixed gain of the default settings would take many
- * periods where a period has few ticks. Returns 0, or -1 with error filled.
+ * Choose the largest gain of the low-pass filter of the residual readings with which the chosen
+ * loop still passes its tests. The fixed gain of the default settings would take many periods of
+ * the first observed mode where a period has few ticks. Returns 0, or -1 with error filled.
  */
 static int choose_residual(trial *trial, char *error)
 {
@@ -375,8 +380,8 @@ static int choose_row(trial *trial, char *error)
         return -1;
     const double angle = first_angle(trial);
     /*
-     * Fast compensation is required only where a period has enough ticks, and where the scene file
-     * requires no tolerance of older readings (delay_margin).
+     * Settings must compensate load steps fast if a period of the first mode has enough ticks,
+     * unless the scene file asks for tolerance of older readings (delay_margin).
      */
     const bool asks = angle > 0 && angle < CERTIFICATE_ANGLE && control->delay_margin == 0;
     for (int i = 0; i < CHOICES && asks && !tolerates_all(best); i++)

@@ -44,9 +44,9 @@ typedef struct trial {
     deformed deformed;
     bool has_target; /* true where the structure was linearised about the equilibrium at its target,
                         so that `at_target` and `deformed` may be used */
-    char no_target[SCENE_ERROR]; /* why the loop cannot be simulated on the structure about the
-                                    equilibrium at its target, where the scene's kinematics is not
-                                    linear */
+    char no_target[SCENE_ERROR]; /* where the scene's kinematics is nonlinear: reason why the loop
+                                    could not be simulated on the structure linearised about the
+                                    equilibrium at its target */
 } trial;
 
 /* ---- tables of the control loop (certify_trial.c) ----------------------- */

@@ -25,7 +25,8 @@ typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK }
  */
 typedef struct electrode {
     electrode_fault fault;
-    double fault_voltage; /* voltage of a faulty electrode, which ignores its amplifier (V) */
+    double fault_voltage; /* constant voltage that a faulty electrode keeps, whatever its amplifier
+                             does (V) */
     double output;        /* output of the amplifier's first-order lag (V) */
     double play[PLAYS];   /* output of each play operator of the hysteresis model (V) */
     double creep[CREEPS]; /* output of each first-order lag of the creep model (V) */
@@ -60,15 +61,17 @@ typedef struct imperfection_tables {
                        the strain that the voltage causes */
     double drift;   /* largest drift of a sensor (unit of the reading per second) */
     double quantum; /* quantisation step of the sensor readings (unit of the reading) */
-    double outlier_chance;  /* probability that a sensor reading is an outlier */
-    double outlier_size;    /* largest error of a sensor reading that is an outlier (unit of the
-                               reading) */
-    int reversals;          /* number of amplifiers whose two wires are exchanged */
-    const int *reversed;    /* [reversals] indices of the amplifiers with exchanged wires */
-    int swaps;              /* number of amplifiers whose cables are exchanged in pairs */
-    const int *swapped;     /* [swaps] indices of the amplifiers with exchanged cables: the first is
-                               exchanged with the second, the third with the fourth */
-    actuator_curves curves; /* effects of the voltages on actuators that are not linear */
+    double outlier_chance; /* probability that a sensor reading is an outlier */
+    double outlier_size;   /* largest error of a sensor reading that is an outlier (unit of the
+                              reading) */
+    int reversals;         /* number of amplifiers whose two wires are exchanged */
+    const int *reversed; /* [reversals] indices of the amplifiers whose two wires are exchanged, so
+                            that their polarity is wrong */
+    int swaps;           /* number of amplifiers whose cables are exchanged in pairs */
+    const int *swapped;  /* [swaps] indices of the amplifiers with exchanged cables: the first is
+                            exchanged with the second, the third with the fourth */
+    actuator_curves curves; /* curves of actuators that are not linear: effect of a voltage, to
+                               which the displacement is proportional */
 } imperfection_tables;
 
 /*

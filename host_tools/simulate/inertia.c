@@ -50,8 +50,8 @@ void inertia_rest(inertia *inertia, const double *input)
 }
 
 /*
- * Compute the static responses of the simulated vibration modes, whose ratio to those of the model
- * may have changed.
+ * Compute the static responses of the simulated vibration modes to the inputs: `gain` times those
+ * of the model. Nothing is done if `gain` has not changed.
  */
 static void scale_responses(inertia *inertia)
 {

@@ -44,16 +44,15 @@ static const double load_angle = 0.6;
 static const double load_share = 0.3;
 
 /*
- * Effect of a load means the norm of the displacements of the targets that it causes. If even the
- * best voltages leave more than this fraction of it, voltages cannot compensate the load, and it is
- * not applied.
+ * Largest part of the effect of a load that the best voltages may leave. If they leave more,
+ * voltages cannot compensate the load, and it is not applied. The effect is the norm of the
+ * displacements of the targets that the load causes.
  */
 static const double load_left = 0.2;
 
 /*
- * Before a load step the voltages may have to move to other values. The loop is at rest when the
- * distance of the shape from its equilibrium has fallen to this fraction of the largest distance
- * during this motion.
+ * The loop is at rest when the distance of the shape from its equilibrium has fallen to this
+ * fraction of its largest value. Before a load step it may have to come to rest at other voltages.
  */
 static const double at_rest = 1e-3;
 
@@ -140,7 +139,10 @@ static void set_load(load_step *step, load_shape shape)
         step->modal[i] = modal_force(step, shape, row, i) / pow(modal->frequency[i], 2);
 }
 
-/* Multiply the load by a factor, and compute the static displacements of all outputs under it. */
+/*
+ * Multiply the load of a load step by a factor, and compute the static displacements of all outputs
+ * under it.
+ */
 static void scale_load(load_step *step, double factor)
 {
     const modal *modal = &step->storm->rig->modal;
@@ -150,8 +152,8 @@ static void scale_load(load_step *step, double factor)
 }
 
 /*
- * Find the voltages that best restore, under the load, the shape before the load step, and the
- * shape under them.
+ * Find the voltages with which the shape under the load comes nearest to the shape before the load
+ * step, and that nearest shape.
  */
 static pzs_status find_loaded_best(load_step *step)
 {
@@ -178,8 +180,8 @@ static double largest_change(const load_step *step)
 }
 
 /*
- * Apply a load of a given distribution. Its size is such that the voltages which compensate it
- * change by at most load_share of half their range.
+ * Apply a load of a given distribution, as large as the voltages can well compensate: no voltage
+ * then changes by more than load_share of half its range.
  *   size out  norm of the displacements of the targets by the load, without compensation; 0: no
  *             load is applied, because it moves nothing or the voltages cannot compensate it
  */
@@ -200,15 +202,19 @@ static pzs_status size_load(load_step *step, load_shape shape, double *size)
                                     load_left * small * storm->rig->scale)
         return status;
     /*
-     * The size of the load: without voltage limits, it displaces the target nodes by load_share
-     * times the length by which shape errors are divided.
+     * Scale the load so that the compensating voltages change by load_share of half their range.
+     * Without voltage limits, the displacements of the target nodes by the load become load_share
+     * times the unit of shape errors.
      */
     scale_load(step, load_share / (change > 0 ? change : small));
     *size = storm_distance(storm, storm->load, NULL);
     return find_loaded_best(step);
 }
 
-/* Whether the voltages start so near to a limit that they could not compensate any load. */
+/*
+ * Whether a voltage is so near to one of its limits at the start that the loop could not compensate
+ * a load.
+ */
 static bool starts_near_limit(const storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -221,8 +227,8 @@ static bool starts_near_limit(const storm *storm)
 }
 
 /*
- * Bring the loop to rest before a load step: at the voltages at which it starts, or, where these
- * are near a limit, at the middle of the limits.
+ * Bring the loop to rest before a load step. It rests at the voltages with which it starts; if one
+ * of them is near a limit, all voltages first move to the middle of their limits.
  */
 static pzs_status start_loop(load_step *step)
 {

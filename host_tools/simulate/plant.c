@@ -82,7 +82,10 @@ static int change_scene(plant *plant)
     scene *scene = &plant->scene;
     const scene_simulate *simulate = &scene->simulate;
     scale_matrix(scene);
-    /* The inputs of a plant are the effects of its voltages (imperfections_actuate). */
+    /*
+     * Remove the actuator curves from the plant's model: its inputs are effects, because
+     * imperfections_actuate has already applied the curves to the voltages.
+     */
     memset(&scene->influence.curve, 0, sizeof scene->influence.curve);
     scene->kinematics = simulate->kinematics;
     for (int i = 0; i < scene->materials; i++) {
@@ -102,7 +105,10 @@ static bool wants_inertia(plant *plant)
     const design *design = &plant->analysis.design;
     char names[SCENE_ERROR];
     const char *why = NULL;
-    /* The modal model has no output rows for sensors of voltages or charges. */
+    /*
+     * The modal model has no output rows for sensors that measure voltages or charges of
+     * electrodes.
+     */
     if (design->simulate.sight != SIGHT_MEASURED && !design_reads_displacements(design))
         why = "a sensor is an electrode";
     /*

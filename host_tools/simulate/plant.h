@@ -22,15 +22,15 @@ struct plant_motion;
 typedef struct plant {
     scene scene;  /* copy of the scene in which the material constants are those of the simulated
                      structure */
-    expr *kelvin; /* formula of the temperature change that is added to the loads of the simulated
-                     structure, or NULL */
+    expr *kelvin; /* formula of a temperature change of 1 K, which is appended to the loads where
+                     events change the temperature; NULL: they do not */
     analysis analysis;
     double *input; /* [inputs] values of the inputs for which the next shape of the plant is
                       computed: voltages, loads and temperature change. A nonlinear structure also
                       has inputs for prescribed displacements and for the motion of a contact's
                       rigid body */
-    double *computed_input; /* [inputs] voltages (V), load factors (dimensionless) and temperature
-                               change (K) with which the latest shape of the plant was computed */
+    double *computed_input; /* [inputs] input values of the latest shape of the plant: voltages (V),
+                               load factors (dimensionless) and temperature change (K) */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
                             such as loads and support displacements */
     double *value;   /* [outputs of the structure] values of all outputs in the latest shape of the

@@ -41,10 +41,10 @@ typedef struct shell_motion {
     const vibration *vibration; /* vibration modes of the shell that are damped; NULL: the motion is
                                    not damped */
     mass mass;
-    pzs_solver solver; /* solver of the nonlinear equilibrium, with arrays of this motion in its
-                          state. `displacement`: at half the time step. `resultant`: stress
-                          resultants for the geometric stiffness, linearly extrapolated by the last
-                          Newton increment */
+    pzs_solver solver; /* solver of the nonlinear equilibrium, whose functions this motion uses with
+                          its own arrays: in `displacement` the displacement at half the time step;
+                          in `resultant` the stress resultants for the geometric stiffness,
+                          extrapolated along the last Newton increment */
     double step_most;  /* longest time step of the motion of the shell (s) */
     double mass_damping, viscosity; /* mass_damping: coefficient a of the damping force a M v, with
                                        mass matrix M and velocity v (1/s). viscosity: coefficient b

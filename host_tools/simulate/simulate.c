@@ -22,10 +22,9 @@
 enum {
     LAST = 20,       /* smallest number of ticks over which the results at the end of a phase (time
                         between events of the scene) are averaged */
-    LAST_MOST = 500, /* LAST_MOST: largest number of ticks over which the results at the end of a
-                        phase (time between events of the scene) are averaged. The number of ticks
-                        is one period of the first vibration mode, but at least LAST and at most
-                        LAST_MOST. */
+    LAST_MOST = 500, /* largest number of ticks over which the results at the end of a phase (time
+                        between events of the scene) are averaged. The number is one period of the
+                        first vibration mode, between LAST and LAST_MOST */
     WINDOW = 1000    /* number of ticks after an event in which the settling time is measured */
 };
 
@@ -120,9 +119,8 @@ static int check_readings(const design *design, char *error)
 }
 
 /*
- * If the scene file says so, replace the influence matrix of the controller's model. The new one
- * belongs to the structure deformed by the optimal voltages instead of the undeformed structure.
- * Returns 0, or -1 with error filled.
+ * If the scene file asks for it, replace the influence matrix of the controller's model by that of
+ * the structure deformed by the optimal voltages. Returns 0, or -1 with error filled.
  */
 int simulate_tables(analysis *nominal, char *error)
 {
@@ -133,8 +131,8 @@ int simulate_tables(analysis *nominal, char *error)
     if (check_readings(design, error) < 0)
         return -1;
     if (design->simulate.influence_at == INFLUENCE_LOADED)
-        return 0; /* the influence matrix already belongs to the equilibrium under the scene's loads
-                   */
+        return 0; /* nothing to do, because the matrix was computed at the equilibrium under the
+                     scene's loads */
     memset(&best, 0, sizeof best);
     nominal->is_nonlinear = true;
     int failed =

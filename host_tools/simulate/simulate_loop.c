@@ -382,8 +382,8 @@ static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
                                            law_init, board_tick,     NULL};
 
 /*
- * Whether a control law for comparison, or the host beside a controller on a board, runs a block of
- * the scene that comes before the step block.
+ * Whether a block of the scene that comes before the step block also runs on the host, in two
+ * cases: in front of a control law for comparison, and beside a board that runs the controller.
  */
 static bool is_kept(const pzs_block_type *type, int is_board)
 {
@@ -404,10 +404,11 @@ static size_t add_curve_inverse(loop *loop, const loop_blocks *all, size_t count
 }
 
 /*
- * List the blocks (stages of the control tick) that the simulated loop runs: on the host, all
- * blocks of the scene. Clipped least squares, and a controller on a board, have a step block of
- * their own, and neither later blocks nor self-test and compensation of hysteresis; clipped least
- * squares keep the blocks of actuator curves. Returns their number.
+ * List the blocks (stages of the control tick) that the simulated loop runs on the host: all blocks
+ * of the scene for the library's controller. A control law for comparison, or a controller on a
+ * board, has a step block of its own; self-test, compensation of hysteresis and all blocks after
+ * the step are then left out, except that a law for comparison keeps the blocks of actuator curves.
+ * Returns their number.
  */
 static size_t list_blocks(loop *loop)
 {
@@ -702,7 +703,7 @@ int loop_tick(loop *loop, int tick, char *error)
 /* ---- self-test -------------------------------------------------------- */
 
 /*
- * Let those electrodes fail that the scene's schedule of events declares dead or stuck at tick 0.
+ * Let the electrodes fail that the scene's list of events declares dead or stuck at tick 0.
  */
 static void fail_first_electrodes(loop *loop)
 {
@@ -713,9 +714,8 @@ static void fail_first_electrodes(loop *loop)
 }
 
 /*
- * Let those sensors fail that the scene's schedule of events declares missing or stuck at tick 0.
- * They fail during all ticks of the self-test, and then for the number of ticks that the schedule
- * states.
+ * Let the sensors fail that the scene's list of events declares missing or stuck at tick 0. They
+ * fail during all ticks of the self-test, and then for the number of ticks that the event states.
  *   ticks in  number of ticks of the self-test
  */
 static void fail_first_sensors(loop *loop, int ticks)
@@ -729,8 +729,8 @@ static void fail_first_sensors(loop *loop, int ticks)
 }
 
 /*
- * Subtract the length of the self-test from the ends of sensor failures that the scene file places
- * in tick 0 and that began in the self-test, because ticks are counted from 0 again after it.
+ * After the self-test ticks are counted from 0 again. Sensor failures of tick 0, which began before
+ * the self-test, therefore end `ticks` earlier in the new count.
  *   ticks in  number of ticks of the self-test
  */
 static void shift_first_sensors(loop *loop, int ticks)

@@ -118,8 +118,8 @@ typedef struct loop {
     double *reading; /* [sensors] latest reading of each sensor, with noise and faults */
     double *sensed;  /* [sensors] readings passed to the controller, delayed as the scene and its
                         events state */
-    bool has_failed_sensors; /* true: sensor failures that the scene file places in tick 0 have
-                                begun already, because the self-test has run before */
+    bool has_failed_sensors; /* true: the sensor failures of tick 0 in the scene file have already
+                                begun, before the self-test */
     int history_ticks;       /* number of ticks whose readings are stored: the delay, plus
                                 the largest additional delay of an event, plus 1 */
     double *late_reading; /* [history_ticks][sensors] noise-free readings of the last ticks, which

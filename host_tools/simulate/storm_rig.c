@@ -63,9 +63,9 @@ static void fill_limits(storm_rig *rig)
 }
 
 /*
- * Lower limit of the norm of the target by which shape errors are divided, as a fraction of a
- * reference norm: root mean square, over random signs, of the norm of the shape with every voltage
- * at plus or minus half its range from the middle.
+ * Smallest unit of shape errors, as a fraction of a typical norm of the shapes that the voltages
+ * reach. That norm is the root mean square, over random signs, with every voltage at plus or minus
+ * half its range from the middle.
  */
 static const double least_scale = 0.02;
 

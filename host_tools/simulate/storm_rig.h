@@ -71,7 +71,7 @@ typedef struct storm_rig {
     double bandwidth; /* corner frequency of the first-order lag of the amplifiers (Hz); 0: no lag
                        */
     size_t sensors, targets, amplifiers;
-    compensation ceramic; /* hysteresis and creep of the ceramic as the scene file describes them */
+    compensation ceramic; /* hysteresis and creep of the ceramic that the scene file describes */
     vibration vibration;
     modal modal;
     const double *offset; /* [outputs] displacement of each output row at 0 V, on a structure
@@ -127,8 +127,9 @@ bool storm_deform(storm_rig *rig, const deformed *deformed);
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);
 
 /*
- * Return rig->scale, the unit of shape errors, over the norm of the target: 1, more for a target
- * that is small beside the shapes that the voltages reach, and infinity for a zero target.
+ * Return the factor from errors relative to rig->scale, the unit of shape errors, to errors
+ * relative to the norm of the target: rig->scale divided by that norm. It is 1, or more for a
+ * target that is small beside the shapes that the voltages reach; infinite for a zero target.
  */
 double storm_unit(const storm_rig *rig);
 

@@ -90,8 +90,8 @@ static void set_limits(storm *storm)
 }
 
 /*
- * Append a block (stage of the control tick) to those that the simulation runs. The voltage and
- * step limits of the block that computes the voltages are replaced by those of the simulation.
+ * Append a block (stage of the control tick) to those that the simulation runs. In the block that
+ * computes the voltages, voltage limits and step limits are replaced by those of the simulation.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -102,8 +102,9 @@ static void append_block(storm *storm, const pzs_block *given)
     storm->problem = *(const pzs_problem *)block->tables;
     set_limits(storm);
     /*
-     * The library's step block gets a pointer to the changed problem. In a control law for
-     * comparison (laws.h), whose tables begin with the problem, it is overwritten.
+     * The changed problem is passed to the step block by a pointer in the library's own step block.
+     * The tables of a control law for comparison (laws.h) begin with a problem, which is
+     * overwritten.
      */
     if (block->type == &pzs_step_block)
         block->tables = &storm->problem;
@@ -112,9 +113,10 @@ static void append_block(storm *storm, const pzs_block *given)
 }
 
 /*
- * Copy the blocks (stages of the control tick) that the simulation runs. Without limits (growth of
- * vibrations), those after the step block are left out, because converter steps and held electrodes
- * would hide the growth, and the compensation of hysteresis, which has no inverse without limits.
+ * Copy the blocks (stages of the control tick) that the simulation runs. A simulation without
+ * limits, for the growth of vibrations, leaves out two kinds: the blocks behind the step block,
+ * because converter steps and fixed voltages would hide the growth; and the compensation of
+ * hysteresis, which needs voltage limits.
  */
 static void set_tables(storm *storm)
 {
@@ -171,9 +173,9 @@ int storm_begin(storm *storm, const storm_rig *rig, const storm_plant *plant, ch
     memcpy(storm->last_target, rig->analysis->design.target,
            rig->targets * sizeof *storm->last_target);
     pzs_status status = open_loop(storm);
-    if (!PZS_IS_ERROR(status) && !storm_is_free(storm)) /* In a simulation of small vibrations
-                                                           without limits, the best shape is zero
-                                                           and need not be computed. */
+    if (!PZS_IS_ERROR(status) && !storm_is_free(storm)) /* A simulation of small vibrations without
+                                                           limits needs no best shape: it is zero.
+                                                         */
         status = storm_find_best(storm, storm->previous_voltage);
     if (PZS_IS_ERROR(status))
         return storm_explain(storm, status, error);

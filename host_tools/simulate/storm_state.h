@@ -107,32 +107,33 @@ void storm_compute_shape(storm *storm);
 double storm_distance(const storm *storm, const double *first, const double *second);
 
 /*
- * Return the static displacement of an output of the structure at 0 V (m). It is the sum of the
- * displacement by a load step and, on a structure linearised about a deformed state, a constant:
- * the displacement extrapolated to 0 V. Simulations of the growth of small vibrations, which have
- * no voltage limits, leave the constant out, because it does not affect the growth.
+ * Return the static displacement of an output of the structure at 0 V (m). It has two parts: the
+ * displacement by a load step and, on a structure linearised about a deformed state, the
+ * displacement extrapolated from there to 0 V. Simulations of the growth of small vibrations leave
+ * out the second part, because it does not affect the growth.
  */
 double storm_offset(const storm *storm, size_t row);
 
 /*
  * Compute the static shape of the simulated structure under given voltages, and store it as the
- * best shape that the voltage limits allow for the present target of the storm (simulation with
- * fast target jumps).
+ * shape with which storms (simulations with fast target jumps) compare the present one
+ * (`best_shape`).
  */
 void storm_compute_rest(storm *storm, const double *voltage);
 
 /*
- * Compute the best shape of the simulated structure, with its own influence matrix, for the last
- * target within the voltages on the ceramic. On a structure linearised about a deformed state,
- * compute the shape at which the loop comes to rest, with the controller's matrix.
+ * Compute the shape with which the end of a storm is compared, for the last target: the best shape
+ * within the voltages on the ceramic, by the structure's own influence matrix. On a structure
+ * linearised about a deformed state it is the shape at which the loop comes to rest with the
+ * controller's matrix.
  *   voltage [amplifiers] out  voltages of this shape (V)
  */
 pzs_status storm_find_best(storm *storm, double *voltage);
 
 /*
  * Choose the hysteresis model of the ceramic: that of the scene file if the loop compensates
- * hysteresis, otherwise none. Compute the lowest and highest voltages that can act on the ceramic:
- * the effects of the lower and the upper voltage limit after a state of rest at 0 V.
+ * hysteresis, otherwise none. Then compute the lowest and highest voltages that can act on the
+ * ceramic: the effects of the voltage limits on ceramic that has been at rest at 0 V.
  */
 void storm_start_ceramic(storm *storm);
 

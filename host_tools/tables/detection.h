@@ -15,17 +15,17 @@ typedef enum detection_doubt {
     DETECTION_SURE,         /* a fault of this electrode can be found */
     DETECTION_UNOBSERVABLE, /* a fault cannot be found: the sensors cannot tell this electrode from
                                others, or it has no test pulse */
-    DETECTION_HIDDEN, /* a fault cannot be found: the noise of the sensors hides their response to
-                         the test pulse of this electrode */
+    DETECTION_HIDDEN, /* a fault cannot be found: the sensors' response to the test pulse of this
+                         electrode is lost in their noise */
     DETECTION_DOUBTS
 } detection_doubt;
 
 typedef struct detection {
     bool is_used;   /* true where the loop of the scene contains a fault detector with test pulses;
                        otherwise all other members of this struct are zero */
-    int electrodes; /* number of electrodes */
-    int detectable; /* number of electrodes on which the detector can find a fault */
-    int sensors;    /* number of sensors */
+    int electrodes; /* number of electrodes of the controller */
+    int detectable; /* number of electrodes whose faults the fault detector can find */
+    int sensors;    /* number of sensors whose readings the fault detector uses */
     int ticks;      /* duration of a test pulse (ticks) */
     int weakest;  /* index of the electrode whose response to its test pulse is the weakest relative
                      to noise, among the electrodes that the sensors can tell from others */

@@ -242,10 +242,10 @@ double loop_reachable_rms(const design *design)
 }
 
 /*
- * Return the unit of what the supervisor tolerates, a displacement (m, RMS over the target nodes):
- * that of the target, but of the shape under half the voltage range where the target is zero, or
- * larger. The structure cannot move along a target out of reach by as much as the target, and the
- * supervisor could not tell from such a motion that amplifiers are reversed.
+ * Return the displacement in which the supervisor's tolerances are measured (m, RMS over the target
+ * nodes): that of the target, or that of the shape under half the voltage range if the target is
+ * zero or larger. A structure hardly moves towards a target out of its reach; with tolerances in
+ * units of such a target, the supervisor could not tell that amplifiers are reversed.
  */
 static double tolerated_unit(const design *design)
 {
@@ -255,20 +255,24 @@ static double tolerated_unit(const design *design)
     return reachable > 0 ? fmin(target, reachable) : target;
 }
 
-/* Largest factor by which the tolerated effect of target changes decays in a tick. */
+/*
+ * Largest factor by which a tick multiplies the deviation that the supervisor tolerates after
+ * changes of the target.
+ */
 static const double slowest_fading = 0.99999;
 
 /*
  * Make the tables of the supervisor, the block (stage of a control tick) that monitors the loop.
- * Unit W: tolerated_unit.
+ * Its unit of displacement W is tolerated_unit.
  *   load         tolerated effect of a sudden load: that of the scene's loads, at least 0.3 W
  *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
- *   fading       factor per tick of the tolerated effect of earlier target changes: 1/e in two
- *       periods of the first vibration mode, or in more, so that no storm of the certificate raises
- *       an alarm; where no mode is observed, as slowly as the damper follows static errors of the
- *       model, which until then look like a vibration; 1/e in 50 ticks without a vibration model
- *   alarm_ticks number of implausible ticks until an alarm: half the time of `fading`, in general
- *       a period of the first vibration mode, at least 20 (for vibration twice as many)
+ *   fading       factor by which the tolerated effect of target changes decays in a tick. With
+ *                observed modes: 1/e in two periods of the first mode, or in more periods if a
+ *                storm of the certificate would otherwise raise an alarm. Without an observed mode:
+ *                as slowly as the damper corrects static errors of the model, which until then look
+ *                like a vibration. Without a vibration model: 1/e in 50 ticks
+ *   alarm_ticks  number of implausible ticks until an alarm: half the time of `fading`, in general
+ *                a period of the first vibration mode, at least 20 (for vibration twice as many)
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -739,9 +743,9 @@ static int count_readings(const loop_blocks *blocks)
 }
 
 /*
- * Return an upper bound of the number of plays (elements with backlash of the hysteresis model)
- * that begin to move or reverse in one tick. This is the largest number of plays whose slacks (half
- * widths of the backlash) lie within twice the largest change of a voltage in a tick.
+ * Return the largest number of plays (elements with backlash of the hysteresis model) that can
+ * begin to move or reverse in one tick. A change of the voltage can affect only plays whose slacks
+ * (half widths of the backlash) lie within twice that change of each other.
  */
 static size_t near_plays(const loop_blocks *blocks)
 {
