@@ -690,7 +690,7 @@ static void print_choice(const shape_run *run)
 /* Whether the output of the scene with index k is a displacement of a single node. */
 static int is_single(const analysis *analysis, int k)
 {
-    return print_is_displacement(analysis, k) && analysis_outputs(analysis, k) == 1;
+    return analysis_output_is_row(analysis, k) && analysis_outputs(analysis, k) == 1;
 }
 
 static double reached(const analysis *analysis, int k, const voltages *result)
@@ -736,12 +736,12 @@ static void print_reached_nodes(const analysis *analysis, const voltages *best, 
     int left = 0;
     pzs_observe(&analysis->design.structure, best->displacement, value);
     for (int k = 0; k < design->outputs; k++)
-        if (print_is_displacement(analysis, k) && analysis_outputs(analysis, k) > 1) {
+        if (analysis_output_is_row(analysis, k) && analysis_outputs(analysis, k) > 1) {
             printf("\n  displacement, %s, under \"%s\":\n", design->units.length, best->name);
             print_output_table(analysis, k, value);
         }
     for (int k = 0; k < design->outputs; k++)
-        if (!print_is_displacement(analysis, k))
+        if (!analysis_output_is_row(analysis, k))
             printf("%s %s",
                    left++ ? "," : "\n  outputs other than displacements are printed by pzs solve:",
                    design->output[k].name);

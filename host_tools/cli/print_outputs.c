@@ -5,15 +5,6 @@
 #include <stdlib.h>
 #include "../text/words.h"
 
-int print_is_displacement(const analysis *analysis, int k)
-{
-    const scene_output *output = &analysis->design.output[k];
-    const bool is_row = output->recovered == RECOVERED_NONE ||
-                        (output->recovered == RECOVERED_STRAIN && !analysis->is_nonlinear);
-    return is_row && output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE &&
-           output->reaction == REACTION_NONE;
-}
-
 /* ---- text ------------------------------------------------------------- */
 
 static void print_node_row(const analysis *analysis, int node, double value)
@@ -91,12 +82,11 @@ static void json_output(json *json, const analysis *analysis, int k, const doubl
     free(all);
 }
 
-void print_outputs_json(json *json, const analysis *analysis, const double *value,
-                        int only_displacements)
+void print_outputs_json(json *json, const analysis *analysis, const double *value, int only_rows)
 {
     json_open(json, "outputs", '{');
     for (int k = 0; k < analysis->design.outputs; k++)
-        if (!only_displacements || print_is_displacement(analysis, k))
+        if (!only_rows || analysis_output_is_row(analysis, k))
             json_output(json, analysis, k, value);
     json_close(json, '}');
 }
@@ -122,12 +112,12 @@ static void json_place(json *json, const analysis *analysis, int k, int i, doubl
 }
 
 void print_output_places_json(json *json, const analysis *analysis, const double *value,
-                              int only_displacements)
+                              int only_rows)
 {
     json_open(json, "output_places", '{');
     for (int k = 0; k < analysis->design.outputs; k++) {
         const int count = analysis_outputs(analysis, k);
-        if (count == 1 || (only_displacements && !print_is_displacement(analysis, k)))
+        if (count == 1 || (only_rows && !analysis_output_is_row(analysis, k)))
             continue;
         json_open(json, analysis->design.output[k].name, '[');
         for (int i = 0; i < count; i++)

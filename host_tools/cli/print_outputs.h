@@ -7,12 +7,6 @@
 #include "../text/json.h"
 
 /*
- * Whether the output with index k consists of displacements. `pzs shape` prints only such outputs
- * for each of its results.
- */
-int print_is_displacement(const analysis *analysis, int k);
-
-/*
  * Print one output of the scene: a single value on one line; several values as their range and a
  * table with one row for each node or electrode.
  */
@@ -27,10 +21,9 @@ void print_output_table(const analysis *analysis, int k, const double *value);
 /*
  * Write the outputs as the JSON member `outputs`: a number for each output with a single value,
  * otherwise an array of numbers.
- *   only_displacements in  1: omit all outputs that are not displacements
+ *   only_rows in  1: omit all outputs that are not linear in the displacement
  */
-void print_outputs_json(json *json, const analysis *analysis, const double *value,
-                        int only_displacements);
+void print_outputs_json(json *json, const analysis *analysis, const double *value, int only_rows);
 
 /*
  * Write the JSON member `output_places`: for each output with several values an array of objects in
@@ -38,6 +31,6 @@ void print_outputs_json(json *json, const analysis *analysis, const double *valu
  * and value for a node, and the members electrode (name) and value for an electrode.
  */
 void print_output_places_json(json *json, const analysis *analysis, const double *value,
-                              int only_displacements);
+                              int only_rows);
 
 #endif

@@ -2,6 +2,7 @@
 /* A load path (equilibria from zero to full load) on standard output (print_path.h). */
 #include "print_path.h"
 #include <stdio.h>
+#include "../model/output_calls.h"
 #include "../model/path_cause.h"
 #include "print_outputs.h"
 
@@ -16,8 +17,7 @@ static const char *const event_name[] = {[LOAD_PATH_LIMIT] = "limit point",
  */
 static int is_listed(const analysis *analysis, int k)
 {
-    return analysis->design.output[k].recovered == RECOVERED_NONE &&
-           analysis_outputs(analysis, k) == 1;
+    return !output_is_recovered(&analysis->design.output[k]) && analysis_outputs(analysis, k) == 1;
 }
 
 static const double *values_of(const load_path *path, int point)

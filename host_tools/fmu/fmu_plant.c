@@ -3,6 +3,7 @@
 #include "fmu_parts.h"
 #include <math.h>
 #include <stdlib.h>
+#include "../model/output_calls.h"
 #include "../simulate/imperfections_scene.h"
 #include "../simulate/plant.h"
 #include "../tables/loop_blocks.h"
@@ -43,11 +44,11 @@ static int check_plant(const fmu *fmu, const plant *plant, char *error)
     const design *design = fmu->design;
     for (int i = 0; i < design->estimate.readings && loop_estimates(design); i++) {
         const scene_output *output = &design->output[design->estimate.reading[i].output];
-        if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE)
+        if (!output_has_rows(output))
             return scene_fault(design->estimate.reading[i].at, error,
-                               "the plant of an FMU has sensors of displacement only; '%s' is an "
-                               "electrode or a contact",
-                               output->name);
+                               "the plant of an FMU has sensors that are linear in the "
+                               "displacement; '%s' is a %s",
+                               output->name, scene_output_info_of(output->type)->word);
     }
     if (plant->analysis.is_nonlinear)
         return scene_fault(design->simulate.at, error,

@@ -14,6 +14,7 @@
 #include "design_build.h"
 #include "electrodes.h"
 #include "mass.h"
+#include "output_calls.h"
 #include "ramp.h"
 #include "stress_corrected.h"
 #include "stress_output.h"
@@ -236,26 +237,14 @@ static int explain_equilibrium(const analysis *analysis, char *error)
     return analysis_explain(analysis, analysis->status, error);
 }
 
-/*
- * Return whether an output of the scene is a total over all its nodes: a component of the contact
- * force, or the number of nodes in contact.
- */
-static bool is_contact_total(const scene_output *output)
-{
-    return output->contact != CONTACT_NONE && output->contact != CONTACT_PRESSURE;
-}
-
 int analysis_outputs(const analysis *analysis, int k)
 {
-    const int places = analysis->design.place_first[k + 1] - analysis->design.place_first[k];
     const scene_output *output = &analysis->design.output[k];
-    if (output->electric == ELECTRIC_VOLTAGE || output->electric == ELECTRIC_CHARGE)
-        return output->count;
-    if (output->reaction != REACTION_NONE || is_contact_total(output))
-        return 1;
-    return places > 0 ? places : 1; /* an output that belongs to no single node, such as the total
-                                       contact force or the number of nodes in contact, has one
-                                       value */
+    switch (scene_output_info_of(output->type)->spread) {
+    case SPREAD_NODES: return analysis->design.place_first[k + 1] - analysis->design.place_first[k];
+    case SPREAD_ELECTRODES: return output->count;
+    default: return 1;
+    }
 }
 
 int analysis_output_node(const analysis *analysis, int k, int i)
@@ -271,41 +260,23 @@ const char *analysis_output_electrode(const analysis *analysis, int k, int i)
     return (output->of_sensor ? design->electrode_name : design->amplifier_name)[output->first + i];
 }
 
-double analysis_reaction(const analysis *analysis, const reactions *reactions, int k)
+bool analysis_output_is_row(const analysis *analysis, int k)
 {
-    const design *design = &analysis->design;
-    const scene_output *output = &design->output[k];
-    const int first = design->place_first[k], count = design->place_first[k + 1] - first;
-    const int component = (int)output->reaction - REACTION_X;
-    if (output->support[0])
-        return reactions_of(reactions, output->support, component);
-    return reactions_at(reactions, &design->mesh, design->place_node + first, count, component);
+    const output_calls *calls = output_calls_of(&analysis->design.output[k]);
+    return calls->add_row && !(calls->in_element && analysis->is_nonlinear);
 }
 
 double analysis_output(const analysis *analysis, int k, int i, const double *value)
 {
-    const scene_output *output = &analysis->design.output[k];
-    if (output->reaction != REACTION_NONE)
-        return analysis_reaction(analysis, &analysis->reactions, k);
-    if (output->electric == ELECTRIC_POTENTIAL)
-        return bare_faces_potential(&analysis->design.bare, analysis->input_value, output->layer,
-                                    output->height > 0, analysis_output_node(analysis, k, i));
-    if (output->electric != ELECTRIC_NONE) {
-        const int input = electrodes_input(&analysis->design, output, i);
-        return output->electric == ELECTRIC_VOLTAGE
-                   ? analysis->input_value[input]
-                   : analysis->charge[electrodes_of(&analysis->design, input)];
-    }
-    if (output->recovered == RECOVERED_STRESS ||
-        (output->recovered == RECOVERED_STRAIN && analysis->is_nonlinear))
-        return analysis->recovered ? analysis->recovered[analysis->design.place_first[k] + i]
-                                   : (double)NAN;
-    if (output->contact == CONTACT_NONE)
-        return value[analysis->design.named_first[k] + i];
-    const int first = analysis->design.place_first[k];
-    const int count = analysis->design.place_first[k + 1] - first;
-    return equilibrium_contact_output(&analysis->equilibrium, output->contact,
-                                      analysis->design.place_node + first + i, count);
+    const design *design = &analysis->design;
+    const output_calls *calls = output_calls_of(&design->output[k]);
+    const output_state state = {design, &analysis->equilibrium, &analysis->reactions,
+                                analysis->input_value, analysis->charge};
+    if (analysis_output_is_row(analysis, k))
+        return value[design->named_first[k] + i];
+    if (calls->in_element)
+        return analysis->recovered ? analysis->recovered[design->place_first[k] + i] : (double)NAN;
+    return calls->value(&state, k, i);
 }
 
 pzs_status analysis_electrodes(analysis *analysis, const double *value)
@@ -441,7 +412,7 @@ static int recover_outputs(analysis *analysis, const double *displacement, char 
     const design *design = &analysis->design;
     bool is_wanted = false;
     for (int k = 0; k < design->outputs; k++)
-        is_wanted |= design->output[k].recovered != RECOVERED_NONE;
+        is_wanted |= output_is_recovered(&design->output[k]);
     if (!is_wanted)
         return 0;
     if (!analysis->recovered)

@@ -193,11 +193,10 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
  */
 int analysis_find_reactions(analysis *analysis, const double *displacement, char *error);
 /*
- * Value of one output of the scene, a component of a reaction, taken from computed reactions.
- *   k in  index of the output
- * Returns NAN where the reactions have not been computed.
+ * Whether the scene's output with index k is a linear function of the displacement in this
+ * analysis, with rows that begin at design.named_first[k].
  */
-double analysis_reaction(const analysis *analysis, const reactions *reactions, int k);
+bool analysis_output_is_row(const analysis *analysis, int k);
 /* Number of values (nodes or electrodes) of the scene's output with index k. */
 int analysis_outputs(const analysis *analysis, int k);
 /*

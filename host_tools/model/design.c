@@ -16,6 +16,7 @@
 #include "../scene/outline_shares.h"
 #include "load_forces.h"
 #include "node_forces.h"
+#include "output_calls.h"
 #include "strain.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
@@ -118,13 +119,12 @@ void design_vectors(const mesh *mesh, const double *displacement, double *vector
     }
 }
 
+/* Append the row of an output that is a linear function of the displacement, at one node. */
 static void append_output(const mesh *mesh, const scene_output *output, int node, row_builder *rows,
                           double *dense)
 {
-    double weight[7];
     memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
-    design_output_weights(mesh, node, output->component, output->face, weight);
-    node_add(mesh, node, 1, weight, dense);
+    output_calls_of(output)->add_row(mesh, output, node, dense);
     append_row(rows, dense, mesh->free_dof);
 }
 
@@ -229,15 +229,12 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
 }
 
 /*
- * Whether a named output belongs to mesh nodes. Displacements, contact pressures and potentials do;
- * voltages and charges of electrodes do not, nor does the resultant contact force on the whole
- * shell.
+ * Whether a named output belongs to mesh nodes; voltages and charges of electrodes do not, nor does
+ * the resultant contact force on the whole shell.
  */
-static int has_place(const scene_output *output)
+static bool has_place(const scene_output *output)
 {
-    return !output->support[0] &&
-           (output->electric == ELECTRIC_NONE || output->electric == ELECTRIC_POTENTIAL) &&
-           (output->contact == CONTACT_NONE || output->where.at.column > 0);
+    return output->where.at.column > 0;
 }
 
 /*
@@ -265,29 +262,20 @@ static int build_places(design *design, int *node)
 }
 
 /*
- * Append the rows of a named output of displacements or strains, one for each of its nodes; a row
- * holds the output per unit of each free dof. Outputs of stresses and reactions have no rows,
- * because they also depend on voltages and loads. Returns 0, or -1 with error filled.
+ * Append the rows of a named output that is a linear function of the displacement, one for each of
+ * its nodes; a row holds the output per unit of each free dof. Outputs of stresses and reactions
+ * have no rows, because they also depend on voltages and loads. Returns 0, or -1 with error filled.
  */
 static int append_named(const design *design, int k, row_builder *rows, double *dense, char *error)
 {
     const mesh *mesh = &design->mesh;
     const scene_output *output = &design->scene->output[k];
-    const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE &&
-                      output->reaction == REACTION_NONE;
-    for (int i = design->place_first[k]; moves && i < design->place_first[k + 1]; i++) {
+    for (int i = design->place_first[k]; i < design->place_first[k + 1]; i++) {
         const int node = design->place_node[i];
-        if (output->recovered == RECOVERED_NONE) {
-            append_output(mesh, output, node, rows, dense);
-            continue;
-        }
-        if (strain_check(mesh, output, node, error) < 0)
+        if (output_is_recovered(output) && strain_check(mesh, output, node, error) < 0)
             return -1;
-        if (output->recovered == RECOVERED_STRESS)
-            continue;
-        memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
-        strain_row(mesh, output, node, dense);
-        append_row(rows, dense, mesh->free_dof);
+        if (output_has_rows(output))
+            append_output(mesh, output, node, rows, dense);
     }
     return 0;
 }
@@ -602,7 +590,7 @@ int design_structure(design *design, char *error)
 bool design_reads_displacements(const design *design)
 {
     for (int i = 0; i < design->estimate.readings; i++)
-        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
+        if (!output_has_rows(&design->output[design->estimate.reading[i].output]))
             return false;
     return true;
 }

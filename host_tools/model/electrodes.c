@@ -189,7 +189,7 @@ static int is_wanted(const design *design)
     const scene *scene = design->scene;
     int wanted = scene->sensors > 0 || design->bare.count > 0;
     for (int k = 0; k < scene->outputs; k++)
-        wanted |= scene->output[k].electric != ELECTRIC_NONE;
+        wanted |= scene_output_info_of(scene->output[k].type)->spread == SPREAD_ELECTRODES;
     return wanted;
 }
 

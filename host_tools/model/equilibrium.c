@@ -322,33 +322,6 @@ void equilibrium_contact_force(const equilibrium *equilibrium, int node, double 
         force[i] = push * normal[i];
 }
 
-/*
- * Contribution of one node to an output that is a component of the contact force or the number of
- * nodes in contact.
- */
-static double contact_share(const equilibrium *equilibrium, scene_contact_output output, int node)
-{
-    double force[3];
-    if (output == CONTACT_NODES)
-        return equilibrium->contact.info.pressure[node] > 0;
-    equilibrium_contact_force(equilibrium, node, force);
-    return force[output - CONTACT_X];
-}
-
-double equilibrium_contact_output(const equilibrium *equilibrium, scene_contact_output output,
-                                  const int *node, int count)
-{
-    double sum = 0;
-    if (output == CONTACT_PRESSURE)
-        return equilibrium->contact.info.pressure[*node];
-    if (count == 0)
-        return output == CONTACT_NODES ? equilibrium->contact.info.nodes
-                                       : equilibrium->contact.info.force[output - CONTACT_X];
-    for (int k = 0; k < count; k++)
-        sum += contact_share(equilibrium, output, node[k]);
-    return sum;
-}
-
 /* Advice to the user on how to prevent the rigid body of a contact from penetrating the shell. */
 static const char *penetration_cure(const pzs_contact *contact, pzs_status status)
 {

@@ -67,15 +67,6 @@ bool equilibrium_is_factored(const equilibrium *equilibrium);
 void equilibrium_contact_force(const equilibrium *equilibrium, int node, double force[3]);
 
 /*
- * Value of an output that is a quantity of contact: a component of the force on some nodes (N), the
- * number of these nodes in contact, or the pressure at the first of them (N/m2).
- *   output       in  quantity of contact, not CONTACT_NONE
- *   node [count] in  mesh nodes; count = 0: all nodes of the shell, not possible for a pressure
- */
-double equilibrium_contact_output(const equilibrium *equilibrium, scene_contact_output output,
-                                  const int *node, int count);
-
-/*
  * Describe how the contact's body came to lie inside the shell and what the user can do, for the
  * last load step that was refused or led to a warning.
  *   status             in   PZS_E_PENETRATION or PZS_W_BEHIND

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "eigen.h"
-#include "electrodes.h"
+#include "output_calls.h"
 #include "../../lib/control/estimate.h"
 
 enum { SWEEPS = 30, POWER = 300 };
@@ -110,23 +110,6 @@ static void find_sizes(estimation *estimation)
 }
 
 /*
- * Reading of the i-th electrode or node of an output: its voltage or potential (V) from the input
- * values `value` [inputs], or its charge (C) from `charge` [electrodes].
- */
-static double electric_reading(const design *design, const scene_output *output, int i,
-                               const double *value, const double *charge)
-{
-    if (output->electric == ELECTRIC_POTENTIAL)
-        return bare_faces_potential(
-            &design->bare, value, output->layer, output->height > 0,
-            design->place_node[design->place_first[output - design->output] + i]);
-    const int input = electrodes_input(design, output, i);
-    if (output->electric == ELECTRIC_VOLTAGE)
-        return value[input];
-    return charge[electrodes_of(design, input)];
-}
-
-/*
  * Compute the readings of all sensors per unit of one input. Displacements are taken from the
  * influence matrix; for voltages and charges, the voltages of the open electrodes under this input
  * are computed first.
@@ -136,6 +119,7 @@ static int fill_sensitivity(estimation *estimation, size_t input, double *value,
     const analysis *analysis = estimation->analysis;
     const design *design = &analysis->design;
     const size_t inputs = design->structure.input.count;
+    const output_state state = {.design = design, .input_value = value, .charge = charge};
     size_t row = 0;
     memset(value, 0, inputs * sizeof *value);
     value[input] = 1;
@@ -148,11 +132,11 @@ static int fill_sensitivity(estimation *estimation, size_t input, double *value,
         const scene_output *output = &design->output[k];
         for (int i = 0; i < analysis_outputs(analysis, k); i++, row++) {
             double *reading = &estimation->sensitivity[row * inputs + input];
-            if (output->electric == ELECTRIC_NONE)
+            if (output_has_rows(output))
                 *reading =
                     analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input];
             else
-                *reading = electric_reading(design, output, i, value, charge);
+                *reading = output_calls_of(output)->value(&state, k, i);
             estimation->noise[row] = design->estimate.reading[index].noise;
         }
     }

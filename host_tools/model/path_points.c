@@ -2,6 +2,7 @@
 /* Recording of the points of a load path (path_points.h). */
 #include "path_points.h"
 #include "largest_turn.h"
+#include "output_calls.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,7 +25,7 @@ static bool wants_reactions(const design *design)
 {
     bool found = false;
     for (int k = 0; k < design->outputs; k++)
-        found |= design->output[k].reaction != REACTION_NONE;
+        found |= output_calls_of(&design->output[k])->needs_reactions;
     return found;
 }
 

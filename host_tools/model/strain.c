@@ -165,12 +165,13 @@ double strain_area(const mesh *mesh, const scene_output *output, int node)
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
                         const double strain[STRAIN_COUNT])
 {
+    static const int component[] = {0, 1, 5}; /* strains 11, 22 and 12 in the Voigt order */
     double in_plane[STRAIN_COUNT], all[6], turned[6];
     memcpy(in_plane, strain, sizeof in_plane);
     in_plane[4] = in_plane[5] = 0; /* a gauge on the surface does not see the thickness strain */
     strain_at_height(mesh, element, in_plane, height_of(mesh, output), all);
     strain_turn(all, output->angle * 0.017453292519943295, turned);
-    return turned[output->recovered_component];
+    return turned[component[output->part]];
 }
 
 /*

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include "report_page.h"
+#include "../model/output_calls.h"
 
 /*
  * One diagram of a load path on a report page: a curve of the load factor over the values of one
@@ -114,7 +115,7 @@ void page_path(const page *page)
                             .stable = memory + 2 * points,
                             .unstable = memory + 3 * points};
         const scene_output *output = &page->design->output[k];
-        if (output->recovered != RECOVERED_NONE || analysis_outputs(page->analysis, k) != 1)
+        if (output_is_recovered(output) || analysis_outputs(page->analysis, k) != 1)
             continue;
         fill_chart(&chart, &page->design->units, output);
         if (chart.x.high > chart.x.low && chart.y.high > chart.y.low)

@@ -14,6 +14,8 @@
 #include "../quads/quad_read.h"
 #include "load_types.h"
 #include "outline.h"
+#include "output_types.h"
+#include "scene_dimension.h"
 #include "scene_error.h"
 #include "spline.h"
 
@@ -538,92 +540,63 @@ typedef struct scene_contact {
     scene_at at;
 } scene_contact;
 
-/*
- * Quantity of contact that is an output: a component of the resultant force on the shell, the
- * number of nodes in contact, or the contact pressure at given nodes of the mesh.
- */
-typedef enum scene_contact_output {
-    CONTACT_NONE,
-    CONTACT_X,
-    CONTACT_Y,
-    CONTACT_Z,
-    CONTACT_NODES,
-    CONTACT_PRESSURE
-} scene_contact_output;
+#define OUTPUT_TYPE(type, ...) type,
+typedef enum scene_output_type { OUTPUT_TYPES(OUTPUT_TYPE) OUTPUT_TYPE_COUNT } scene_output_type;
+#undef OUTPUT_TYPE
 
 /*
- * Electric output: the voltages of electrodes, the charge on the outer electrode of their layer (on
- * the side of the outward normal e3), or the potential of a face without electrode.
+ * What each value of an output belongs to: SPREAD_NODES: a node of the mesh; SPREAD_ELECTRODES: an
+ * electrode; SPREAD_TOTAL: the output has one value for all its nodes, or for the whole structure.
  */
-typedef enum scene_electric_output {
-    ELECTRIC_NONE,
-    ELECTRIC_VOLTAGE,
-    ELECTRIC_CHARGE,
-    ELECTRIC_POTENTIAL
-} scene_electric_output;
+typedef enum scene_output_spread {
+    SPREAD_NODES,
+    SPREAD_ELECTRODES,
+    SPREAD_TOTAL
+} scene_output_spread;
 
-/*
- * What an output recovers from the displacement: nothing, a strain of a layer, or a stress of a
- * layer.
- */
-typedef enum scene_recovered { RECOVERED_NONE, RECOVERED_STRAIN, RECOVERED_STRESS } scene_recovered;
-
-/*
- * Value of scene_output.recovered_component for an output that is the von Mises stress of a layer;
- * 0 to 5 stand for the stress components 11 22 33 23 13 12.
- */
-enum { RECOVERED_MISES = 6 };
-
-/*
- * Component of a reaction that is an output: of the force of supports on the shell, or of its
- * moment.
- */
-typedef enum scene_reaction_output {
-    REACTION_NONE,
-    REACTION_X,
-    REACTION_Y,
-    REACTION_Z,
-    REACTION_MOMENT_X,
-    REACTION_MOMENT_Y,
-    REACTION_MOMENT_Z
-} scene_reaction_output;
+/* When a sensor may measure an output; READING_LINEAR: where the kinematics is linear. */
+typedef enum scene_output_reading {
+    READING_ALWAYS,
+    READING_LINEAR,
+    READING_NEVER
+} scene_output_reading;
 
 typedef struct scene_output {
     char name[SCENE_NAME];
-    scene_reaction_output reaction; /* component of a reaction of supports that the output gives;
-                                       REACTION_NONE: the output gives another quantity. A reaction
-                                       has one value for all nodes that the output names, or for all
-                                       supports of one name. */
-    char support[SCENE_NAME];  /* name of the supports whose reaction an output gives; empty: the
-                                  output is the reaction at given nodes of the mesh */
-    scene_recovered recovered; /* whether the output is a strain or a stress; if so, it belongs to
-                                  nodes of the mesh, but is no displacement */
-    int recovered_component; /* component of a strain or stress, from 0 in the order 11 22 33 23 13
-                                12, or RECOVERED_MISES for the von Mises stress */
+    scene_output_type type; /* quantity that the output measures */
+    int part; /* which component of that quantity it is, such as x, y or z of a force: index among
+                 the words that the scene file has for this type of output */
+    char support[SCENE_NAME]; /* name of the supports whose reaction an output gives; empty: the
+                                 output is the reaction at given nodes of the mesh */
     int layer;  /* layer of a strain, stress or potential output; -1: a strain that is measured over
                    all layers together */
     int height; /* height of a strain, stress or potential output in its layer, or in all layers
                    together: 0 inner face, 1 middle, 2 outer face */
-    double angle; /* angle by which axis 1 of a strain output is turned from that of the shell
-                     (degrees) */
-    scene_contact_output contact;   /* quantity of contact with a rigid body that the output gives;
-                                       CONTACT_NONE: the output gives another quantity. Where the
-                                       output names no nodes, a force or a number of nodes in
-                                       contact is that of the whole shell. */
-    scene_electric_output electric; /* electric quantity that the output gives; ELECTRIC_NONE: the
-                                       output gives another quantity. Of the electric quantities
-                                       only ELECTRIC_POTENTIAL belongs to nodes of the mesh. */
-    bool of_sensor;   /* used for voltages and charges of electrodes only. true: electrodes of
-                         sensors; false: electrodes that amplifiers drive */
-    int first, count; /* range of the electrodes of an electric output: numbers first to first +
-                         count - 1 */
-    scene_where where;
-    scene_component component;
-    scene_face face;
+    double angle;   /* angle by which axis 1 of a strain or stress output is turned from that of the
+                       shell (degrees) */
+    bool of_sensor; /* used for voltages and charges of electrodes only. true: electrodes of
+                       sensors; false: electrodes that amplifiers drive */
+    int first, count;  /* range of the electrodes of an electric output: numbers first to first +
+                          count - 1 */
+    scene_where where; /* nodes of the output; its position in the scene file is 0 for an output
+                          without nodes, such as a charge or the force of the whole contact */
+    scene_component component; /* component of a displacement */
+    scene_face face;           /* face whose displacement the output is */
     double reference; /* reference value of an output that is printed beside the computed value; NAN
                          if not given */
     scene_at at;
 } scene_output;
+
+/* What all outputs of one type have in common, from the table in output_types.h. */
+typedef struct scene_output_info {
+    const char *word; /* name of the quantity in messages, such as "contact force" */
+    const char *keys; /* keys, of those that only some types of outputs take, that it takes */
+    dimension of;     /* physical dimension of a value in the scene file */
+    scene_output_spread spread;
+    scene_output_reading reading;
+} scene_output_info;
+
+const scene_output_info *scene_output_info_of(scene_output_type type);
 
 /*
  * One of several target shapes for which the voltages are optimised one by one: its name and

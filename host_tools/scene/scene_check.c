@@ -505,8 +505,8 @@ static int check_bare_faces(const scene *scene, char *error)
 /* ---- kinematics ---- */
 
 /*
- * Refuse strains as sensor readings of a nonlinear plant, because there they are not linear
- * functions of the displacement.
+ * Refuse sensor readings of a nonlinear plant that are linear functions of the displacement only
+ * under linear kinematics, such as strains.
  */
 static int check_readings(const scene *scene, char *error)
 {
@@ -514,11 +514,12 @@ static int check_readings(const scene *scene, char *error)
         scene->simulate.given && scene->simulate.kinematics != KINEMATICS_LINEAR;
     for (int i = 0; i < scene->estimate.readings && is_nonlinear; i++) {
         const scene_output *output = &scene->output[scene->estimate.reading[i].output];
-        if (output->recovered == RECOVERED_STRAIN)
+        const scene_output_info *info = scene_output_info_of(output->type);
+        if (info->reading == READING_LINEAR)
             return scene_fault(scene->estimate.reading[i].at, error,
-                               "'%s' is a strain, which a nonlinear plant cannot give as a "
-                               "reading; write plant: {kinematics: linear} in simulate",
-                               output->name);
+                               "'%s' is a %s, which a nonlinear plant cannot give as a reading; "
+                               "write plant: {kinematics: linear} in simulate",
+                               output->name, info->word);
     }
     return 0;
 }

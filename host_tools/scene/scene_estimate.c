@@ -1,8 +1,34 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Section `estimate` of a scene file: the outputs from which the firmware estimates the shape. */
-#include "scene_parts.h"
+#include "scene_output.h"
 
 #include <math.h>
+
+static bool is_readable(const scene_output_info *info, const char *key)
+{
+    (void)key;
+    return info->reading != READING_NEVER;
+}
+
+/*
+ * Check that a sensor can measure an output. Returns 0, or -1 after writing an error message about
+ * the scene file.
+ */
+static int check_reading(reader *reader, int node, const scene_output *output)
+{
+    const scene_output_info *info = scene_output_info_of(output->type);
+    char readable[SCENE_OUTPUT_WORDS];
+    scene_output_words(is_readable, NULL, readable, sizeof readable);
+    if (info->reading == READING_NEVER)
+        return tree_fault(reader->t, node, "'%s' is a %s, which no sensor measures; use a %s",
+                          output->name, info->word, readable);
+    if (info->reading == READING_LINEAR && reader->s->kinematics != KINEMATICS_LINEAR)
+        return tree_fault(reader->t, node,
+                          "'%s' is a %s, which is linear in the displacement only with "
+                          "kinematics: linear; remove this reading",
+                          output->name, info->word);
+    return 0;
+}
 
 static int read_output_of(reader *reader, int node, void *to, const void *rule)
 {
@@ -13,29 +39,14 @@ static int read_output_of(reader *reader, int node, void *to, const void *rule)
                    "there is no output '%s'; add it to outputs", index) != 0)
         return -1;
     const scene_output *output = &scene->output[*index];
-    if (output->recovered == RECOVERED_STRESS)
-        return tree_fault(reader->t, node,
-                          "'%s' is a stress, which no sensor measures; use a strain", output->name);
-    if (output->recovered == RECOVERED_STRAIN && scene->kinematics != KINEMATICS_LINEAR)
-        return tree_fault(reader->t, node,
-                          "'%s' is a strain, which is linear in the displacement only with "
-                          "kinematics: linear; remove this reading",
-                          output->name);
-    if (output->contact == CONTACT_NONE && output->reaction == REACTION_NONE)
-        return 0;
-    return tree_fault(
-        reader->t, node,
-        "'%s' is of a contact or a reaction; an estimate reads displacements, strains, voltages "
-        "and charges",
-        output->name);
+    return check_reading(reader, node, output);
 }
 
 static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
 
 static const field reading_fields[] = {
     {"output", read_output_of, offsetof(scene_reading, output), .required = 1, .form = &name_form,
-     .help = "Name of an output that the firmware measures: a displacement, strain, voltage or "
-             "charge."},
+     .help = "Name of an output that a sensor of the firmware measures."},
     {"noise", read_real, offsetof(scene_reading, noise), &noisy, 1, .of = OF_READING,
      .help = "Standard deviation of the noise, in the unit of the output."},
     {.key = NULL}};

@@ -122,35 +122,11 @@ static dimension of_added_mass(const tree *tree, int map)
     return strcmp(per, "length") == 0 ? OF_LINE_DENSITY : OF_MASS;
 }
 
-static dimension of_output(const tree *tree, int map)
-{
-    const char *const contact = text_of(tree, map, "contact");
-    if (tree_find(tree, map, "reaction"))
-        return strstr(text_of(tree, map, "reaction"), "moment") ? OF_MOMENT : OF_FORCE;
-    if (tree_find(tree, map, "voltage"))
-        return OF_VOLTAGE;
-    if (tree_find(tree, map, "charge"))
-        return OF_CHARGE;
-    if (tree_find(tree, map, "strain"))
-        return OF_NUMBER;
-    if (tree_find(tree, map, "stress"))
-        return OF_STRESS;
-    if (!*contact)
-        return OF_LENGTH;
-    if (strcmp(contact, "nodes") == 0)
-        return OF_NUMBER;
-    return strcmp(contact, "pressure") == 0 ? OF_STRESS : OF_FORCE;
-}
-
 static dimension of_reading(const reader *reader, int map)
 {
     const int k = find_named(reader->s->output, reader->s->outputs, sizeof *reader->s->output,
                              text_of(reader->t, map, "output"));
-    if (k >= 0 && reader->s->output[k].recovered != RECOVERED_NONE)
-        return OF_NUMBER;
-    if (k < 0 || reader->s->output[k].electric == ELECTRIC_NONE)
-        return OF_LENGTH;
-    return reader->s->output[k].electric == ELECTRIC_CHARGE ? OF_CHARGE : OF_VOLTAGE;
+    return k < 0 ? OF_LENGTH : scene_output_info_of(reader->s->output[k].type)->of;
 }
 
 /*
@@ -258,7 +234,6 @@ static dimension resolve(const reader *reader, int node, dimension of)
     case OF_OUTLINE: return of_outline(reader, node);
     case OF_SUPPORT: return of_support(reader->t, map);
     case OF_LOAD: return of_load(reader->t, map);
-    case OF_OUTPUT: return of_output(reader->t, map);
     case OF_READING: return of_reading(reader, map);
     case OF_ACTUATOR: return tree_find(reader->t, map, "temperature") ? OF_TEMPERATURE : OF_VOLTAGE;
     case OF_LIMIT: return of_limit(reader, map);

@@ -13,6 +13,7 @@
 #include "../model/certificate_make.h"
 #include "../model/clipped.h"
 #include "../model/modal_gains.h"
+#include "../model/output_calls.h"
 #include "certify.h"
 #include "../../lib/core/guard.h"
 #include "../tables/loop_blocks.h"
@@ -110,7 +111,7 @@ static int check_readings(const design *design, char *error)
 {
     const scene_estimate *estimate = &design->estimate;
     for (int reading = 0; reading < estimate->readings; reading++)
-        if (design->output[estimate->reading[reading].output].electric != ELECTRIC_NONE)
+        if (!output_has_rows(&design->output[estimate->reading[reading].output]))
             return scene_fault(estimate->reading[reading].at, error,
                                "'%s' is read by an electrode, whose gains are made in the "
                                "undeformed state; write influence: undeformed in simulate",

@@ -55,18 +55,9 @@ words_quantity words_of_load(const scene_load *load)
 
 words_quantity words_of_output(const scene_output *output)
 {
-    if (output->reaction != REACTION_NONE)
-        return output->reaction < REACTION_MOMENT_X ? QUANTITY_FORCE : QUANTITY_MOMENT;
-    if (output->recovered != RECOVERED_NONE)
-        return output->recovered == RECOVERED_STRESS ? QUANTITY_PRESSURE : QUANTITY_OTHER;
-    if (output->electric != ELECTRIC_NONE)
-        return output->electric == ELECTRIC_CHARGE ? QUANTITY_CHARGE : QUANTITY_VOLTAGE;
-    switch (output->contact) {
-    case CONTACT_NONE: return QUANTITY_LENGTH;
-    case CONTACT_NODES: return QUANTITY_NODES;
-    case CONTACT_PRESSURE: return QUANTITY_PRESSURE;
-    default: return QUANTITY_FORCE;
-    }
+#define UNIT_OF(type, word, keys, of, quantity, ...) [type] = quantity,
+    static const words_quantity quantity[OUTPUT_TYPE_COUNT] = {OUTPUT_TYPES(UNIT_OF)};
+    return quantity[output->type];
 }
 
 bool words_bare_face(const scene_layer *layer, int k, char text[WORDS_FACE])

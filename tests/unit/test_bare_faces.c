@@ -443,12 +443,16 @@ static void test_refusals(void **state)
         {"layers.0.bare=outer", "let 'bare' of both agree"},
         {"outputs.0={name: a, potential: upper, at: nodes, face: inner}", "is not bare"},
         {"outputs.0={name: a, potential: none, at: nodes}", "there is no layer"},
+        {"outputs.0={name: a, potential: upper, at: nodes, angle: 45}",
+         "'angle' belongs to a strain or stress"},
+        {"outputs.0={name: a, potential: upper, at: nodes, reference: 3 mm}",
+         "expected that of a voltage"},
         {"layers.0={name: lower, material: PVDF, thickness: 0.5e-3, poling: 1, finger_distance: "
          "1e-3, bare: inner}",
          "interdigitated"},
     };
     assert_refused("bare-bimorph", bad, 2);
-    assert_refused("bare-bimorph", bad + 3, 4);
+    assert_refused("bare-bimorph", bad + 3, 6);
     scene_run run;
     assert_true(scene_run_open(&run, "bare-bimorph",
                                "patches=[{name: p, layer: upper}];actuators=[{name: v, drives: "

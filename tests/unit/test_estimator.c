@@ -73,7 +73,7 @@ static double column(const rig *r, int disturbance, double *shape, double *readi
     for (int i = 0; i < design->scene->estimate.readings; i++) {
         const int k = design->scene->estimate.reading[i].output;
         for (int j = 0; j < analysis_outputs(analysis, k); j++)
-            reading[row++] = design->scene->output[k].electric == ELECTRIC_VOLTAGE
+            reading[row++] = design->scene->output[k].type == OUTPUT_VOLTAGE
                                  ? amount[electrodes_input(design, &design->scene->output[k], j)]
                                  : y[design->named_first[k] + j];
     }

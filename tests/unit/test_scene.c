@@ -539,7 +539,7 @@ static const bad_line bad_lines[] = {
     {11, CONTACT "outputs: [{name: N, contact: u}]",
      ":12:30: 'contact: u' is not known; known: x, y, z, nodes, pressure"},
     {11, CONTACT "outputs: [{name: N, contact: x, u3: middle}]",
-     ":12:21: an output is a displacement or of contact; write a second item"},
+     ":12:21: an output is one quantity; write a second item"},
     {11, CONTACT "outputs: [{name: N, contact: x, at: {theta1: 0.1, theta2: 0}}]",
      ":12:37: (0.1, 0) is no node of the mesh"},
     {11, CONTACT "outputs: [{name: N, contact: pressure}]",
@@ -561,8 +561,7 @@ static const bad_line bad_lines[] = {
     {11, "outputs: [{name: q, voltage: v_9_9}]", ":11:30: there is no sensor or actuator 'v_9_9'"},
     {11, "outputs: [{name: q, charge: v, at: nodes}]",
      ":11:36: an electrode has one voltage and one charge; remove the place"},
-    {11, "outputs: [{name: q, u3: middle, charge: v}]",
-     ":11:33: an output is one of displacement, contact, voltage and charge"},
+    {11, "outputs: [{name: q, u3: middle, charge: v}]", ":11:33: an output is one quantity"},
     {11, "outputs: [{name: q, u3: middle, at: {theta1: [1.1, 1.4]}}]",
      ":11:37: no node of the mesh lies in this rectangle"},
     {11, "outputs: [{name: q, u3: middle, at: {theta1: [1, 0]}}]",
@@ -832,9 +831,10 @@ static void test_nonlinear_words(void **state)
                 scene.contact.body.type == BODY_CYLINDER && scene.contact.stiffness == 10);
     assert_true(scene.contact.body.point[2] == 3 && scene.contact.body.axis[2] == 0.8 &&
                 scene.contact.body.radius == 5 && scene.contact.move[2] == -1);
-    assert_true(scene.output[0].contact == CONTACT_NONE && scene.output[1].contact == CONTACT_Z &&
+    assert_true(scene.output[0].type == OUTPUT_DISPLACEMENT &&
+                scene.output[1].type == OUTPUT_CONTACT_FORCE && scene.output[1].part == 2 &&
                 scene.output[1].reference == 7);
-    assert_true(scene.output[2].contact == CONTACT_PRESSURE &&
+    assert_true(scene.output[2].type == OUTPUT_CONTACT_PRESSURE &&
                 scene.output[2].where.type == WHERE_NODES);
     for (i = 0; i <= 4; i++) { /* 1 + 2 (0.6 s + 0.4 s^3) */
         const double x = i / 2.0 - 1;

@@ -911,12 +911,13 @@ static void test_refusals(void **state)
         {"outputs=[{name: g, strain: 11}]", "no place in this item"},
         {"outputs=[{name: g, strain: 11, at: {theta1: 5, theta2: 0}}]", "is no node of the mesh"},
         {"outputs=[{name: g, u3: middle, angle: 45, at: nodes}]",
-         "'angle' belongs to an output of a strain or stress"},
+         "'angle' belongs to a strain or stress"},
         {"outputs=[{name: g, u3: middle, face: middle, at: nodes}]",
-         "'face' belongs to an output of a strain or stress"},
+         "'face' belongs to a strain, stress or potential"},
+        {"outputs=[{name: g, strain: 11, support: theta1-, at: nodes}]",
+         "'support' belongs to a reaction; remove it"},
         {"outputs=[{name: g, x: middle, layer: up, at: nodes}]", "there is no layer 'up'"},
-        {"outputs=[{name: g, strain: 11, u3: middle, at: nodes}]",
-         "an output is one of displacement, strain"},
+        {"outputs=[{name: g, strain: 11, u3: middle, at: nodes}]", "an output is one quantity"},
     };
     scene_run run;
     assert_refused("plate-50-patches", bad, sizeof bad / sizeof *bad);
