@@ -22,8 +22,9 @@
 
 /*
  * PZS_TILE: number of matrix rows that the factorisation processes together: 4 suits
- * microcontrollers, 8 and 16 the wide vector units of gcc and clang. Results have the same bits for
- * every number without floating-point contraction (-ffp-contract=off; gcc implies it by -std=c99).
+ * microcontrollers, 8 and 16 the wide vector units of gcc and clang. The results have the same bits
+ * for each of these numbers if the compiler does not contract floating-point operations
+ * (-ffp-contract=off; gcc implies it by -std=c99).
  */
 #ifndef PZS_TILE
 #define PZS_TILE 4

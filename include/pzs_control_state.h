@@ -109,11 +109,12 @@ typedef struct pzs_optimiser {
                                to the tableau (pivoted Hessian); their rank-one updates are in the
                                array `pending` */
     /*
-     * [width >= inputs] marks of inputs, 1 or 0, with a meaning in each method:
-     *   tableau (pivoted Hessian) recomputed  1: voltage that is to become free again
-     *   dual active-set method                1: ignored input, which only rounding errors move out
-     *                                         of its bounds
-     *   primal method                         1: free input whose voltage would pass a bound
+     * [width >= inputs] marks of inputs, 1 or 0. Meaning of 1 in the different parts of the
+     * optimiser:
+     *   computation of the tableau (pivoted Hessian)  voltage that is to become free again
+     *   dual active-set method                        ignored input: only rounding errors move it
+     *                                                 out of its bounds
+     *   primal method                                 free input whose voltage would pass a bound
      */
     pzs_real *waiting;
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] Cholesky factor of the inverse of the Hessian
@@ -184,10 +185,9 @@ typedef struct pzs_optimiser {
                                 of voltages in the dual active-set method (V2/m2); 0: no sums are
                                 limited */
     /*
-     * size of the changes of multipliers in the present round of iterations (m2/V), from which
-     * rounding errors of the voltages are estimated where sums of voltages are limited: largest
-     * gradient of a free voltage at the start, plus the changes of the multipliers of all inputs
-     * that become active
+     * largest gradient of a free voltage at the start of the present round of iterations, plus the
+     * changes of the multipliers of all inputs that become active in it (m2/V). Where sums of
+     * voltages are limited, the rounding errors of the voltages are estimated from it
      */
     pzs_real multiplier_change;
     pzs_real model_rounding;  /* rounding-error bound of each entry of model_gradient (m2/V). The
@@ -497,9 +497,9 @@ typedef struct pzs_pulse_detector_state {
                                 in which readings are averaged) or test pulse; after a window its
                                 mean voltages (V) */
     /*
-     * [inputs] weighted sum of the voltages (V), each minus that in the first tick. In a window (an
-     * interval in which readings are averaged) the weights add up to 1; in a test pulse they are
-     * symmetric in time about its middle, and the sum measures the pulse
+     * [inputs] weighted sum over the ticks of each voltage minus its value in the first tick (V).
+     * In a window (an interval in which readings are averaged) the weights add up to 1, so that it
+     * is a mean deviation. In a test pulse the weights are symmetric in time about its middle
      */
     pzs_real *voltage;
     pzs_real *late_voltage; /* [inputs] weighted sum of voltages over the ticks of the present test
@@ -529,9 +529,9 @@ typedef struct pzs_pulse_detector_state {
      */
     pzs_real *resolved;
     /*
-     * [inputs] resolution of each electrode by the sensors (0 to 1): if this electrode alone lacks
-     * voltage, the part of the missing voltage that the least-squares estimate finds at this
-     * electrode; the estimate spreads the rest over other electrodes
+     * [inputs] resolution of each electrode by the sensors (0 to 1): part of a missing voltage that
+     * the least-squares estimate finds at the electrode itself, if no other electrode lacks a
+     * voltage. The estimate spreads the rest over other electrodes
      */
     pzs_real *resolution;
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */
@@ -539,9 +539,10 @@ typedef struct pzs_pulse_detector_state {
                                 in which readings are averaged) or test pulse; after a window its
                                 mean readings (unit of each sensor) */
     /*
-     * [sensors] weighted sum of the readings (unit of each sensor), each minus that in the first
-     * tick. In a window (an interval in which readings are averaged) the weights add up to 1; in a
-     * test pulse they are symmetric in time about its middle, and the sum measures the response
+     * [sensors] weighted sum over the ticks of each reading minus its value in the first tick (unit
+     * of each sensor). In a window (an interval in which readings are averaged) the weights add up
+     * to 1, so that it is a mean deviation. In a test pulse the weights are symmetric in time about
+     * its middle
      */
     pzs_real *reading;
     pzs_real *late_reading; /* [sensors] weighted sum of readings over the ticks of the present test
@@ -868,9 +869,9 @@ typedef struct pzs_selftest_core {
                       of its evaluation, which compares measured with modelled responses of the
                       sensors to the amplifiers */
     /*
-     * amplifier or sensor of which the self-test checks whether its cable is exchanged with that of
-     * another one. The number is an index in a list of amplifiers and sensors: sensors come first
-     * if there are fewer of them than of amplifiers
+     * number of the amplifier or sensor of which the self-test checks whether its cable is
+     * exchanged with that of another one. Amplifiers and sensors are numbered in one list, in which
+     * the sensors come first if there are fewer of them
      */
     uint32_t pair;
     uint32_t nearest;  /* index of the amplifier (or sensor) whose modelled response is nearest,
@@ -891,9 +892,9 @@ typedef struct pzs_selftest_sums {
                          amplifiers, as change of a reading per volt, times the scale factor of its
                          sensor (1/V) */
     /*
-     * sum of the absolute values of measured times modelled response (1/V2), from which the gain is
-     * computed. Both are vectors: the scaled change of a reading per volt (1/V) of all sensors to
-     * one amplifier, or of one sensor to all amplifiers
+     * sum over the entries of |measured response * modelled response| (1/V2), from which the gain
+     * is computed. The responses are vectors: the scaled change of a reading per volt (1/V) of all
+     * sensors to one amplifier, or of one sensor to all amplifiers
      */
     pzs_real size;
     pzs_real measured; /* squared norm of the vector of measured responses (1/V2). The vector
@@ -944,7 +945,8 @@ typedef struct pzs_selftest_state {
                          after its test pulse (V) */
     /*
      * largest deviation from the model found so far (1/V2): [0] of an amplifier, [1] of a sensor:
-     *   |measured response - mean gain of all amplifiers * modelled response|^2 - part of the noise
+     *   |measured response - mean gain of all amplifiers * modelled response|^2 - noise
+     *   noise  part that noise and vibration are expected to contribute
      * The response of an amplifier has an entry for each sensor, that of a sensor for each
      * amplifier (scaled readings per volt, 1/V)
      */
@@ -978,16 +980,16 @@ typedef struct pzs_calibration_state {
     const pzs_real *influence; /* [outputs][inputs] influence matrix from which a calibration takes
                                   the columns that its records do not determine (m/V) */
     /*
-     * [inputs + 1][inputs + outputs] memory of the recursive least squares of a calibration, whose
-     * rows plane rotations combine. First `inputs` columns (V): triangular factor R with R'R = sum
-     * of v v' over the recorded voltages v. Other columns (m): the recorded readings, combined by
-     * the same rotations of rows. Last row: record being added
+     * [inputs + 1][inputs + outputs] least-squares problem of a calibration; plane rotations of its
+     * rows add a record. First `inputs` columns (V): triangular factor R, where R'R is the sum of v
+     * v' over the recorded voltages v. Other columns (m): the recorded readings after the same
+     * rotations. Last row: the record that is being added
      */
     pzs_real *factor;
     /*
-     * [inputs] work vector of a calibration. While a record is added: triangular factor R times the
-     * voltages of the record (V2), where R'R is the sum of v v' over the recorded voltages v. While
-     * the test voltages move: those of the last tick (V)
+     * [inputs] work vector of a calibration with two uses. While a record is added: product of the
+     * triangular factor R and the voltages of the record (V2), where R'R is the sum of v v' over
+     * the recorded voltages v. While the test voltages move: the test voltages of the last tick (V)
      */
     pzs_real *direction;
     pzs_real *noise;    /* [outputs] variance of the noise of each output's readings (m2) */

@@ -136,10 +136,10 @@ typedef struct pzs_block_type {
      */
     size_t (*block_bytes)(const void *tables, const pzs_problem *problem);
     /*
-     * Check the tables of a block (stage of the control tick) and initialise it.
+     * Check the tables of a block (stage of the control tick) and initialise it. pzs_loop_init
+     * first initialises the block that contains the controller, then all others from the last of
+     * the list to the first.
      *   self in/out  memory of block_bytes bytes, aligned for pointers and doubles
-     * pzs_loop_init initialises the block with the controller first, then the others from the last
-     * of the list to the first.
      */
     pzs_status (*block_init)(void *self, const void *tables, pzs_loop_signals *signals);
     /* Run a block (stage of the control tick) in one tick. An error ends the tick. */
@@ -1503,10 +1503,12 @@ typedef struct pzs_selftest_tables {
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
- * Noise of the responses that the self-test measures. A response is the sum over the ticks of a
- * pulse of (reading * weight e), divided by that of (pulse * e). A second sum with weights o
- * detects vibration. For white noise of variance 1, the variances of both sums together, divided by
- * the square of the sum of (pulse * e), are this number / N (dimensionless, for large N):
+ * Variance of the noise in the responses that the self-test measures. With the pulse p and weights
+ * e and o of the readings, a response is
+ *   (sum of reading * e) / (sum of p * e)
+ * and a second sum with the weights o detects vibration. For white noise of variance 1 in the
+ * readings, both sums together have this number / N as variance, divided by (sum of p * e)^2
+ * (dimensionless, for large N):
  *   N * (sum of e^2 + sum of o^2) / (sum of p e)^2
  *   N     number of ticks in a pulse, over which the sums extend
  *   e, o  weights of the readings: symmetric and antisymmetric in time

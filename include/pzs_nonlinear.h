@@ -345,10 +345,10 @@ typedef struct pzs_circuit {
 
 /*
  * Attach the open electrodes (equations 49-55 of Plotnikova 2013) to an equilibrium solver in the
- * undeformed state; tables and circuit must outlive the solver. Their voltages become unknowns and
- * replace their input values in solver.info.input_value. pzs_influence_at gives their columns per
- * unit of charge.
- * Errors: PZS_E_FORMAT, PZS_E_CRC, and
+ * undeformed state; tables and circuit must outlive the solver. The voltages of open electrodes
+ * become unknowns of the equilibrium and are written into solver.info.input_value. In the influence
+ * matrix of pzs_influence_at the columns of open electrodes are per unit of charge. Errors:
+ * PZS_E_FORMAT, PZS_E_CRC, and
  *   PZS_E_ARGUMENT   also if attached already
  *   PZS_E_WORKSPACE  solver->info.where = bytes needed
  */

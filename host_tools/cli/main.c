@@ -416,9 +416,11 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Return the numbers that the plausibility warnings on the target use: its size; error and largest
- * voltage (relative to its limit) of the optimum within the first limits (--limit, or those of the
- * scene); largest number of linearly dependent amplifiers of all results.
+ * Return the numbers that the plausibility warnings on the target use:
+ *   - the size of the target;
+ *   - the error and the largest voltage (relative to its limit) of the optimum within the first
+ *     limits, those of --limit or of the scene;
+ *   - the largest number of linearly dependent amplifiers in any result.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {
@@ -487,8 +489,9 @@ static int command_shape(const options *options, analysis *analysis)
 /* ---- simulate --------------------------------------------------------- */
 
 /*
- * Write the ticks that were simulated before an error, such as parked amplifiers, to the files of
- * --csv, --npz and --csv-dir. Print how many ticks there are, or which options write them.
+ * Write the ticks that were simulated before an error (for example until the supervisor had parked
+ * the voltages) to the files of --csv, --npz and --csv-dir. Print how many ticks there are, or
+ * which options write them.
  *   csv in/out  open file of --csv; it is closed, and removed where no tick was simulated
  */
 static void write_first_ticks(const simulation *run, const options *options, outfile *csv,

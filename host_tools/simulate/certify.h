@@ -37,9 +37,9 @@
 int certify_loop(analysis *analysis, char *error);
 
 /*
- * Find the stability margins of a tested loop, if it is stable: the largest factor of the
- * structure's response to voltages, and the ranges of the factor of its natural frequencies and of
- * the readings' age.
+ * Find the stability margins of a tested loop, if it is stable: by which factors the structure's
+ * response to voltages and its natural frequencies may differ from the model, and by how much the
+ * age of the readings may change.
  *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
  * Returns 0, or -1 with error filled.
  */

@@ -164,11 +164,11 @@ int trial_choose(trial *trial, char *error);
 /* ---- storms with the supervisor (certify_alarm.c) ------------------------ */
 
 /*
- * Choose the time in which the supervisor's tolerance after a jump of the target fades: the default
- * time, or for a loop that damps slower that of its slowest vibration, doubled until no storm
- * (simulation with fast jumps of the target) ends in an alarm. The results are the settings of the
- * certificate, loop.fading and loop.alarms. A loop without supervisor or observed modes is left
- * unchanged. Returns 0, or -1 with error filled.
+ * Choose the time in which the supervisor's tolerance after a jump of the target decays. It is the
+ * default time or, for a loop that damps slowly, the decay time of its slowest vibration; it is
+ * doubled until no storm (simulation with fast jumps of the target) ends in an alarm. Results: the
+ * settings of the certificate, loop.fading and loop.alarms. A loop without supervisor or observed
+ * modes is left unchanged. Returns 0, or -1 with error filled.
  */
 int trial_choose_fading(trial *trial, char *error);
 

@@ -31,9 +31,9 @@ typedef struct law {
 } law;
 
 /*
- * Prepare a control law for a voltage optimisation problem, which is copied, with `regularisation`
- * (m2/V2) added to it. The struct must not be moved in memory until law_close. law_open returns
- * whether memory sufficed; call law_close in either case.
+ * Prepare a control law for comparison. The voltage optimisation problem is copied, and
+ * `regularisation` (m2/V2) is added to that of the copy. The struct must not be moved in memory
+ * until law_close. law_open returns whether memory sufficed; call law_close in either case.
  */
 bool law_open(law *law, const pzs_problem *problem, double regularisation);
 void law_close(law *law);

@@ -90,8 +90,9 @@ typedef struct shell_motion {
 
 /*
  * Prepare the motion of a structure, which starts undeformed and at rest.
- *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. Both factor
- *       matrices in the same memory, so that each must factor again after the other
+ *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. Motion and
+ *                    equilibrium factor their matrices in the same memory: after one of them has
+ *                    been used, the other must factor its matrix again
  *   vibration   in   vibration modes to damp; NULL: the motion is not damped
  *   step_most   in   longest time step (s)
  * Returns 0, or -1 with error filled; call shell_motion_close in either case.

@@ -492,9 +492,9 @@ static void take_command(loop *loop)
 }
 
 /*
- * Return the status of a tick that is counted in the results of the simulation: the status of the
- * stage that computes the voltages. The status that the fault detector has reported an electrode is
- * left out, because reported electrodes are counted separately.
+ * Return the status of a tick for the counts of warnings in the results: that of the stage that
+ * computes the voltages. The status by which the fault detector reports an electrode does not count
+ * here, because reported electrodes are counted separately.
  */
 static pzs_status counted_status(const loop *loop, pzs_status status)
 {

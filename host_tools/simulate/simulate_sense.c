@@ -127,8 +127,8 @@ const double *sense_known_loads(const loop *loop, int tick)
 
 /*
  * Compute the measurement error of the simulated loop: weighted norm of the true minus the measured
- * shape, over that of the scene's target. Displacements by known loads, which the controller's
- * measured shape leaves out, are added to it. Targets without a measurement contribute zero.
+ * shape, over that of the scene's target. The controller's measured shape leaves out displacements
+ * by known loads; they are added here. Targets without a measurement contribute zero.
  */
 void sense_measurement_error(loop *loop)
 {

@@ -56,9 +56,9 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 }
 
 /*
- * Compute the influence matrix of the simulated structure for the voltage optimisation: without the
- * free functions of the target (shapes that cost nothing), and with small entries that the
- * controller may leave out.
+ * Compute the influence matrix of the simulated structure for the voltage optimisation, without the
+ * free functions of the target (shapes that may be added to it at no cost). Small entries, which
+ * the controller may leave out, are included.
  *   column    [targets]             out  work array
  *   influence [targets][amplifiers] out  displacement per volt (length unit/V)
  */

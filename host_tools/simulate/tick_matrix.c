@@ -11,9 +11,9 @@ bool tick_matrix_open(tick_matrix *to, const double *matrix, size_t stride, cons
     to->rows = rows;
     to->columns = columns;
     /*
-     * Products by columns add the terms of a row one after the other. pzs_product_matrix does so
-     * only in rows shorter than PRODUCT_LONG_ROW. Matrices with longer rows are therefore stored by
-     * rows, for products with equal rounding errors.
+     * The results must equal those of pzs_product_matrix. It adds the terms of short rows one after
+     * the other, which a product by columns does as well. Rows of PRODUCT_LONG_ROW and more are
+     * summed in another order; such matrices are therefore stored by rows.
      */
     to->is_by_columns = columns < PRODUCT_LONG_ROW;
     to->table = malloc((rows * columns + 1) * sizeof *to->table);

@@ -11,9 +11,10 @@
 #include "../text/append.h"
 
 /*
- * Smallest ratio of the response to a test pulse to the standard deviation of its noise at which a
- * fault is found reliably: a dead electrode counts as faulty if its measured gain is below 0.35 of
- * that of a healthy one, and 0.35 must be at least six standard deviations.
+ * Smallest signal-to-noise ratio at which a fault is found reliably: response to a test pulse,
+ * divided by the standard deviation of its noise. A dead electrode counts as faulty if its measured
+ * gain is below 0.35 of the gain of a healthy one; this difference must be at least six standard
+ * deviations.
  */
 static const double least_ratio = 6 / 0.35;
 

@@ -607,9 +607,10 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 /* ---- memory of the blocks ---------------------------------------------- */
 
 /*
- * Define the function name_bytes, which returns the memory of a block of the control loop (bytes),
- * and the string name_macro for the generated header. In single precision the memory is an upper
- * bound, because pointers and reals in structs count as on this computer.
+ * Define, for the type `name` of a block of the control loop, the function name_bytes, which
+ * returns the memory of such a block (bytes), and the string name_macro for the generated header.
+ * In single precision the memory is an upper bound: pointers and reals in structs are counted with
+ * their size on this computer.
  *   expression in  call of the library's macro for this memory, the text in name_macro
  */
 #define BLOCK_BYTES(name, expression)                                                              \
@@ -859,9 +860,10 @@ static uint64_t usual_work(const pzs_problem *problem)
 }
 
 /*
- * Return the limit of the optimiser's work in one tick (multiply-adds) with which all blocks
- * (stages) together fit into a tick. It is at least the smallest useful one, and 0 (the library's
- * default) unless the scene states clock and tick rate.
+ * Return the limit of the optimiser's work in one tick (multiply-adds) that lets all blocks
+ * (stages) finish within a tick of the scene's clock and tick rate. It is at least the smallest
+ * useful limit. If the scene does not state clock and tick rate, the result is 0: the library's
+ * default.
  */
 static uint64_t work_limit(const loop_blocks *blocks)
 {

@@ -213,8 +213,8 @@ double loop_work_row_step(const block_counts *of, const loop_processor *on)
 
 /*
  * Upper bound of the instructions of one tick that round the voltages to the steps of the
- * amplifiers' digital-to-analogue converters. Worst case: the rounding violates the limit of every
- * sum of voltages, is taken back there, and all sums are computed again each time.
+ * amplifiers' digital-to-analogue converters. In the worst case rounded voltages violate the limit
+ * of every sum of voltages; each time the rounding is undone and all sums are computed again.
  */
 double loop_work_amplifier(const block_counts *of, const loop_processor *on)
 {

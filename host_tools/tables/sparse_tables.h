@@ -9,9 +9,9 @@
 #include "../model/design.h"
 
 /*
- * Smallest ratio of all entries of an influence matrix to its nonzero entries from which sparse
- * rows pay. An entry of sparse rows takes about eight times the instructions of one of a full
- * matrix (8 to 16 against 1.4 to 4 on a Cortex-M4F), and 1.5 times its flash memory.
+ * Sparse rows are used for an influence matrix if at most 1 in this number of its entries is not
+ * zero. In sparse rows an entry takes about eight times the instructions of one in a full matrix (8
+ * to 16 against 1.4 to 4 on a Cortex-M4F), and 1.5 times its flash memory.
  */
 #define SPARSE_PAYS 8u
 

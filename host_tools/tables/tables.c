@@ -557,9 +557,9 @@ static void write_voltage_problem(emitter *emitter, const design *design,
  * Write the voltage optimisation problem and its target.
  *   image  in      part of the library that the firmware uses: control, linear or nonlinear
  *   blocks in      blocks (stages) of the control tick, with the problem to be written
- *   facts  in/out  whether the influence matrix is written in full or as sparse rows, and the
- *                  numbers of its entries. Filled here if image is TABLES_CONTROL, otherwise only
- *                  read
+ *   facts  in/out  whether the influence matrix is written as sparse rows, and the numbers of its
+ *                  entries. With the image TABLES_CONTROL this function determines them; otherwise
+ *                  it uses those that the caller passes
  * Returns 0, or -1 where memory runs out.
  */
 static int write_problem(emitter *emitter, const analysis *analysis, tables_image image,
@@ -883,8 +883,8 @@ static void write_sizes(const emitter *emitter, const design *design)
 
 /*
  * Write the numbers of rows and columns of the influence matrix that a device computes from the
- * tables of a linear structure: with sensors or charges, all inputs and outputs of the structure;
- * otherwise amplifiers and target nodes alone.
+ * tables of a linear structure. With sensors or charges the matrix has all inputs and outputs of
+ * the structure, otherwise amplifiers and target nodes alone.
  */
 static void write_influence_size(const emitter *emitter, const analysis *analysis)
 {

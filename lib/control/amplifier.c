@@ -20,9 +20,9 @@
 #include "step_bounds.h"
 
 /*
- * Upper limit of voltage / converter step, above which a voltage is not rounded to a whole number
- * of steps. A converter step is the smallest voltage change that an amplifier can make. Above the
- * limit the step would be finer than the resolution of pzs_real.
+ * A voltage is rounded to a whole number of converter steps only if it has at most this many. A
+ * converter step is the smallest voltage change that an amplifier can make. With more steps, a step
+ * would be finer than the resolution of pzs_real.
  */
 #define STEP_COUNT_LIMIT PZS_R(1e9)
 

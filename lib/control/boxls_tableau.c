@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Operations on the tableau of the voltage optimiser, which is the Hessian after pivot exchanges
- * (moves of inputs between the set of free voltages and the set of voltages at a bound): exchanges
- * are collected and applied to the matrix together, and the tableau is recomputed from the Hessian.
+ * Operations on the tableau of the voltage optimiser, which is the Hessian after pivot exchanges. A
+ * pivot exchange moves an input between the set of free voltages and the set of voltages at a
+ * bound. Exchanges are collected and applied to the matrix together; from time to time the tableau
+ * is computed anew from the Hessian.
  */
 #include <string.h>
 #include "boxls_tableau.h"

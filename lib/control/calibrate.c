@@ -56,10 +56,10 @@ static size_t width_of(const pzs_calibration *calibration)
 }
 
 /*
- * Return row `index` of the matrix [inputs + 1][inputs + outputs] that a calibration stores, whose
- * rows plane rotations combine. Its first `inputs` columns are the triangular factor R with R'R =
- * sum of v v' over the recorded voltages v. The other columns are the recorded readings, combined
- * by the same rotations of rows.
+ * Return row `index` of the matrix [inputs + 1][inputs + outputs] in which a calibration stores its
+ * least-squares problem; plane rotations of its rows add a record. The first `inputs` columns are
+ * the triangular factor R, where R'R is the sum of v v' over the recorded voltages v. The other
+ * columns are the recorded readings after the same rotations.
  */
 static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
 {
@@ -267,9 +267,9 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration)
 /* ---- records of voltages and readings -------------------------------- */
 
 /*
- * Return the threshold below which a diagonal entry (pivot) of the triangular factor of the
- * information matrix counts as a rounding error, relative to the norm of its column. The
- * information matrix is the sum of v v' over the recorded voltages v.
+ * Return the threshold, relative to the norm of its column, below which a diagonal entry (pivot) of
+ * the triangular factor of the information matrix is only a rounding error. The information matrix
+ * is the sum of v v' over the recorded voltages v.
  */
 static pzs_real negligible(const pzs_calibration *calibration)
 {
@@ -403,9 +403,9 @@ static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 }
 
 /*
- * Forget a part of what earlier records have shown about one direction of the voltage vector, that
- * of a new record. The information is in the triangular factor of the information matrix, the sum
- * of v v' over the recorded voltages v.
+ * Let a calibration forget a part of what it knows about the effect of voltages in one direction,
+ * the direction of a new record's voltage vector. The knowledge is the triangular factor of the
+ * information matrix, the sum of v v' over the recorded voltages v.
  *   voltage [inputs] in  voltages of the record (V)
  */
 static void forget(pzs_calibration *calibration, const pzs_real *voltage)
@@ -535,11 +535,12 @@ static void solve_row(const pzs_calibration *calibration, size_t output, const p
 }
 
 /*
- * Return the square root of diagonal entry `input` of the inverse information matrix (1/V). Times
- * the standard deviation of the noise, it is the standard error of the influence of this input.
- *   inverse  [inputs] in   reciprocals of the diagonal entries of the triangular factor T (1/V)
- *   solution [inputs] out  work array for x, where T' x = unit vector; the result is |x|, infinite
- *                          if x needs an input that the records do not determine
+ * Return the standard error of the influence of one input, divided by the standard deviation of the
+ * noise: the square root of diagonal entry `input` of the inverse information matrix (1/V). It is
+ * computed as |x| from T' x = unit vector, with the triangular factor T of the information matrix.
+ *   inverse  [inputs] in   reciprocals of the diagonal entries of T (1/V)
+ *   solution [inputs] out  work array for x; the result is infinite if x needs an input that the
+ *                          records do not determine
  */
 static pzs_real spread_of(const pzs_calibration *calibration, size_t input, const pzs_real *inverse,
                           pzs_real *solution)

@@ -26,9 +26,9 @@
 #include "step_bounds.h"
 
 /*
- * Violation of the optimality (KKT) conditions at which the optimiser may stop in a tick that also
- * damps vibration, relative to the gradient at the start of the tick. The next tick corrects the
- * violation; in static equilibrium violation and gradient are zero.
+ * In a tick that also damps vibration, the optimiser may stop before the exact optimum: when the
+ * violation of the optimality (KKT) conditions is this part of the gradient at the start of the
+ * tick. The next tick corrects the rest; in static equilibrium there is none.
  */
 #define DAMPED_TOLERANCE PZS_R(1e-3)
 

@@ -59,8 +59,8 @@ void pzs_control_complete(pzs_control *control);
 void pzs_control_moved(pzs_control *control);
 
 /*
- * Make the next ticks damp vibration: at the present voltages, half the gradient of their objective
- * is `share` times that without damping, minus `damping`. The Hessian does not change, so that a
+ * Make the next ticks damp vibration: half the gradient of their objective at the present voltages
+ * is multiplied by `share`, and `damping` is subtracted. The Hessian does not change, so that a
  * tick goes only the part `share` of the way to the optimum.
  *   share            in      factor of the static gradient, at most 1; 0: damp vibration alone
  *   damping [inputs] in      gradient by which the vibration damper moves the voltages, read in

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Correction of late sensor readings, a stage of the control tick for a loop without vibration
- * damper. Readings taken `delay` ticks ago change by what the model predicts from the voltage
- * changes since then; without this, the controller would compensate a deviation several times and
- * oscillate.
+ * damper. To readings taken `delay` ticks ago it adds the change that the model predicts from the
+ * voltage changes since then. Without this, the controller would compensate a deviation several
+ * times and oscillate.
  *
  *   - The voltage of an electrode found faulty counts as unchanged.
  *   - Work of a tick: sensors * inputs multiply-adds, and `delay` times as many after missed ticks.
@@ -87,9 +87,9 @@ static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 }
 
 /*
- * Store voltages (effects, in a loop with actuator curves), and the readings that they produce
- * according to the model, as the newest rows of two ring buffers, which hold the voltages and the
- * readings of the last delay + 1 ticks (delay: age of the readings in ticks).
+ * Store voltages as the newest row of the ring buffer of the last delay + 1 ticks (delay: age of
+ * the readings in ticks), and the readings that the model predicts for them as the newest row of a
+ * second one. In a loop with actuator curves they are the effects of the voltages.
  *   voltage [inputs] in
  */
 static void push_voltages(pzs_reading_delay_state *state, const pzs_real *voltage)

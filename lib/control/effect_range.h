@@ -42,8 +42,9 @@ static inline bool effect_set_range(const pzs_control *control, uint32_t k, pzs_
 #define EFFECT_ROUNDING 256
 
 /*
- * Replace the controller's voltages of the last tick, from which it starts, by their effects. The
- * step limits of the voltages do not hold for effects: the limits of the effects contain them.
+ * Replace the controller's voltages of the last tick, from which the optimiser starts, by their
+ * effects. Step limits are switched off, because they do not hold for effects; the limits of the
+ * effects contain them already.
  *   effect [inputs] in  effects of the voltages of the last tick
  *   is_known        in  whether the effects equal those of the controller's last prediction up to
  *                       rounding errors, so that the prediction stays valid

@@ -55,8 +55,8 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
 }
 
 /*
- * Return the influence matrix with which the governor (slows moving targets down) must initialise
- * its own controller, so that both its controller and that of the loop use the same matrix. NULL:
+ * Return the influence matrix with which the governor must initialise its own controller, so that
+ * this and the controller of the loop use the same matrix: the one passed to pzs_loop_init. NULL:
  * the loop uses the matrix of its tables.
  */
 static const pzs_real *influence_of(const pzs_control *control)
@@ -124,10 +124,9 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 }
 
 /*
- * Compute the optimal voltages for the target shape, within the voltage limits of the tables,
- * without step limits, and with the inputs that the control loop keeps fixed. The limits in the
- * loop's controller are not used: compensation of hysteresis may have replaced them by limits of
- * effects.
+ * Compute the optimal voltages for the target shape, without step limits and with the inputs fixed
+ * that the control loop keeps fixed. The voltage limits are those of the tables: where hysteresis
+ * is compensated, those in the loop's controller have been replaced by limits of effects.
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {

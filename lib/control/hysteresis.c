@@ -436,8 +436,8 @@ typedef struct effect_walk {
     const pzs_real *ahead;
     /*
      * [plays] weight of each play (element with backlash) in the effect (voltage that would move
-     * the structure as far without hysteresis), while the play is in the other half of the voltage
-     * range (dimensionless): in the lower half if `sign` is 1, in the upper half if it is -1
+     * the structure as far without hysteresis), while the play is in the lower half of the voltage
+     * range if `sign` is 1, in the upper half if it is -1 (dimensionless)
      */
     const pzs_real *behind;
     pzs_real sign; /* direction of the search for a voltage along the characteristic of an electrode
@@ -769,9 +769,10 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
 }
 
 /*
- * Compute the effects of input k (voltages that would move the structure as far without hysteresis)
- * at the voltage `given` of the last tick: state.effect[k] for the last tick, state.present[k] for
- * this tick, after creep. Also updates the plays and creep terms of the input.
+ * Compute the effect of input k (voltage that would move the structure as far without hysteresis)
+ * for its voltage `given` of the last tick: state.effect[k] in the last tick, and state.present[k]
+ * in this tick, between which the ceramic creeps. Also updates the plays and creep terms of the
+ * input.
  *   rate [creeps] in  part of the way to its final value that each creep term goes in between
  *                     (dimensionless)
  */

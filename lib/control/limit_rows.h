@@ -52,9 +52,9 @@ struct pzs_limit_row_calls {
      * Bring the voltages of the controller back inside voltage limits and limit rows (limits of
      * sums of voltages): at once if the step limits allow it, otherwise a part of the way in each
      * tick.
-     *   where out  if they are not inside yet: an input that is outside its limits or belongs to a
-     *              violated row
-     * Returns whether they are inside.
+     *   where out  only if this takes further ticks: an input that is outside its limits or belongs
+     *              to a violated row
+     * Returns whether the voltages are inside.
      */
     bool (*bring_inside)(pzs_control *control, int32_t *where);
     /*
@@ -64,8 +64,9 @@ struct pzs_limit_row_calls {
      */
     pzs_real (*violation)(pzs_control *control, const pzs_real *gradient, uint16_t *active);
     /*
-     * Move voltages that violate a limit row (limit of a sum of voltages) more than `inside` does
-     * along the straight line towards `inside`, until they violate no row more than `inside` does.
+     * Correct voltages that violate a limit row (limit of a sum of voltages): move them along the
+     * straight line towards the voltages `inside`, until they violate no row, or none more than
+     * `inside` itself.
      *   inside  [inputs] in      voltages at the end of the line (V), which replace `voltage` if no
      *                            such point is found
      *   voltage [inputs] in/out  voltages to correct (V)
@@ -73,9 +74,9 @@ struct pzs_limit_row_calls {
      */
     int32_t (*scale_back)(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
     /*
-     * Undo changes of voltages that violate limit rows (limits of sums of voltages): all inputs of
-     * each violated row get their earlier voltages, until no row is violated more than before. All
-     * other inputs keep their new voltages.
+     * Undo changes of voltages by which limit rows (limits of sums of voltages) are violated more
+     * than before. All inputs of such a row get their earlier voltages, and so on until no such row
+     * is left. All other inputs keep their new voltages.
      *   before  [inputs] in      voltages before the change (V)
      *   voltage [inputs] in/out  voltages after the change (V)
      */
@@ -107,16 +108,17 @@ struct pzs_absolute_row_calls {
     /*
      * Return the largest violation of the optimality (KKT) conditions (m2/V) by inputs at 0 V that
      * belong to a limited sum of absolute values. The violation is the rate at which half the
-     * objective falls if the voltage leaves 0 V to the side that its chosen sign excludes. The
-     * function adds bounds of these decreases to the duality gap solver->gap (m2).
+     * objective falls if the voltage leaves 0 V to the side that its chosen sign excludes. How far
+     * the objective can fall in this way is added, as an upper bound, to the duality gap
+     * solver->gap (m2).
      *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
      */
     pzs_real (*crossing_violation)(pzs_control *control, const pzs_real *reduced);
     /*
-     * If the work limit stopped the iterations of the last tick, continue with the signs that they
-     * had chosen for the voltages in limited sums of absolute values. The bounds and the tableau
-     * (matrix) of the optimiser are adapted to these signs. The limited sums, and the gradient
-     * minus the contributions of their active limits, are computed anew.
+     * If the work limit stopped the iterations of the last tick, go on with the signs that the
+     * iterations had chosen for the voltages in limited sums of absolute values. Adapts the bounds
+     * and the tableau (matrix) of the optimiser to these signs. Computes anew the limited sums, and
+     * the gradient minus the contributions of their active limits.
      */
     void (*resume)(pzs_control *control);
     /*

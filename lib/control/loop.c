@@ -201,8 +201,9 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
- * Initialise, from the last of the list to the first, the fault detectors (PZS_PHASE_OBSERVE) or
- * all other blocks (stages of the control tick) except the control step (pzs_step_block).
+ * Initialise one of two groups of blocks, from the last of the list to the first: the fault
+ * detectors (PZS_PHASE_OBSERVE), or all other blocks (stages of the control tick) except the
+ * control step (pzs_step_block).
  *   observes in  true: the fault detectors; false: the others
  */
 static pzs_status init_phases(pzs_loop *loop, pzs_loop_signals *signals, bool observes)
@@ -517,9 +518,9 @@ static void withdraw_heartbeat(pzs_loop *loop, bool is_intact)
 }
 
 /*
- * Whether a tick that ends with `status` is in order, so that it gives a heartbeat. In a loop
- * without a supervisor, a tick that only keeps the voltages because its readings or target are not
- * usable is not in order: nothing but the missing heartbeat would end such an operation.
+ * Whether a tick that ends with `status` gives a heartbeat. Without a supervisor, a tick that only
+ * keeps the voltages, because its readings or target are not usable, gives none: the watchdog is
+ * then the only protection against such ticks going on for ever.
  */
 static bool is_in_order(const pzs_loop_core *core, const pzs_loop_signals *signals,
                         pzs_status status)

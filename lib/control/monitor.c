@@ -64,10 +64,9 @@
 #define LEAST_MOVE PZS_R(0.25)
 
 /*
- * Smallest ratio of the largest amplitude of vibration in a half period to that in the half period
- * before, at which the vibration counts as not falling. The ratio is 1 without damping. It is
- * exp(-1/4) = 0.78 with the weakest damping that the envelope assumes, which divides the amplitude
- * by e in two periods.
+ * A vibration counts as not falling if its largest amplitude in a half period is at least this part
+ * of that in the half period before. Without damping the ratio is 1. With the weakest damping that
+ * the envelope assumes, which divides the amplitude by e in two periods, it is exp(-1/4) = 0.78.
  */
 #define STEADY PZS_R(0.9)
 /*
@@ -135,9 +134,9 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
 }
 
 /*
- * Store the predicted shape of a tick and its disturbance (measured minus predicted shape), with
- * which those of the next tick are compared. The divergence monitor thus starts anew in its first
- * tick, and when a voltage is fixed or released, which makes the predicted shape jump.
+ * Start the comparison of shapes anew: store the predicted shape of this tick and its disturbance
+ * (measured minus predicted shape) as the last ones. This is done in the first tick, and when a
+ * voltage is fixed or released, which makes the predicted shape jump.
  */
 static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -152,8 +151,8 @@ static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *sig
 
 /*
  * Start the divergence monitor with the measured, predicted and target shapes of this tick.
- *   has_modes in  true: a vibration damper computes the amplitude by which the measured shape
- *                 deviates from the model, so only the target is stored
+ *   has_modes in  true: a vibration damper of the loop computes how far the measured shape deviates
+ *                 from the model, and the monitor stores only the target
  */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, bool has_modes)
 {

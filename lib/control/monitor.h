@@ -29,7 +29,7 @@ pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_super
 /*
  * Compare the measured shape in one tick with the shape that the model predicts. Returns the new
  * number of implausible ticks: one more if the difference is implausible, otherwise two less. An
- * alarm is due if it exceeds the table's alarm_ticks.
+ * alarm is due when this number exceeds alarm_ticks of the tables.
  *   over in  number of implausible ticks before
  */
 uint32_t pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,

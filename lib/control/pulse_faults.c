@@ -84,13 +84,14 @@
  */
 #define LEAST_REFERENCE PZS_R(0.5)
 /*
- * When test pulses prove a fault of a suspected electrode. Its gain (response divided by modelled
- * response) is compared with the gain of the reference electrode, a healthy one that is tested with
- * it:
- *   SILENT    faulty if the gain is below SILENT times the reference gain in SILENT_PULSES pulses;
- *             in WEAK_PULSES pulses if hysteresis is not compensated and the last reference gain is
- *             below WEAK
- *   REVERSED  reversed if the last gain is below -REVERSED times the reference gain
+ * Conditions under which test pulses prove a fault of a suspected electrode. Its gain (response
+ * divided by modelled response) is compared with that of the reference electrode, a healthy one
+ * that is tested at the same time:
+ *   SILENT    The electrode is faulty if its gain was below SILENT times the reference gain in
+ *             SILENT_PULSES pulses. WEAK_PULSES pulses are needed if hysteresis is not compensated
+ *             and the last reference gain is below WEAK.
+ *   REVERSED  The fault is a reversed sign if the last gain is below -REVERSED times the reference
+ *             gain.
  */
 #define SILENT PZS_R(0.35)
 #define SILENT_PULSES 2u
@@ -114,8 +115,9 @@
  * second pulse is needed. With these numbers the simulations of tests/unit/sweep_faults.c find no
  * healthy electrode faulty. A gain is a measured response divided by the modelled one; the
  * reference electrode is a healthy one that is tested at the same time.
- *   SURE              largest gain, divided by that of the reference electrode
- *   SURE_REVERSED     for a negative gain: smallest absolute value, divided in the same way
+ *   SURE              largest gain of the suspected electrode, as a fraction of the reference gain
+ *   SURE_REVERSED     if that gain is negative: its smallest size, as a fraction of the reference
+ *                     gain
  *   SURE_CALM         largest jump of the readings, divided by JUMPED or REFERENCE_JUMPED
  *   SURE_UNEXPLAINED  largest unexplained sum of squares of the measured response, divided by the
  *                     sum of squares of the modelled response
@@ -583,8 +585,8 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
 
 /*
  * Compute the mean voltages and mean readings of a window, a time over which the fault detector
- * averages, from the values in its first tick and the weighted sums of the deviations from them.
- * The means replace the values of the first tick in the state of the detector.
+ * averages: value in the first tick plus weighted sum of the deviations from it. The means replace
+ * the values of the first tick in the state of the detector.
  */
 static void find_means(pzs_pulse_detector_state *state)
 {
@@ -1216,9 +1218,10 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Compute the resolution of each electrode (0 to 1), the diagonal of the resolution matrix of the
- * least-squares estimate: if this electrode alone lacks a voltage, the part that the estimate
- * assigns to it. The rest goes to electrodes that move the sensors in similar ways.
+ * Compute the resolution of each electrode (0 to 1): the part of a missing voltage that the
+ * least-squares estimate assigns to the electrode itself, if no other electrode lacks a voltage.
+ * The estimate spreads the rest over electrodes that move the sensors in similar ways. It is the
+ * diagonal of the resolution matrix.
  */
 static void find_resolutions(pzs_pulse_detector_state *state)
 {

@@ -38,15 +38,15 @@ static pzs_real square(pzs_real number)
  * electrodes.
  */
 typedef struct pulse_fit {
-    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of a matrix of scalar products over the
-                                          sensors (dimensionless): of the modelled responses to the
-                                          suspected electrode, to the healthy one and to all others,
-                                          each with each; after the factorisation the L D L^T
-                                          factors of the matrix */
-    pzs_real response[COLUMNS]; /* scalar products over the sensors of the measured response to a
-                                   test pulse with three modelled responses (dimensionless): to the
-                                   suspected electrode, to the healthy one and to all others; after
-                                   the solution the three gains (measured over modelled response) */
+    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the matrix of scalar products over the
+                                          sensors (dimensionless) between three modelled responses:
+                                          to the suspected electrode, to the healthy one and to all
+                                          others. After the factorisation: its L D L^T factors */
+    pzs_real response[COLUMNS]; /* three scalar products over the sensors (dimensionless): of the
+                                   measured response to a test pulse with the modelled responses to
+                                   the suspected electrode, to the healthy one and to all others.
+                                   After the solution: the three gains (measured divided by modelled
+                                   response) */
     /*
      * squared norm over the sensors of the modelled response to the suspected electrode
      * (dimensionless); a response is the change of a reading times the scale factor of its sensor

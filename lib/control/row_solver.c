@@ -71,8 +71,8 @@
  */
 #define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
 /*
- * Factors by which the shift of the diagonal of the Hessian is raised after iterations that failed:
- * RAISE in general, and a factor of its own where sums of absolute values are limited, because more
+ * Factor by which the shift of the diagonal of the Hessian is raised after iterations that failed:
+ * RAISE in general. Where sums of absolute values are limited it is ABSOLUTE_RAISE, because more
  * limits then meet at the optimum and rounding errors matter more.
  */
 #define RAISE 10

@@ -101,29 +101,29 @@ static pzs_real square(pzs_real number)
 /* ---- columns (amplifiers) and rows (sensors) of responses --------------- */
 
 /*
- * One way to read the matrix of measured responses and the modelled matrix: by columns or by rows.
- * The column of an amplifier has an entry for each sensor; the row of a sensor has an entry for
- * each amplifier. The members named `line` refer to a column or a row.
+ * One way to read the matrices of measured and of modelled responses: by columns or by rows. A line
+ * is then a column (one amplifier, with an entry for each sensor) or a row (one sensor, with an
+ * entry for each amplifier).
  */
 typedef struct selftest_axis {
     bool is_row;
     uint32_t lines, entries;
     /*
-     * where the measured responses are in the array state.response, as numbers of reals:
-     * measured_line from the start of one line (column of an amplifier, or row of a sensor) to that
-     * of the next, measured_entry from one entry of a line to the next
+     * strides in the array state.response of measured responses (in reals): measured_line between
+     * neighbouring lines, measured_entry between neighbouring entries of a line. A line is the
+     * column of an amplifier or the row of a sensor
      */
     size_t measured_line, measured_entry;
     /*
-     * where the modelled responses are in the array state.direct, as numbers of reals: model_line
-     * from the start of one line (column of an amplifier, or row of a sensor) to that of the next,
-     * model_entry from one entry of a line to the next
+     * strides in the array state.direct of modelled responses (in reals): model_line between
+     * neighbouring lines, model_entry between neighbouring entries of a line. A line is the column
+     * of an amplifier or the row of a sensor
      */
     size_t model_line, model_entry;
     /*
-     * findings of the self-test about the lines of the matrix of responses (`line`) and about the
-     * entries of a line (`entry`). If lines are columns: `line` [inputs] is about amplifiers,
-     * `entry` [sensors] about sensors; if they are rows (is_row), the reverse
+     * findings of the self-test: `line` about what the lines stand for, `entry` about what the
+     * entries of a line stand for. If lines are columns, `line` [inputs] holds findings about
+     * amplifiers, and `entry` [sensors] about sensors; if lines are rows (is_row), the reverse
      */
     pzs_wiring *line, *entry;
     bool has_gains; /* whether, before measured and modelled responses are compared, each modelled
@@ -362,10 +362,10 @@ static void begin_evaluation(pzs_selftest *selftest)
 
 /*
  * Whether the self-test may report an amplifier (or sensor) whose measured response differs from
- * the model. No fault of it may have been reported yet, and its modelled or measured response must
- * be large beside noise and vibration.
- *   sums in  comparison of its measured and modelled responses, without those that belong to faulty
- *            sensors (or amplifiers)
+ * the model. It must not have been reported before, and its modelled or measured response must be
+ * large beside noise and vibration.
+ *   sums in  comparison of its measured and modelled responses; entries of sensors (or amplifiers)
+ *            that are already known to be faulty do not count
  */
 static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *sums)
 {
@@ -376,9 +376,10 @@ static bool may_be_reported(const pzs_wiring *finding, const pzs_selftest_sums *
 }
 
 /*
- * Return the sum of the squared modelled responses of all sensors to amplifier `line`, or, on the
- * axis of the sensors, of sensor `line` to all amplifiers (1/V2). Faulty ones count, too: a sensor
- * that responds mainly to a faulty amplifier has other responses as small as errors of the model.
+ * Return the sum of the squared modelled responses of all sensors to amplifier `line` or, if lines
+ * are rows, of sensor `line` to all amplifiers (1/V2). Entries of faulty amplifiers and sensors
+ * count, too. Without them, a sensor that responds mainly to a faulty amplifier would have a
+ * response no larger than errors of the model.
  */
 static pzs_real whole_energy(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -422,10 +423,10 @@ static void find_difference(pzs_selftest *selftest, const selftest_axis *axis, u
 }
 
 /*
- * Return how much the measured response of an amplifier or sensor differs from a modelled response:
- * the squared sine of the angle between both vectors (0 to 1), because gains differ. With
- * axis->has_gains the modelled responses contain the gains: the squared difference of the vectors
- * (1/V2).
+ * Return how much the measured response of an amplifier or sensor differs from a modelled one. In
+ * general it is the squared sine of the angle between both vectors (0 to 1), which does not depend
+ * on gains. If the modelled responses contain the gains (axis->has_gains), it is the squared
+ * difference of the vectors (1/V2).
  */
 static pzs_real response_error(const selftest_axis *axis, const pzs_selftest_sums *sums)
 {
@@ -541,9 +542,10 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
 }
 
 /*
- * Compare the modelled response of the amplifier (or sensor) `subject` with that of another one, a
- * different one in each step. If they are too similar for the self-test to notice exchanged cables,
- * the most similar one is stored as `similar` in the finding about `subject`.
+ * Compare the modelled response of the amplifier (or sensor) `subject` with that of another one, in
+ * each step the next one. If both are so similar that the self-test would not notice exchanged
+ * cables, and more similar than all before, the other one is stored as `similar` in the finding
+ * about `subject`.
  */
 static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint32_t subject,
                          uint32_t step)

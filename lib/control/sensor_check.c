@@ -23,9 +23,9 @@ static pzs_real largest_size(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Whether to reject a finite measurement that has the same bits as in the last tick: it kept them
- * for SENSOR_STUCK_TICKS ticks in which its expected value moved by more than the resolution of the
- * sensors.
+ * Whether to reject a finite measurement because the sensor is stuck: the measurement has had the
+ * same bits in SENSOR_STUCK_TICKS ticks in which its expected value moved by more than the
+ * resolution of the sensors.
  *   difference in      measurement minus expected value (unit of the sensor)
  *   most       in/out  largest |expected| of all sensors; negative: not yet computed
  */

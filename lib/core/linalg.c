@@ -372,10 +372,10 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 }
 
 /*
- * Return the first column that the factorisation has to eliminate before it can factor the diagonal
- * tile of a panel. Before the first panel of a group of GROUP panels, all columns left of it are
- * eliminated in the whole group. Before any other panel, only those of the preceding diagonal tile
- * are left.
+ * Return the first of the columns left of a diagonal tile that have not yet been eliminated from
+ * its panel; the factorisation must eliminate them before it factors the tile. Columns left of a
+ * group of GROUP panels are eliminated in the whole group, before its first panel. Later panels of
+ * the group lack only the columns of the diagonal tile before.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {

@@ -119,9 +119,10 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 #else
 
 /*
- * Index of the first of the IN_LANE matrix columns that vector register k sums, in a loop over
- * COUNT tiles of PZS_TILE columns. The last tile ends with the last column and begins with column
- * `last`; it may overlap the tile before it, where both compute the same sums.
+ * Index of the first of the IN_LANE matrix columns whose sums are in vector register k, in a loop
+ * over COUNT tiles of PZS_TILE columns. The last tile begins with column `last` and ends with the
+ * last column. It may overlap the tile before it; both then compute the same sums in the shared
+ * columns.
  */
 #define LANE_AT(k, COUNT)                                                                          \
     ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)

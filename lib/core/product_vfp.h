@@ -6,7 +6,7 @@
  *
  * Registers (wider matrices are processed in groups of columns):
  *   s0 to s14   a part of a vector
- *   s15         number that goes with the whole row
+ *   s15         sum over a matrix row, or factor of a row
  *   s16 to s30  a part of a matrix row
  */
 #ifndef PZS_LIB_PRODUCT_VFP_H

@@ -441,9 +441,9 @@ static void copy_block(pzs_real *to, size_t to_stride, const pzs_real *from, siz
 }
 
 /*
- * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): update a block
- * at the end of the matrix that has fewer rows or columns than WIDE_BLOCK. The block is copied into
- * an array of WIDE_BLOCK x WIDE_BLOCK entries, otherwise zeros, updated there, and copied back.
+ * Update a block at the end of a symmetric matrix, with fewer rows or columns than WIDE_BLOCK, by
+ * products of vectors (part of pzs_wide_update_rows). The block is copied into a larger array of
+ * WIDE_BLOCK x WIDE_BLOCK entries, updated there, and copied back.
  */
 static void update_last_block(pzs_real *block, size_t stride, size_t rows, size_t columns,
                               const pzs_real *column, const pzs_real *row, size_t count)

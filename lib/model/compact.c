@@ -33,10 +33,9 @@ void pzs_rebuild_type(const pzs_compact_type *compact, const pzs_node *node, pzs
         for (unsigned direction = 0; direction < 2; direction++) {
             /*
              * Sign of the step along one surface coordinate (theta1 for direction 0, theta2 for
-             * direction 1) from a corner of the element to its neighbour: 1 towards larger values.
-             * The step along theta1 is positive if the element coordinate xi1 is negative at the
-             * corner; so for theta2 and xi2. mode_sign[2] holds the sign of xi1 at each corner,
-             * mode_sign[1] that of xi2.
+             * direction 1) from a corner of the element to its neighbour: 1 towards larger values,
+             * -1 towards smaller ones. It is the opposite of the sign that the element coordinate
+             * xi1 (or xi2) has at the corner: mode_sign[2] for xi1, mode_sign[1] for xi2.
              */
             const pzs_real sign = -mode_sign[2 - direction][corner];
             const unsigned other = neighbour[corner][direction];

@@ -5,9 +5,9 @@
 #include "../core/linalg.h"
 
 /*
- * Whether the product of two entries of a spring's row has a place in the stored lower triangle
- * (the envelope) of the stiffness matrix. `own` and `other` are the indices of these entries; the
- * function is called for both orders of a pair.
+ * Whether the product of two entries of a spring's row lies inside the envelope of the stiffness
+ * matrix, its stored entries. It lies in the row of entry `own` and the column of entry `other`;
+ * the caller also asks for the reverse order, of which one is in the stored lower triangle.
  */
 static bool in_envelope(const pzs_structure *structure, uint32_t own, uint32_t other)
 {

@@ -59,7 +59,8 @@ static pzs_contact *contact_of(pzs_solver_option *option)
 
 /*
  * Compute the signed distance of a point from a sphere or a cylinder, with its gradient (the
- * normal) and its second derivatives, which are 0 at the centre, where they are undefined.
+ * normal) and its second derivatives. At the centre or on the axis, where they are undefined, both
+ * derivatives are set to 0.
  *   from  [3] in  vector to the point from the centre or, at right angles, from the axis (m)
  *   along [3] in  unit vector along the axis of a cylinder; NULL: sphere
  */

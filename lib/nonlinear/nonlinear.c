@@ -448,11 +448,10 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * Factor of the rounding error in the check of an equilibrium, which holds in any system of units.
- * A force imbalance r counts as a rounding error of the internal forces if
- *   sum of r_i^2 / K_ii <= IMBALANCE_ROUNDING^2 * sum of K_ii u_i^2
- *   K_ii  diagonal entries of the stiffness matrix
- *   u     displacement
+ * Relative size up to which a force imbalance r counts as a rounding error of the internal forces
+ * at an equilibrium: sum of r_i^2 / K_ii <= IMBALANCE_ROUNDING^2 * sum of K_ii u_i^2 K_ii  diagonal
+ * entries of the stiffness matrix u     displacement Both sums are energies, so that the check
+ * holds in any system of units.
  */
 #define IMBALANCE_ROUNDING (256 * PZS_EPSILON)
 

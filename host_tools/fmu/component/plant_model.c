@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The plant of a scene as the model in an FMU: amplifiers, cables, ceramic, linear structure with
- * or without vibration, and sensors. The order of calls and the bits are those of simulate_loop.c.
- * Readings after a step belong to the controller's next tick; a load set before a step acts from
- * its end.
+ * or without vibration, and sensors. It makes the same calls in the same order as simulate_loop.c,
+ * so that results are equal bit by bit. The readings after a step are those of the controller's
+ * next tick. A load that is set before a step acts from the end of that step on.
  */
 #include <math.h>
 #include <stdio.h>
