@@ -168,13 +168,13 @@ typedef struct pzs_optimiser {
     pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs whose
                                voltages are free (V2/m2), which tells how much an error of the
                                gradient raises the objective; 0: not computed */
-    pzs_real inverse_trace_bound; /* upper bound (V2/m2), from the regularisation weight, of
-                                     `inverse_trace`, the trace of the inverse of the Hessian
-                                     restricted to the inputs whose voltages are free; 0: there is
-                                     none */
-    pzs_real whole_inverse_trace; /* trace of the inverse of the whole Hessian (V2/m2), which no
-                                     `inverse_trace` exceeds; 0: not computed, because inputs depend
-                                     linearly on others */
+    pzs_real inverse_trace_bound; /* upper bound of `inverse_trace` that follows from the
+                                     regularisation weight alone (V2/m2); 0: there is none.
+                                     `inverse_trace` is the trace of the inverse of the Hessian
+                                     restricted to the inputs whose voltages are free */
+    pzs_real whole_inverse_trace; /* trace of the inverse of the whole Hessian (V2/m2), an upper
+                                     bound of `inverse_trace`; 0: not computed, because the effects
+                                     of some inputs are combinations of others */
     /*
      * threshold of linear dependence (dimensionless): an input counts as a combination of the
      * inputs whose voltages are free if its pivot, divided by its diagonal entry of the Hessian, is
@@ -999,13 +999,13 @@ typedef struct pzs_calibration_state {
                            tick, before they are clamped to all limits (V). While the influence
                            matrix is computed: reciprocals of the diagonal entries of the
                            triangular factor in the array `factor` (1/V) */
-    pzs_real *free;    /* [inputs] array filled with NaN, for pzs_output_gate, which clamps voltages
-                          to their limits. There it stands for the voltages at which pzs_hold keeps
-                          inputs: NaN means that the voltage of the input is not fixed */
-    pzs_real *least;   /* [inputs] size below which a diagonal entry of the triangular factor
-                          (`factor`) of a calibration counts as zero (V) */
-    pzs_real *last[3]; /* [inputs] three copies of the test voltages of a calibration, so that two
-                          outvote a damaged third (V) */
+    pzs_real *free;  /* [inputs] array filled with NaN, which a calibration hands to pzs_output_gate
+                        in the place of the voltages at which pzs_hold keeps inputs. NaN means that
+                        no voltage is fixed */
+    pzs_real *least; /* [inputs] size below which a diagonal entry of the triangular factor
+                        (`factor`) of a calibration counts as zero (V) */
+    pzs_real *last[3];  /* [inputs] three copies of the test voltages of a calibration, so that two
+                           outvote a damaged third (V) */
     uint32_t limit_sum; /* checksum of the voltage limits and the step limits of a calibration */
     uint32_t pattern;   /* number of the present test pattern of a calibration, from 0 */
     uint32_t rest; /* number of consecutive ticks in which the test voltages of a calibration have
@@ -1055,9 +1055,9 @@ typedef struct pzs_loop_state {
                                  among the tables of its block (stage of the control tick) */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
     /*
-     * whether a heartbeat waits for pzs_loop_take_heartbeat; one of two words that differ in many
-     * bits, so that a flipped bit makes no heartbeat. Any other word, which only damaged memory can
-     * cause, ends the heartbeats.
+     * one of two words that tell whether a heartbeat waits for pzs_loop_take_heartbeat. They differ
+     * in many bits, so that a flipped bit makes no heartbeat. Any other word shows damaged memory
+     * and ends the heartbeats.
      */
     volatile uint32_t heartbeat;
 } pzs_loop_state;

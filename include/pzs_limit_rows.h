@@ -34,9 +34,9 @@ typedef struct pzs_limit_rows {
                               the sum */
     const pzs_real *safe;  /* [inputs] safe voltages, to which the controller can always return (V);
                               they obey the limits of all voltages and of all sums of voltages */
-    uint16_t absolute_count; /* number of limited sums of absolute values of voltages, which come
-                                last in `sums`; their coefficients are not negative, their lower
-                                limits are -infinity */
+    uint16_t absolute_count; /* number of limited sums of absolute values of voltages. They are the
+                                last rows of `sums`; their coefficients are not negative, and their
+                                lower limits are -infinity */
     const struct pzs_absolute_row_calls *absolute_call; /* functions for limits of sums of absolute
                                                            values of voltages:
                                                            &pzs_absolute_rows_calls, or NULL where

@@ -100,8 +100,9 @@ typedef struct pzs_loop_signals {
      */
     const struct pzs_actuator_curves *curves;
     /*
-     * Function that replaces voltages [inputs] by their effects on actuators with these curves, for
-     * blocks that find voltages where the influence matrix belongs to effects; NULL: no curves.
+     * Function that replaces voltages [inputs] by their effects on actuators with curves. Blocks
+     * that compute with the influence matrix call it for voltages, because the matrix then belongs
+     * to effects; NULL: no curves.
      */
     void (*take_effects)(const struct pzs_loop_signals *signals, pzs_real *voltage);
     uint32_t missed; /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
@@ -176,8 +177,8 @@ typedef struct pzs_loop_info {
      * pzs_loop_voltages.
      */
     const pzs_real *volatile voltage;
-    volatile uint32_t frames; /* number of ticks that have given out new voltages, that is, have
-                                 pointed the member `voltage` at another array */
+    volatile uint32_t frames; /* number of ticks that have published new voltages; in such a tick
+                                 the member `voltage` begins to point to the other array */
     const pzs_real *measured; /* [outputs] measured shape that the last tick used (m); NULL: it used
                                  none */
     const uint8_t *electrode; /* [inputs] state of each electrode after the last tick, a value of

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Errors and warnings about the control loop of a scene: loops that vibration makes unstable are
- * refused, with a cure; loops close to that cause warnings.
+ * Errors and warnings about the control loop of a scene. A loop that vibration makes unstable is
+ * refused, with advice how to make it stable; a loop that is nearly unstable causes a warning.
  */
 #ifndef LOOP_SAFETY_H
 #define LOOP_SAFETY_H
@@ -15,8 +15,8 @@
 int judge_loop(analysis *analysis, char *error);
 
 /*
- * Refuse a control loop that damps vibration with a model of it, where this loop is unstable or
- * does not settle after fast jumps of the target. Returns 0, or -1 with error filled.
+ * Refuse a control loop with a vibration damper if it is unstable or does not settle after fast
+ * jumps of the target. Returns 0, or -1 with error filled.
  */
 int judge_storms(const analysis *analysis, char *error);
 

@@ -27,9 +27,9 @@ static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
  */
 typedef struct margin {
     const storm_rig *rig;
-    bool is_gain; /* true: the gain varies; false: the frequencies */
-    double end; /* factor of the gain or of the frequencies at which the search ends; it begins at 1
-                 */
+    bool is_gain;   /* true: the margin of the gain is searched; false: that of the frequencies */
+    double end;     /* factor of the gain or of the frequencies at which the search ends; the search
+                       begins at 1 */
     double *factor; /* result: factor of the gain or of the frequencies farthest from 1 with which
                        small vibrations still decay */
     bool has_failed;

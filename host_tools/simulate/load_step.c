@@ -24,22 +24,23 @@ typedef enum load_shape {
 } load_shape;
 
 enum {
-    LOAD_REST = 2, /* number of periods of the first vibration mode that the loop observes for which
-                      the simulation goes on after the shape has settled */
+    LOAD_REST = 2, /* time for which the simulation goes on after the shape has settled (periods of
+                      the first vibration mode that the loop observes) */
     START_PERIODS = 20 /* If voltages are near a limit before a load step, the loop first moves them
                           to the middle of their limits, in at most this number of periods of the
                           first vibration mode that it observes */
 };
 
 /*
- * Largest phase angle in a tick (rad) of the vibration modes that a load step excites. The control
- * tick damps these modes in full; faster modes ring as long as their own damping makes them.
+ * Load steps excite only vibration modes whose phase advances in a tick by at most this angle
+ * (rad). The control tick damps these modes in full; faster modes would decay by their own damping
+ * alone.
  */
 static const double load_angle = 0.6;
 
 /*
- * Size of the simulated loads: the voltages that compensate a load change by at most this fraction
- * of half the range between their limits, and one of them by exactly so much.
+ * Size of the simulated loads: part of half the range between its limits by which a voltage changes
+ * to compensate the load, for the voltage that changes most.
  */
 static const double load_share = 0.3;
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The ways in which the motion of a simulated plant is computed, each one row of the table in
- * plant.c, and the functions for the static equilibrium that all of them use.
+ * The ways in which the motion of a simulated plant is computed, one in each row of a table in
+ * plant.c, and the functions for the static equilibrium, which all of them use.
  */
 #ifndef PLANT_MOTION_H
 #define PLANT_MOTION_H

@@ -154,8 +154,8 @@ int simulate_tables(analysis *nominal, char *error)
 }
 
 /*
- * Refuse a fault detector for a target with free functions (shapes that may be added at no cost):
- * it compares measured with predicted displacements, from which these functions are removed.
+ * Refuse a fault detector for a target with free functions (shapes that may be added to it at no
+ * cost). The detector compares measured with predicted displacements, which lack these functions.
  * Returns 0, or -1 with error filled.
  */
 static int check_free(const design *design, char *error)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * What all simulations of a control loop on a structure with mass share (storms, the growth of
- * small vibrations, load steps), and the structure of one of them, which differs from the model.
+ * Data that all simulations of a control loop on a structure with mass share (storms, the growth of
+ * small vibrations, load steps); and the deviations of the simulated structure from the model,
+ * which differ from one simulation to the next.
  */
 #ifndef STORM_RIG_H
 #define STORM_RIG_H
@@ -43,10 +44,10 @@ typedef struct storm_plant {
                             negative: newer */
     uint64_t seed;       /* seed of the random sequence of target jumps */
     double missed_share; /* part of the ticks that the controller misses, from 0 to 1 */
-    const storm_ceramic *ceramic; /* ceramic of the electrodes of the simulated structure, if it
-                                     differs from that in the scene file. NULL: the hysteresis and
-                                     creep of the scene file are simulated if the loop compensates
-                                     them, otherwise the ceramic has none */
+    const storm_ceramic *ceramic; /* ceramic of the electrodes of the simulated structure, if it is
+                                     not that of the scene file. NULL: the hysteresis and creep of
+                                     the scene file are simulated if the loop compensates them;
+                                     otherwise there are none */
     double less_hysteresis; /* part, from 0 to 1, by which the ceramic has less hysteresis and creep
                                than the scene file describes */
     bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */

@@ -15,8 +15,8 @@ typedef struct storm {
     const storm_plant *plant;
     pzs_problem problem; /* voltage optimisation problem of the loop with the voltage and step
                             limits of the simulation in place of the scene's */
-    pzs_supervision supervision; /* tables of the loop's supervisor, which here waits for no command
-                                  */
+    pzs_supervision supervision; /* tables of the loop's supervisor, changed so that it starts
+                                    without a command */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     pzs_loop loop;
@@ -92,8 +92,8 @@ bool storm_is_free(const storm *storm);
 pzs_status storm_tick(storm *storm);
 
 /*
- * Compute the present displacements of the targets by vibration in storm->part, unless they are
- * there already. These sums over all modes are most of the work of a storm.
+ * Compute the present displacements of the targets by vibration into storm->part, if this has not
+ * been done in this tick. These sums over all modes are most of the work of a storm.
  */
 void storm_observe_vibration(storm *storm);
 

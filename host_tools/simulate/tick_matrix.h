@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Matrices of a simulation that multiply another vector in every tick. They are stored in the
- * layout in which this is fastest. The products are bitwise equal to those of pzs_product_matrix.
+ * Products of constant matrices with a new vector in every tick of a simulation. The matrices are
+ * stored in the layout in which such a product is fastest. The products are bitwise equal to those
+ * of pzs_product_matrix.
  */
 #ifndef TICK_MATRIX_H
 #define TICK_MATRIX_H

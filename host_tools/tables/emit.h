@@ -12,8 +12,8 @@
 typedef struct emitter {
     FILE *file;
     const char *prefix;
-    char upper[64]; /* start of the names of macros in the generated tables: the member `prefix`,
-                       with which all other names begin, in capital letters */
+    char upper[64]; /* first part of the names of all macros in the generated tables: the member
+                       `prefix` in capital letters */
     uint32_t crc32; /* checksum of the data of the tables written so far, with reals rounded to
                        single precision */
     size_t reals, bytes; /* size of the data of the tables written so far: number of reals, and

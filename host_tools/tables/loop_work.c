@@ -80,9 +80,9 @@ double loop_work_selftest(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions that one tick needs to correct late readings: the effect of the
- * voltage changes since the readings were taken is added to them, except for changes on faulty
- * electrodes, which have no effect.
+ * Upper bound of the instructions that one tick needs to correct late readings: it adds to them the
+ * effect of the voltage changes since they were taken. Changes on faulty electrodes have no effect
+ * and are left out.
  */
 double loop_work_delay(const block_counts *of, const loop_processor *on)
 {

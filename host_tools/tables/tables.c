@@ -518,8 +518,9 @@ static void write_sparse(emitter *emitter, const pzs_sparse_influence *sparse)
 }
 
 /*
- * State in a comment and a macro, where the actuators have curves, that the least-squares problem
- * is one for effects, so that the controller is not used without the blocks of these curves.
+ * Where the actuators have curves, state in a comment and by a macro that the least-squares problem
+ * is one for effects, not for voltages. The controller must then not be used without the blocks of
+ * these curves.
  */
 static void write_curve_note(const emitter *emitter, const design *design)
 {
@@ -839,8 +840,8 @@ static void write_head(const emitter *emitter, const analysis *analysis, const c
 }
 
 /*
- * Write preprocessor checks into the header, with which a firmware with the nonlinear solver
- * compiles only with options that suit the tables, such as the precision.
+ * Write preprocessor checks into the header, so that a firmware with the nonlinear solver compiles
+ * only with options that suit the tables, such as the precision.
  */
 static void write_demands(const emitter *emitter, const analysis *analysis)
 {

@@ -282,8 +282,9 @@ static void join(const rows_run *run, uint32_t i)
 }
 
 /*
- * Whether rounding errors explain that a quantity (voltage or limited sum) is outside its bounds by
- * the distance `outside` (V) although it is a linear combination of those kept at their bounds.
+ * Whether it is only a rounding error that a quantity (voltage or limited sum) seems to be outside
+ * its bounds by the distance `outside` (V). The quantity must be a linear combination of those that
+ * are kept at their bounds.
  */
 static bool is_explained(const rows_run *run, pzs_real outside)
 {

@@ -33,8 +33,9 @@
 #define DAMPED_TOLERANCE PZS_R(1e-3)
 
 /*
- * Number that is added under the root in the rounding-error bound of the gradient (m2). Squares of
- * displacements below it lose digits by underflow, so that without it the bound could be too small.
+ * Smallest square of displacements that is safe from underflow (m2). It is added under the root in
+ * the rounding-error bound of the gradient; smaller squares lose digits, by which the bound could
+ * be too small.
  */
 #define SMALLEST_SQUARE PZS_BY_BITS(1e-31f, 1e-292)
 
@@ -310,12 +311,12 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 /*
  * Change the gradient of a tick so that the tick also damps vibration: multiply the gradient by
  * state.share, which slows the approach to the static optimum, and subtract the damping gradient.
- * The changed gradient is that at the base voltages; the optimiser adds the Hessian times the
- * change of the voltages.
+ * The gradient is that at the base voltages; the optimiser adds the Hessian times the change of the
+ * voltages.
  *   damping [inputs] in  damping gradient, which takes energy out of the vibration (m2/V)
  *   missed           in  weighted squared norm of the target error (m2)
- * Returns the scale of the gradient's rounding errors, as a weighted squared norm of a shape (m2):
- * `missed` plus the square of a target error that would cause the largest entry of `damping`.
+ * Returns the new scale of the gradient's rounding errors (m2): `missed`, plus the square of the
+ * target error that would cause a gradient as large as `damping`.
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)

@@ -76,8 +76,8 @@ static inline const pzs_real *effect_of_voltages(const pzs_loop_signals *signals
 }
 
 /*
- * Predict the shape under the present voltages, unless it is that of the last prediction. In a loop
- * with actuator curves it is the shape under the effects of the voltages.
+ * Predict the shape under the present voltages, unless the last prediction is still valid. In a
+ * loop with actuator curves it is the shape under the effects of the voltages.
  */
 static inline void effect_predict(const pzs_loop_signals *signals)
 {

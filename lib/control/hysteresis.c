@@ -236,8 +236,8 @@ static pzs_real follow(pzs_real value, pzs_real middle, pzs_real slack)
 }
 
 /*
- * Return the difference between the slack of play i and that of play i - 1, which play i follows;
- * for play 0, its slack (V). A play is an element with backlash.
+ * Return the slack of play i relative to the play that it follows (V): the difference of the slacks
+ * of play i and play i - 1; for play 0 its own slack. A play is an element with backlash.
  */
 static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 {

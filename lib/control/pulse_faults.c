@@ -905,9 +905,9 @@ static void clear_suspect(pzs_pulse_detector_state *state)
 }
 
 /*
- * Store three numbers that tell whether the suspected electrode is dead or stuck: its voltage, the
- * change of its voltage, and its voltage error (voltage that the readings show minus the given
- * one).
+ * Store three numbers that distinguish a dead from a stuck electrode: voltage, change of the
+ * voltage, and voltage error (voltage that the readings show minus the given one) of the suspected
+ * electrode.
  */
 static void store_loss(pzs_pulse_detector_state *state)
 {

@@ -194,9 +194,9 @@ static void scrub_next_row(pzs_control *control, const pzs_real *table)
     const uint32_t k = control->state.scrub_row < inputs ? control->state.scrub_row : 0;
     const bool is_repaired = scrub_row(control, table, k);
     control->state.scrub_row = (uint16_t)(k + 1u);
-    // Write again the zeros beyond the last input in the rows k, k + inputs, k + 2 inputs and so on
-    // of the workspace, where k is the row of the Hessian that this call has checked; after a
-    // repair, in all rows.
+    // Set the padding behind the entries of all inputs to zero again, as damaged memory may have
+    // changed it: in the rows k, k + inputs, k + 2 inputs and so on of the workspace, where k is
+    // the row of the Hessian that this call has checked. After a repair, do so in all rows.
     const uint32_t first = is_repaired ? 0 : k;
     const uint32_t step = is_repaired ? 1u : inputs;
     clear_padding(control, first, step);

@@ -245,9 +245,9 @@ static uint32_t next_pivot(const rows_run *run)
 }
 
 /*
- * Estimate the rounding error of the pivots in the dual active-set method from the largest absolute
- * diagonal entry of the optimiser's tableau. The tableau is the matrix that gives changes of
- * voltages and limited sums from changes of the multipliers of their limits.
+ * Estimate the rounding error of the pivots in the dual active-set method, in proportion to the
+ * largest absolute diagonal entry of the optimiser's tableau. The tableau is the matrix that gives
+ * changes of voltages and limited sums from changes of the multipliers of their limits.
  */
 static void measure_pivots(const rows_run *run)
 {

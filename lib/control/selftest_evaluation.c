@@ -566,13 +566,13 @@ static void find_similar(pzs_selftest *selftest, const selftest_axis *axis, uint
 
 /*
  * Return how much the measured responses of two amplifiers (or sensors) differ from two modelled
- * responses. Each response is a vector. The result is the sum of two squared sines: of the angle
- * between the measured and the modelled vector of the first amplifier, and of the same angle of the
- * second.
+ * responses. Each response is a vector. The result is the sum of two squared sines: one of the
+ * angle between the measured and the modelled vector of the first amplifier, one of the same angle
+ * of the second.
  *
- * If axis->has_gains, the modelled vectors are already multiplied by the measured gains, so that
- * their lengths count, too. Then the two measured vectors are joined to one long vector and the two
- * modelled ones to another, and the result is the squared sine of the angle between these two.
+ * If the modelled vectors contain the measured gains (axis->has_gains), their lengths count, too:
+ * the result is the squared sine of the angle between both measured vectors, joined to one long
+ * vector, and both modelled ones, joined in the same way.
  *   one   in  comparison of the measured response of the first amplifier (or sensor) with a
  *             modelled response: its own or, to find exchanged cables, that of the second
  *   other in  comparison of the measured response of the second, with its own modelled response or
@@ -743,8 +743,8 @@ static stage_plan plan_of_pair(const pzs_selftest *selftest)
 {
     const pzs_selftest_core *core = &selftest->state.core[0];
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
-    // If there are not more amplifiers than sensors, the amplifiers are examined first, otherwise
-    // the sensors: a fault of one among few changes the responses of the others more.
+    // Begin with the smaller group, amplifiers or sensors (amplifiers if both are equal): if a
+    // group is small, a fault of one member changes the responses of the others more.
     const selftest_axis few = columns.lines <= rows.lines ? columns : rows;
     const selftest_axis many = columns.lines <= rows.lines ? rows : columns;
     const bool is_few = core->pair < few.lines;

@@ -3,15 +3,16 @@
  * Vibration damper: estimates the vibration modes of the structure from the sensor readings, and
  * changes the objective of the control tick so that the voltages damp them.
  *
- * State of a mode with the modal coordinate q and the angular frequency w0; one tick under constant
- * voltages multiplies (d, p) by a 2 x 2 matrix:
+ * A mode has the modal coordinate q, the angular frequency w0 and the state (d, p), which one tick
+ * under constant voltages multiplies by a 2 x 2 matrix:
  *   d = q - g v - w  deviation from static equilibrium
  *   g v              static modal coordinate under the voltages v (g: response per volt)
  *   w                static modal coordinate under the loads
  *   p                velocity / w0
  *
- * An observer of constant gain estimates q, p and w: it corrects the state predicted for the time
- * of the readings, `delay` ticks ago, and predicts the present state from the corrected one.
+ * An observer of constant gain estimates q, p and w. It corrects the state that was predicted for
+ * the time of the readings, `delay` ticks ago, and predicts the present state from the corrected
+ * one.
  *
  * Work of a tick (multiply-adds), besides the optimisation of the voltages: at most
  *   3 * modes * (sensors + outputs) + inputs * (sensors + 2 * modes) + outputs * sensors

@@ -32,8 +32,8 @@ bool pzs_guard_has_fold(void);
 
 /*
  * Reduce `bytes` bytes of data, a multiple of CRC_BLOCK (the bytes of one step) and not zero, to
- * the few bytes (CRC_REST) of `rest`. The CRC-32 of `rest`, begun with 0, is that of the data,
- * begun with `crc`.
+ * the few bytes (CRC_REST) of `rest`. The CRC-32 of `rest` with the start value 0 equals that of
+ * the data with the start value `crc`.
  */
 void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes);
 

@@ -315,8 +315,8 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
 }
 
 /*
- * Factor the diagonal tile of a panel of T = PZS_TILE matrix rows, after all columns on its left
- * have been eliminated.
+ * Factor the diagonal tile of a panel of T = PZS_TILE matrix rows. All columns on its left must
+ * have been eliminated before.
  *   tile    [T][T] in/out  in: entries to factor; out: factor L, with the pivots on the diagonal
  *   least   [rows] in      bound of each pivot; a pivot that is not above its bound counts as zero
  *   inverse [rows] out     reciprocals of the pivots

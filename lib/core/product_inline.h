@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Products of two vectors (product.h) as inline functions, which a file compiled for wider vectors
- * of the processor compiles for these. The bits of the results are the same at any vector width.
+ * Products of two vectors (product.h) as inline functions. A file that is compiled for wider
+ * vectors of the processor includes them, so that they are compiled for these vectors, too. The
+ * bits of the results are the same at any vector width.
  */
 #ifndef PZS_LIB_PRODUCT_INLINE_H
 #define PZS_LIB_PRODUCT_INLINE_H

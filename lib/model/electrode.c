@@ -29,8 +29,9 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs)
     crc = pzs_guard_crc(crc, tables->direct.start,
                         (tables->count + 1u) * sizeof *tables->direct.start);
     /*
-     * A number of entries larger than count * inputs is damaged. The checksum then leaves out the
-     * arrays of entries, whose length is unknown, so that it reads nothing beyond the tables.
+     * More entries than count * inputs are impossible and show damage. The arrays of entries, whose
+     * length is then unknown, are left out of the checksum, so that it reads nothing beyond the
+     * tables.
      */
     if (entries > (uint32_t)tables->count * inputs)
         return crc;
@@ -278,8 +279,9 @@ pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
             per_charge[open] = row[pzs_electrode_open_input(electric->state.tables, open)];
         // Convert the entries per volt on the open electrodes to entries per unit of their charge.
         pzs_linalg_solve(&electric->state.open, per_charge);
-        // Input j at prescribed charges: subtract the outputs per unit of charge, times the charges
-        // that input j would cause on the open electrodes if their voltages were kept.
+        // For each other input j, subtract its effect on the charges of the open electrodes: its
+        // column is then the effect at constant charges. The charges that input j would cause at
+        // constant voltages, times the outputs per unit of charge, are subtracted from its outputs.
         for (uint32_t open = 0; open < electric->state.open.n; open++)
             for (uint32_t j = 0; j < inputs; j++)
                 row[j] -=

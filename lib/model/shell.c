@@ -148,7 +148,8 @@ static void corner_strains(const shape *base, const shell_corner *change,
 
 /*
  * Turn the stresses at a corner of an element into forces that are conjugate to the displacement
- * derivatives along the surface there.
+ * derivatives along the surface there: stresses times a change of the strains equal these forces
+ * times the change of the derivatives.
  *   stress [10] in  stresses conjugate to the strains 11, 22, 33 and 12 (each as mean and
  *                   difference of the two faces), 13 and 23
  */
@@ -435,8 +436,8 @@ static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_
     shell_corner derivative[4], variation[4];
     memset(strain, 0, sizeof(pzs_real[4][10]));
     all_derivatives(type, dof_per_node, displacement, derivative);
-    // Strains are quadratic in the displacement u and zero at 0, so they equal their first
-    // variation at u/2 for the increment u.
+    // Strains are quadratic in the displacement u and zero at 0. They are therefore equal to the
+    // first variation that the increment u causes at the displacement u/2.
     add_variation(type, derivative, (pzs_real)0.5, derivative, strain);
     if (du) {
         all_derivatives(type, dof_per_node, du, variation);

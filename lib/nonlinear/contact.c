@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Contact with a rigid convex body (pzs_nonlinear.h): a primal-dual active-set method with a
- * proximal multiplier, inside Newton's method. A node in contact carries the force f and the
- * stiffness -df/du:
+ * Contact with a rigid convex body (pzs_nonlinear.h), inside Newton's method: a primal-dual
+ * active-set method, whose contact pressure is updated in each linear solve with a penalty
+ * stiffness (proximal multiplier). A node in contact carries the force f and the stiffness -df/du:
  *
- *   f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)
+ *    f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)
  *   w, u    area of the node, its displacement
  *   g, n    gap, gradient of the gap at the deformed position; Hess g: second derivatives
  *   p       contact pressure (negative multiplier): p - e (g + n . d) of the last linear solve

@@ -112,8 +112,8 @@ static pzs_real gap_at(const pzs_contact *contact, const pzs_real position[3], p
 
 /*
  * Return the larger principal curvature (1/m) of the contact body, from the second derivatives of
- * the gap along its surface. It is the larger of their two eigenvalues that are not zero, and
- * follows from trace and Frobenius norm.
+ * the gap along its surface. Their matrix has two eigenvalues that may differ from zero; the larger
+ * one follows from trace and Frobenius norm.
  */
 static pzs_real largest_curvature(const pzs_real hessian[3][3])
 {

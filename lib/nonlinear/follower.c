@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h). At a corner of an
- * element the pressure acts on the loaded face in the direction n. A correction acts on the middle
- * surface in the direction `side`, because the sides of a flat element are inclined to the curved
- * shell at its corners:
+ * element the pressure acts on the loaded face along the normal n of the curved shell. The flat
+ * element is inclined to the shell there. The part of its normal that n leaves out is `side`; the
+ * force in this direction acts on the middle surface:
  *
- *   n = U_1 x U_2  with  U_a = G_a - (g_a . e3) t
+ *    n = U_1 x U_2  with  U_a = G_a - (g_a . e3) t
  *   side = lean_1 t x U_2 + lean_2 U_1 x t
  *   g_a, G_a  undeformed and deformed base vectors of the face in the surface direction a
  *   e3, t     normal and director of the shell
@@ -155,9 +155,10 @@ static void pressure_force(const pzs_follower *load, const pressed_element *elem
 }
 
 /*
- * Add the force of the follower pressure at one corner, `part` times its direction, to the force
- * [24] on the element, in the six rows of the corner `loaded_corner`. The derivatives of the force
- * with respect to the displacement are added to slope [24][24], which may be NULL.
+ * Add to the force [24] on an element the force of the follower pressure at one corner, `part`
+ * times its direction. It acts on the six degrees of freedom of the corner `loaded_corner`. The
+ * derivatives of this force with respect to the displacement are added to slope [24][24], which may
+ * be NULL.
  */
 static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load,
                              pzs_real height, unsigned corner, unsigned loaded_corner,

@@ -24,8 +24,8 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 }
 
 /*
- * Compute the force that replaces a prescribed motion of some degrees of freedom, per unit of the
- * input that prescribes the motion.
+ * Compute the force that has the same effect as the prescribed motion of some degrees of freedom,
+ * per unit of the input that prescribes the motion.
  *   force [free_dof] in/out  in: zero; out: force (N and N m)
  */
 static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)

@@ -478,11 +478,11 @@ static int pair_of(int node, int other)
 }
 
 /*
- * Add the contribution of one in-plane stress at a corner (11, 22 or 12) to the geometric stiffness
- * between two nodes of an element: left_map^T right_map, times stress.mean, stress.cross and
- * stress.diff, is added to pair->mean, pair->cross and pair->diff.
- *   left_map  [3][3] in derivative of the displacement at the corner along the first direction of
- *             the stress (1 for stress 12), per unit displacement of the first node
+ * Add to the geometric stiffness between two nodes of an element what one in-plane stress (11, 22
+ * or 12) at a corner contributes. With P = left_map^T right_map, it adds stress.mean * P to
+ * pair->mean, stress.cross * P to pair->cross, and stress.diff * P to pair->diff.
+ *   left_map  [3][3] in  derivative of the displacement at the corner along the first direction of
+ *                        the stress (1 for stress 12), per unit displacement of the first node
  *   right_map [3][3] in  derivative along the second direction (2 for stress 12), per unit
  *                        displacement of the second node
  */
