@@ -22,9 +22,9 @@ double corner_jacobian(const laminate_place *place, int corner);
 double corner_share(const laminate_place *place, int corner);
 
 /*
- * Return how much an integral exceeds its value on a parallelogram: the integral, over the element,
- * of the product of two corners' shape functions, divided by the element's area. On a parallelogram
- * it is 4/36 for one corner, 2/36 for neighbouring and 1/36 for opposite corners.
+ * Take the integral, over an element, of the product of two corners' shape functions, divided by
+ * the element's area. Return the difference of this number from its value on a parallelogram, which
+ * is 4/36 for one corner with itself, 2/36 for neighbouring and 1/36 for opposite corners.
  */
 double corner_pair_excess(const laminate_place *place, int first, int second);
 

@@ -704,9 +704,9 @@ static bool is_temperature(const laminate_field *field)
 }
 
 /*
- * Return the stress of a ply at zero strains per unit of an electric field, in the axes of the
- * shell (six numbers). The electric field is a voltage across the ply (Pa/V), or a field along the
- * surface (C/m2).
+ * Return the stress in a ply, with zero strains, that a unit of an electric field causes, in the
+ * axes of the shell (six numbers). The electric field is a voltage across the ply (Pa/V), or a
+ * field along the surface (C/m2).
  */
 static const double *electric_stress_of(const laminate_ply *ply, const laminate_field *field)
 {
@@ -714,9 +714,9 @@ static const double *electric_stress_of(const laminate_ply *ply, const laminate_
 }
 
 /*
- * Return the stress of a ply at zero strains per unit of a load, in the axes of the shell (six
- * numbers). The load is a voltage across the ply (Pa/V), an electric field along the surface (C/m2)
- * or a temperature (Pa/K).
+ * Return the stress in a ply, with zero strains, that a unit of a field causes, in the axes of the
+ * shell (six numbers). The field is a voltage across the ply (Pa/V), an electric field along the
+ * surface (C/m2) or a temperature (Pa/K).
  */
 static const double *field_stress_of(const laminate_ply *ply, const laminate_field *field)
 {

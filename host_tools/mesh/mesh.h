@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mesh of a scene: nodes, elements, element types and numbers of the free dof. On mesh lines, nodes
- * are numbered fastest along theta2; free dof along the direction with the narrower band, for a
- * small envelope. If the other direction is closed, its n mesh lines follow in the order 0, n-1, 1,
- * n-2...
+ * are numbered fastest along theta2. Free dof are numbered fastest along the direction that gives
+ * the stiffness matrix the narrower band. If the mesh is closed in the other direction, as around a
+ * cylinder, its n mesh lines follow in the order 0, n-1, 1, n-2...
  */
 #ifndef MESH_H
 #define MESH_H

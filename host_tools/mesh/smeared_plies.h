@@ -10,8 +10,8 @@
 #include "laminate.h"
 
 /*
- * Take the patches with smeared stiffness into the description of an element: set present_plies
- * and `absent` of the plies that these patches cover, at least in part.
+ * Set the members `present_plies` and `absent` of an element's description for those plies that
+ * patches with smeared stiffness cover, at least in a part of the element.
  */
 void smeared_plies_set(laminate_place *place, const scene *scene, int element);
 

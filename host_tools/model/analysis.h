@@ -111,8 +111,8 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
  * Compute the displacement under the scene's loads and applied voltages from the reference state.
  * With kinematics `auto` it is the linear one if that agrees with the nonlinear one within the
  * scene's tolerance (analysis->is_nonlinear).
- *   displacement [free_dof] out  displacement of the structure; the last equilibrium where the load
- *       steps end before the full load, of which `error` then tells
+ *   displacement [free_dof] out  displacement of the structure. If the load steps end before the
+ *       full load, it is that of the last equilibrium, and `error` says so
  * Returns 0, or -1 with error filled.
  */
 int analysis_solve(analysis *analysis, double *displacement, char *error);

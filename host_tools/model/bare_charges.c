@@ -104,7 +104,7 @@ static void add_temperatures(const design *design, int layer, int element, doubl
  * Add the capacitances between the nodes on bare faces (without electrodes) of two layers, in one
  * element, to the matrix of charges: charge at each node of `layer` per volt at each node of
  * `other`.
- *   dense in/out  matrix of charges, as for bare_charges_add
+ *   dense [electrodes and potentials][inputs] in/out  charges (C) per unit of each input
  */
 static void add_pair(const design *design, int layer, int other, int element, double *dense)
 {

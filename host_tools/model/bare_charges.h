@@ -25,7 +25,7 @@ void bare_charges_add(const design *design, int element, double *dense);
  *   factor in     voltage across the ply per volt of the electrode, times the covered fraction of
  *       the element's area
  *   row    in     row of the electrode in `dense`
- *   dense [electrodes][inputs] in/out  charges, as for bare_charges_add
+ *   dense [electrodes and potentials][inputs] in/out  charges (C) per unit of each input
  */
 void bare_charges_add_electrode(const design *design, int element, int ply, double factor, int row,
                                 double *dense);
@@ -36,7 +36,7 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
  *   factor in  temperature of the ply per kelvin of the heater, times the covered fraction of the
  *       element's area
  *   input  in  column of the heater in `dense`
- *   dense [electrodes][inputs] in/out  charges, as for bare_charges_add
+ *   dense [electrodes and potentials][inputs] in/out  charges (C) per unit of each input
  */
 void bare_charges_add_heater(const design *design, int element, int ply, double factor, int input,
                              double *dense);

@@ -24,9 +24,10 @@ typedef struct spectrum {
     size_t pokes, actuators, outputs; /* pokes (shapes measured under known voltages) after
                                          poke_reduction.h has combined them to at most as many as
                                          there are actuators */
-    size_t measured;  /* pokes (shapes measured under known voltages) as they were measured, before
-                         they were combined to fewer ones */
-    double rest;      /* sum of the squares of the shapes that no influence matrix explains */
+    size_t measured; /* pokes (shapes measured under known voltages) as they were measured, before
+                        they were combined to fewer ones */
+    double rest; /* sum of the squares of the part of the measured shapes that no influence matrix
+                    explains */
     double *vector;   /* [measurements][measurements] eigenvectors of V V' as columns, where V
                          [measurements][actuators] holds the voltages of all measured shapes */
     double *value;    /* [measurements] eigenvalues of V V', where V [measurements][actuators] holds
@@ -94,7 +95,10 @@ static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
         spectrum->value[poke] = fmax(gram[poke * count + poke], 0);
 }
 
-/* Sum of the squares of the measured shapes that no influence matrix explains. */
+/*
+ * Return the sum of the squares of the rows `rest` of reduced pokes: the part of the measured
+ * shapes that no influence matrix explains, such as noise.
+ */
 static double rest_of(const poke_reduction *reduction)
 {
     double sum = 0;

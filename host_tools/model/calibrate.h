@@ -50,18 +50,18 @@ void calibration_free(calibration *result);
 double calibration_predict(const pokes *pokes, const double *influence, size_t poke, size_t output);
 
 /*
- * Standard deviation of the noise of one output, from what the influence matrix leaves of its
- * readings. Few pokes tell little of one output: the noise of all outputs counts as much as
- * NOISE_POKES readings that no actuator explains. Where the pokes are too few, it is that of all
- * outputs, which may be NAN.
+ * Return the standard deviation of the noise of one output: root mean square of its readings minus
+ * those that the influence matrix predicts. With few pokes this is inaccurate. The result is
+ * therefore a mean, in which the noise of all outputs has the weight of NOISE_POKES further pokes.
+ * If the pokes leave no information on noise, it is the noise of all outputs, which may be NAN.
  */
 #define NOISE_POKES 4
 double calibration_output_noise(const calibration *result, const pokes *pokes, size_t output);
 
 /*
- * Standard error of one entry of the influence matrix, in the unit of the outputs per volt: that of
- * its column, where the noise of its output is known times this noise over the noise of all
- * outputs.
+ * Return the standard error of one entry of the influence matrix, in the unit of the outputs per
+ * volt. It is the standard error of the column. If the noise is known, it is multiplied by the
+ * noise of the entry's output over the noise of all outputs.
  */
 double calibration_entry_error(const calibration *result, const pokes *pokes, size_t output,
                                size_t actuator);

@@ -21,20 +21,19 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Transition matrix of a control loop, while it is filled: it gives the states just before a tick
- * from those just before the tick before. Terms:
+ * Transition matrix of a control loop, while it is filled. It maps the states just before one tick
+ * to the states just before the next tick. Terms:
  *   correction         voltages that the controller subtracts in answer to a measurement; the
- *                      commanded voltages are minus the correction for the measurement `delay`
- *                      ticks before
+ *       commanded voltages are minus the correction for the measurement `delay` ticks before
  *   static coordinate  of a vibration mode under some voltages: modal coordinate in equilibrium
- *                      under them, according to the model
+ *       under them, according to the model
  * States, each for all modes in turn:
  *   e       deviation of the modal coordinate from equilibrium under the mean output voltages
  *   p       modal velocity divided by the angular frequency
  *   h       [delay + 1] static coordinates under the corrections for the last delay + 1
- *           measurements, newest first
+ *       measurements, newest first
  *   output  only where the amplifiers lag: static coordinates under their output voltages at the
- *           tick, and under their mean output voltages in the interval before it
+ *       tick, and under their mean output voltages in the interval before it
  */
 typedef struct transition {
     const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the static coordinate of
@@ -76,9 +75,9 @@ static void add_measured(const transition *transition, double *row, size_t i, do
 
 /*
  * Add to a row of the transition matrix `factor` times the static coordinate (modal coordinate in
- * equilibrium) of vibration mode i under the voltages commanded at the coming tick. The controller
- * now answers the measurement `delay` ticks before, so this is minus the static coordinate under
- * its correction for that measurement.
+ * equilibrium) of vibration mode i under the voltages commanded at the coming tick. The commanded
+ * voltages are minus the controller's correction for the measurement `delay` ticks before. The
+ * static coordinate under this correction is a state.
  */
 static void add_command(const transition *transition, double *row, size_t i, double factor)
 {
@@ -485,8 +484,8 @@ static void load_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 }
 
 /*
- * Append the sentence that says how fast the control loop follows what the observed modes do not
- * explain.
+ * Append the sentence that says how fast the control loop follows the part of the readings that the
+ * observed modes do not explain.
  */
 static void residual_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {

@@ -27,9 +27,10 @@ static bool belongs(const pzs_modal_gains *gains, size_t mode, const members *gr
 }
 
 /*
- * List the groups: that of what is not in the modes, then those of the modes in their order.
- *   list [modes + 1] out
- * Returns their number, with that of gain 0 and leak 0.
+ * List the groups of voltages: first the group of the voltages that belong to no mode, then the
+ * groups of modes, in the order of the modes.
+ *   list [modes + 1] out  groups
+ * Returns the number of groups; a group with gain 0 and leak 0 counts, too.
  */
 static size_t list_members(const pzs_modal_gains *gains, members *list)
 {
@@ -61,7 +62,8 @@ static size_t size_of(const members *group, const pzs_modal_gains *gains, size_t
 }
 
 /*
- * Static coordinate of a vibration mode under the voltages of a mode with a gain.
+ * Return the static coordinate of a vibration mode under the voltages of mode number `mode` of the
+ * gains.
  */
 static double shape_of(const pzs_modal_gains *gains, const certificate_answers *answers,
                        size_t vibration, size_t mode)
@@ -73,7 +75,10 @@ static double shape_of(const pzs_modal_gains *gains, const certificate_answers *
     return sum;
 }
 
-/* Coordinate of a mode with a gain under the voltages of a step for a vibration mode. */
+/*
+ * Return the component, along mode number `mode` of the gains, of the voltages that a step with
+ * gain 1 and leak 0 subtracts for a measured unit of a vibration mode.
+ */
 static double answer_of(const pzs_modal_gains *gains, const certificate_answers *answers,
                         size_t mode, size_t vibration)
 {
@@ -97,7 +102,7 @@ static double whole_of(const certificate_answers *answers, size_t i, size_t j)
     return sum;
 }
 
-/* Add `factor` times the part of one mode to the loop matrix of a group. */
+/* Add to the loop matrix of a group `factor` times the contribution of the voltages of one mode. */
 static void add_mode(const pzs_modal_gains *gains, const certificate_answers *answers, size_t mode,
                      double factor, double *matrix)
 {
@@ -110,8 +115,9 @@ static void add_mode(const pzs_modal_gains *gains, const certificate_answers *an
 }
 
 /*
- * Fill a group whose coordinates are the static coordinates of the vibration modes: the answer is
- * its loop matrix.
+ * Fill a group whose coordinates are the static coordinates of all vibration modes under its
+ * voltages. The matrix `shape` is then the unit matrix, and `answer` is the loop matrix of the
+ * group.
  */
 static void fill_matrix(certificate_group *group, const members *of, const pzs_modal_gains *gains,
                         const certificate_answers *answers)
@@ -129,7 +135,10 @@ static void fill_matrix(certificate_group *group, const members *of, const pzs_m
     }
 }
 
-/* Fill a group whose coordinates are those of its modes. */
+/*
+ * Fill a group whose coordinates are the components of its voltages along its modes (voltage
+ * patterns with gains of their own).
+ */
 static void fill_modes(certificate_group *group, const members *of, const pzs_modal_gains *gains,
                        const certificate_answers *answers)
 {
@@ -192,9 +201,10 @@ void certificate_groups_free(certificate_groups *groups)
 /* ---- transition matrix -------------------------------------------------------- */
 
 /*
- * Number of states for each coordinate of a group: its present value, those that answer to the last
- * `delay` measurements, and with a lag of the amplifiers their output at the tick and its mean in
- * the interval before.
+ * Return the number of states for each coordinate of a group: the coordinate of the commanded
+ * voltages; what each of the last `delay` measurements asks the step to subtract; and, if the
+ * amplifiers lag, the coordinates of their output at the tick and of its mean in the interval
+ * before.
  */
 static size_t states_of(const certificate_conditions *conditions)
 {
@@ -216,8 +226,9 @@ size_t certificate_groups_order(const pzs_modal_gains *gains, size_t modes, size
 }
 
 /*
- * Transition matrix over one tick while it is filled. Its states are the deviation from equilibrium
- * and the velocity of each vibration mode, then those of the coordinates of each group.
+ * Transition matrix of the loop over one tick, while it is filled. States: the deviation of each
+ * vibration mode from equilibrium, the velocity of each vibration mode, then the states of each
+ * coordinate of each group (states_of).
  */
 typedef struct transition {
     const certificate_groups *groups;
@@ -226,9 +237,11 @@ typedef struct transition {
     double kept, behind; /* The output of an amplifier follows its command with a first-order lag.
                             kept: fraction of their difference that is left at the end of a tick
                             interval; behind: mean of this fraction over the interval */
-    double *matrix;      /* [order][order] */
-    double *change;      /* [modes][order] change of the equilibrium of each vibration mode */
-    double *measured;    /* [order] work row */
+    double *matrix;      /* [order][order] transition matrix, row by row */
+    double *change; /* [modes][order] change of the equilibrium of each vibration mode at the tick,
+                       as factors of the states */
+    double *measured; /* [order] work row: what the measurement of the tick asks the step to
+                         subtract from one coordinate */
 } transition;
 
 /*
@@ -243,7 +256,10 @@ static size_t state_of(const transition *transition, size_t group, size_t part, 
     return first + part * transition->groups->group[group].size + i;
 }
 
-/* Fill a row with the coordinate that the measurement of this tick asks the step to subtract. */
+/*
+ * Fill a row with the factors of the states that give what the measurement of this tick asks the
+ * step to subtract from coordinate i of a group.
+ */
 static void measure(const transition *transition, size_t group, size_t i, double *row)
 {
     const certificate_group *of = &transition->groups->group[group];
@@ -296,8 +312,9 @@ static void fill_command(const transition *transition, size_t group, size_t i)
 }
 
 /*
- * Fill the rows of the output of an amplifier and of its mean in the coming interval, and add the
- * change of this mean to the change of the equilibrium.
+ * Fill the rows of the transition matrix for the output of lagging amplifiers at the coming tick,
+ * and for the mean output in the interval before it. Also add the effect of the mean output to the
+ * change of the equilibrium.
  */
 static void fill_output(const transition *transition, size_t group, size_t i)
 {

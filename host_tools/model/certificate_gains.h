@@ -16,9 +16,9 @@
 #include "modal_gains.h"
 
 /*
- * What the voltages of one gain and leak do. Their coordinates are those of the modes (shapes with
- * gains of their own), or, where that is fewer, the static coordinates of the vibration modes under
- * these voltages.
+ * Voltages with one gain and one leak, described by coordinates: their components along the modes
+ * (voltage patterns with gains of their own), or the static coordinates of the vibration modes
+ * under these voltages if these are fewer.
  */
 typedef struct certificate_group {
     double gain, leak;
@@ -37,15 +37,19 @@ typedef struct certificate_groups {
                                  never change, have no group */
 } certificate_groups;
 
-/* Model of the loop without gains, for its amplifiers that are not held at one voltage. */
+/*
+ * Model of the control loop for gain 1 and leak 0 of all voltages. Amplifiers that are held at one
+ * voltage are left out.
+ */
 typedef struct certificate_answers {
-    size_t modes, moving;    /* number of vibration modes, and of these amplifiers */
+    size_t modes, moving; /* number of vibration modes, and number of amplifiers that are not held
+                             at one voltage */
     const size_t *amplifier; /* [moving] indices of the amplifiers that are not held at one voltage
                               */
     const double *modal_response; /* [modes][moving] static coordinate of each vibration mode per
                                      volt */
-    const double *answer; /* [modes][moving] voltages that a step without gains subtracts for a
-                             measured unit of each vibration mode */
+    const double *answer; /* [modes][moving] voltages (V) that a step subtracts for a measured unit
+                             of each vibration mode */
 } certificate_answers;
 
 /*

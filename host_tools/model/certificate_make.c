@@ -53,9 +53,10 @@ static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 static const double responses[] = {0.8, 1, 1.33}, lowest_frequency = 0.9;
 
 /*
- * Natural frequencies, relative to the model's, of the structures on which a loop with amplifier
- * lag must be stable. The lag is why higher frequencies need a test of their own: they do not act
- * like a lower tick rate, because the time constant of the amplifiers stays the same.
+ * Natural frequencies, relative to the model's, of the structures on which a loop must be stable if
+ * its amplifiers lag. Without lag, a structure with higher frequencies acts like the model at a
+ * lower tick rate and needs no test. With lag it does not, because the time constant of the
+ * amplifiers stays the same.
  */
 static const double frequencies[] = {1, 0.9, 1.1};
 
@@ -396,8 +397,9 @@ static void assess_step(certificate *certificate, const gains *gains, const asse
 }
 
 /*
- * Return the largest number of vibration modes with which the loop has at most STATE_LIMIT states;
- * 0 where a loop with gains of modes has more with a single one.
+ * Return the largest number of vibration modes with which the transition matrix of the loop has at
+ * most STATE_LIMIT states; 0 if a loop with gains of modes exceeds this limit even with one
+ * vibration mode.
  */
 static int most_modes(const certificate *certificate, const design *design)
 {

@@ -105,8 +105,8 @@ typedef struct slopes {
 } slopes;
 
 /*
- * Widen a range of slopes by the mean slopes of an amplifier's curve in the hundredths of its
- * voltage range.
+ * Widen the range of slopes by those of an amplifier's curve: its voltage range is divided into a
+ * hundred parts, and the mean slope in each part, relative to that of the whole range, is included.
  */
 static void add_slopes(const design *design, int amplifier, slopes *found)
 {

@@ -14,7 +14,10 @@
 /* Whether the scene gives curves of its actuators. */
 bool curves_are_used(const design *design);
 
-/* Return the curves of the scene as a simulated plant without errors has them. */
+/*
+ * Return the curves of a simulated plant whose actuators behave exactly as the scene states,
+ * without errors.
+ */
 actuator_curves curves_of(const design *design);
 
 /*
@@ -44,8 +47,8 @@ void curves_narrow(const design *design, double *lower, double *upper);
 void curves_limits(const design *design, const double *limit, double *effect);
 
 /*
- * Compute the voltages inside limits that have given effects, as the controller computes them. An
- * effect at that of a limit gives exactly the limit.
+ * Compute the voltages inside limits that have given effects, with the arithmetic of the
+ * controller. If an effect is that of a voltage limit, the result is exactly this limit.
  *   effect       [amplifiers] in   wanted effects (V)
  *   lower, upper [amplifiers] in   voltage limits (V)
  *   voltage      [amplifiers] out  voltages (V); may be the array of the effects

@@ -284,9 +284,10 @@ int design_pieces(const design *design, const scene_patches *patches, int electr
                   bool draws_outline, outline_draw *draw, void *context);
 
 /*
- * Index of the value that belongs to a controlled displacement (target row), in lists of values
- * that the scene file gives. For a measured influence matrix this is the index of the row in the
- * matrix file, in which other rows may be ignored.
+ * Return the index at which the lists of the scene file (values of the target, for example) hold
+ * the value for a controlled displacement (target row). For a measured influence matrix this is the
+ * number of the row in the matrix file, because lists have values also for rows that the scene
+ * ignores.
  */
 int design_row(const design *design, int target);
 

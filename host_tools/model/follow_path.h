@@ -21,9 +21,10 @@ int load_path_follow(load_path *path, analysis *analysis, char *error);
 /*
  * Compute the load path as load_path_follow does, but leave it at a bifurcation and follow the
  * branch that begins there.
- *   branch in  number of the bifurcation, 1 for the first, along its mode (path_branch.h);
- * negative: against its mode; 0: stay on the path A path without this bifurcation, or on whose mode
- * no equilibrium is found, is kept as one that ends early. Returns 0, or -1 with error filled.
+ *   branch in  number of the bifurcation, 1 for the first. Positive: leave along its mode
+ *       (path_branch.h); negative: opposite to its mode; 0: stay on the path
+ * If the path has no such bifurcation, or no equilibrium is found along the mode, the path ends
+ * early: is_complete is 0, and `error` says why. Returns 0, or -1 with error filled.
  */
 int load_path_follow_branch(load_path *path, analysis *analysis, int branch, char *error);
 

@@ -21,8 +21,8 @@ typedef struct linearised {
 
 /*
  * Compute the tangent stiffness matrix and the forces of all inputs at the equilibrium of a solver.
- * Compute the influence matrix there before, because the factors in the solver's model are
- * overwritten.
+ * This overwrites the factors of the tangent stiffness in the solver's model, so the influence
+ * matrix at this equilibrium must be computed before.
  *   solver in/out  equilibrium solver of the structure, at an equilibrium
  * Returns whether memory sufficed; call linearised_free in either case.
  */

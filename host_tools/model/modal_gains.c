@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tables of the gains and leaks of modes (modal_gains.h). H is the Hessian of the voltage
- * optimisation problem, B'W^2 B + regularisation I, over the amplifiers that can move. The modes
- * are the voltages p_k with p_i'H p_k = 1 for i = k and else 0:
+ * optimisation problem, B'W^2 B + regularisation I, over the amplifiers that are not held at one
+ * voltage. A mode is a vector p_k of voltages. The modes are orthonormal in H: p_i'H p_k is 1
+ * if i and k are equal, otherwise 0. They are
  *   - eigenvectors of B'W^2 B, which are the right singular vectors of W B;
  *   - or least-squares voltages for the functions of the scene, orthonormalised in their order.
  */
@@ -24,13 +25,16 @@ enum {
 };
 
 /*
- * Smallest part of a function that the modes before it must leave, and smallest part that the
- * actuators must be able to make; below, the function is refused. Both are norms over that of the
- * function.
+ * A function of the scene is refused as a mode in two cases. The remainder of its voltages, after
+ * removal of the components along earlier modes, has less than least_part of its norm. Or the
+ * actuators can make less than least_made of the function (norm over that of the function).
  */
 static const double least_part = 1e-6, least_made = 1e-3;
 
-/* Smallest eigenvalue of a mode over the largest, in units of DBL_EPSILON times their number. */
+/*
+ * Rank test: an eigenvalue counts as 0 if it is below this number times DBL_EPSILON times the
+ * number of eigenvalues, relative to the largest eigenvalue.
+ */
 static const double rank_floor = 16;
 
 /* Smallest diagonal term, over the mean diagonal entry, that keeps the Hessian invertible. */
@@ -173,8 +177,9 @@ static bool factor_hessian(builder *builder)
 }
 
 /*
- * Compute the least-squares voltages of a function at the target nodes, in builder->column. Returns
- * the norm of the misfit over that of the function; 1 for a function that is 0 at all nodes.
+ * Compute the voltages that approximate a function, given by its values at the target nodes in
+ * builder->column, by least squares. Returns the norm of the misfit over that of the function; 1
+ * for a function that is 0 at all nodes.
  */
 static double fit(builder *builder, double *voltage)
 {
@@ -415,7 +420,10 @@ double modal_gains_growth(double gain, double leak, int delay)
     return most;
 }
 
-/* Whether a mode comes to rest, or stays where it is because it has neither gain nor leak. */
+/*
+ * Return whether the error of a mode decays from tick to tick. A mode with gain 0 and leak 0, whose
+ * voltages never change, counts as stable, too.
+ */
 static bool is_stable(double gain, double leak, int delay)
 {
     return (!(gain > 0) && !(leak > 0)) || modal_gains_growth(gain, leak, delay) < 1;

@@ -30,8 +30,8 @@ static bool is_strong(const scene *scene, const scene_material *material)
 }
 
 /*
- * Return the depolarisation field of material k (V/m) in found->value, for a plausibility rule;
- * without one, or where the rule does not apply, the value is unchanged.
+ * Measure the depolarisation field of material k (V/m), for a plausibility rule. found->value is
+ * set only if the material has such a field and the rule applies to it; otherwise it stays NAN.
  *   wants_strong in  true: the rule applies to materials with large transverse piezoelectric
  *       constants (is_strong); false: to the others
  * Returns 0 if there is no material k, otherwise 1.

@@ -20,8 +20,8 @@ int measure_theory(const subject *of, int k, measured *found)
 }
 
 /*
- * Measure how little the strains of bent cross-sections converge, where they were left out and are
- * not negligible.
+ * Measure how badly the strains of bent cross-sections converge, if the stresses leave them out for
+ * this reason although they are not negligible.
  */
 int measure_bend(const subject *of, int k, measured *found)
 {

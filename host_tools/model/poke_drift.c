@@ -32,9 +32,10 @@ typedef struct estimate {
      * of a trend is 0 if the voltages explain the trend
      */
     double *trend;
-    double scale[TRENDS]; /* component of each trend along its own vector in `trend`: of the
-                             constant, and of the linear drift (number of the measurement); 0: the
-                             measurements do not determine it */
+    double scale[TRENDS]; /* norm of each trend (constant, linear drift) after it was made
+                             orthogonal to the voltages and to the trend before it, by which its
+                             vector in `trend` was divided; 0: the measurements do not determine the
+                             trend */
     double mixed;   /* component of the linear drift (numbers 0, 1, 2 ... of the measurements) along
                        the constant trend, before it was removed to make the two vectors in `trend`
                        orthogonal */

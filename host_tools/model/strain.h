@@ -23,8 +23,8 @@ enum { STRAIN_QUADRATIC = 10, STRAIN_COUNT = 13 };
  *   is_nonlinear in   true: Green's strains, quadratic in the displacement; false: their linear
  *       part
  *   strain [13]  out  mean and difference of both faces for the strains 11, 22, 33 and 12; strains
- *       13 and 23; coefficients of the squared height in the strains 11, 22 and 12 (1/m2; in the
- *       linear part as in laminate_heights)
+ *       13 and 23; coefficients of the squared height in the strains 11, 22 and 12 (1/m2). The
+ *       linear part of these coefficients follows from the matrices in laminate_heights
  */
 void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
                        double strain[STRAIN_COUNT]);

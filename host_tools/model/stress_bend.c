@@ -87,9 +87,9 @@ static void unit_stress(const stress_field *field, const stencil *stencil, doubl
 }
 
 /*
- * Subtract from the displacement of a cross-section along one direction the part a + b z with which
- * the element moves: what remains has no work with the stresses of a unit force and of a unit
- * bending moment along this direction.
+ * Subtract from the displacement of a cross-section along one direction a straight line a + b z,
+ * the part that the element itself can make. The line is chosen so that the remainder does no work
+ * on the stresses of a unit force and of a unit bending moment along this direction.
  */
 static void remove_straight(const stress_field *field, const stencil *stencil, double flex[6][6],
                             int direction, double *along)
@@ -114,10 +114,10 @@ static void remove_straight(const stress_field *field, const stencil *stencil, d
 
 /*
  * Compute the in-plane displacement w_a of the bent cross-section of an element from its transverse
- * shear strains and the gradient of the rise w_3. With c_a, the length along direction a at a
- * height relative to that in the reference surface, w_a/c_a is the integral over the height of
- * (shear strain a3 - w_3,a/c_a)/c_a, from the inner face. all [elements] in/out  `rise` must be
- * known
+ * shear strains and the gradient of the displacement w_3 along the normal. With c_a, the length
+ * along direction a at a height relative to that in the reference surface, w_a/c_a is the integral
+ * over the height of (shear strain a3 - w_3,a/c_a)/c_a, from the inner face.
+ *   all [elements] in/out  in: w_3 (member `rise`) of all elements; out: w_a of this element
  */
 static void fill_bend(const stress_field *field, const stencil *stencil, section *all)
 {

@@ -88,11 +88,11 @@ static int uniform_flexibility(const stress_field *field, int element, double fl
 }
 
 /*
- * Compute the shear strains that the theory of an element leaves out, in its shell axes: those of
- * the recovered shear stresses less those that follow from its shear stiffness. Returns 0, or -1 if
- * the plies cannot carry shear.
- *   contrast in/out  largest ratio so far of the shear flexibility from equilibrium to that of the
- *                    element
+ * Compute the mean shear strains 13 and 23 that an element leaves out, in its shell axes: strains
+ * of the recovered shear stresses minus strains that follow from its shear forces and its shear
+ * flexibility. Returns 0, or -1 if the plies cannot carry shear.
+ *   contrast in/out  largest ratio so far, over the elements, of the shear flexibility from
+ *       equilibrium to that of the element
  */
 static int lacking_shear(const stress_field *field, int element, double lacking[2],
                          double *contrast)
@@ -123,10 +123,11 @@ static int lacking_shear(const stress_field *field, int element, double lacking[
 }
 
 /*
- * Add prescribed stress resultants to those of an element: minus its stiffness times the shear
- * strains that its theory leaves out.
+ * Add stress resultants to those of the correction for an element: minus the element's stiffness
+ * times the shear strains that it leaves out (lacking_shear).
  *   resultant [10] in/out  resultants per area (N/m)
- *   contrast       in/out  as in lacking_shear
+ *   contrast       in/out  largest ratio so far, over the elements, of the shear flexibility from
+ *       equilibrium to that of the element
  */
 static void add_shear(const stress_field *field, int element, double resultant[10],
                       double *contrast)
@@ -251,10 +252,12 @@ static void fill_element(const stress_field *field, int element, stress_correcti
 
 /*
  * Compute the correction of a displacement from the stresses recovered from it, and the estimated
- * error of the displacement (field->theory_error). Returns whether the correction may be used. A
- * shear strain that the structure prescribes, as in a corner between two clamped edges, is wrong by
- * the contrast of both flexibilities after the correction, which assumes that the shear forces stay
- * nearly the same.
+ * error of the displacement (field->theory_error). Returns whether the correction may be used.
+ *
+ * The correction assumes that the shear forces stay nearly the same. Where the structure prescribes
+ * a shear strain instead, as in a corner between two clamped edges, the corrected shear strain is
+ * wrong by the factor `contrast`: the shear flexibility from equilibrium over that of
+ * the element. Laminates with a large contrast are therefore left uncorrected.
  */
 static bool fill_correction(stress_field *field, const pzs_model *model,
                             stress_correction *correction)

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Stresses with a displacement that is corrected for what the theory of the elements leaves out.
- * The elements assume straight cross-sections, a transverse shear stiffness, and one normal stress
- * 33 of all plies. The recovered stresses show how far this is wrong, as strains and resultants
- * that the elements lack:
+ * Stresses of a structure whose displacement is corrected for assumptions of the elements: straight
+ * cross-sections, a transverse shear stiffness, and one normal stress 33 of all plies. The
+ * recovered stresses show strains and resultants that the elements leave out:
  *   shear       g_i = integral of P_ji e_j3 over the thickness - Q_i/K
  *   resultants  N_ab, M_ab = integrals of s_ab (1, z)
  *     P_ji      shear stress j3 in equilibrium with a moment of unit gradient i (laminate_shear.h)
  *     e_j3      shear strains of the recovered shear stresses
  *     Q, K      shear forces and shear stiffness of the element
  *     s_ab      in-plane stresses of bent cross-sections, and those that the normal stress 33 at
- *               each height causes (stress_warp.h)
- * They are prescribed to the elements like those of a temperature, and the displacement that they
- * cause is added. With it the stresses are recovered once more. Two consequences: the stresses do
+ *         each height causes (stress_warp.h)
+ * Both are prescribed to the elements like those of a temperature. The displacement that they cause
+ * is added, and the stresses are recovered once more. This has two consequences. The stresses do
  * not depend on whether the elements have a uniform shear strain or a shear stiffness from
- * equilibrium, and the change of the displacement says by how much the theory errs. Where
- * equilibrium makes a laminate more than three times as flexible in shear as its elements are, as a
- * sandwich, or the stresses of bent cross-sections do not converge, the stresses remain those of
- * the given displacement.
+ * equilibrium. And the change of the displacement is an estimate of its error.
+ *
+ * The displacement is not corrected in two cases: equilibrium makes a laminate more than three
+ * times as flexible in shear as its elements are, as in a sandwich, or the stresses of bent
+ * cross-sections do not converge.
  */
 #ifndef STRESS_CORRECTED_H
 #define STRESS_CORRECTED_H

@@ -607,7 +607,10 @@ static bool allocate(stress_field *field)
            field->node_element;
 }
 
-/* Fill stress_sample.balanced. */
+/*
+ * If the displacement was corrected, copy the stresses of the correction to the member `balanced`
+ * of all samples.
+ */
 static void fill_balanced(stress_field *field)
 {
     const int samples = field->elements * field->layers * STRESS_HEIGHTS;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Stresses and strains of a solved structure at the centres of its elements, recovered from its
- * displacement on the host; at large rotations Green's strains and second Piola-Kirchhoff stresses,
- * in the directions of the undeformed shell.
+ * displacement on the host. At large rotations they are Green's strains and second Piola-Kirchhoff
+ * stresses, in the directions of the undeformed shell.
  *   in-plane strains   linear through the thickness, with the exact lengths at each height of a
- *       curved shell, and those of cross-sections that shear bends (stress_warp.h); with linear
- *       kinematics of a displacement that is corrected for them (stress_corrected.h)
- *   thickness strain   linear, or with the element option lin33 that of each ply under one normal
- *       stress 33 of all plies
+ *       curved shell. Strains of cross-sections that shear bends are added (stress_warp.h). With
+ *       linear kinematics, the displacement is corrected for them (stress_corrected.h)
+ *   thickness strain   linear; with the element option lin33 the one of each ply under a normal
+ *       stress 33 that all plies share
  *   shear and normal stresses 13, 23, 33   from equilibrium (stress_equilibrium.c)
  */
 #ifndef STRESS_FIELD_H
@@ -100,14 +100,15 @@ typedef struct stress_sample {
  * bent cross-sections (stress_corrected.h). All members are 0 if there is no correction.
  */
 typedef struct stress_correction {
-    double *displacement;    /* [free_dof] corrected displacement, of which the stresses are */
+    double *displacement;    /* [free_dof] corrected displacement, to which the stresses belong */
     double (*resultant)[10]; /* [elements] stress resultants that the correction adds to those of
                                 each element, in the order of its ten strains (N/m) */
-    double (*lacking)[3];    /* [elements][layers][STRESS_HEIGHTS] values of
-                                stress_sample.balanced (Pa) */
-    double *electric;        /* [elements][layers] electric displacement of the layers before the
-                                correction; the charges of the electrodes are its integrals (C/m2)
-                              */
+    double (*lacking)[3]; /* [elements][layers][STRESS_HEIGHTS] in-plane stresses 11 22 12 that an
+                             earlier recovery found the elements to leave out, and for which the
+                             displacement was corrected (Pa) */
+    double *electric;     /* [elements][layers] electric displacement of the layers before the
+                             correction; the charges of the electrodes are its integrals (C/m2)
+                           */
 } stress_correction;
 
 /*
@@ -132,15 +133,16 @@ typedef struct stress_field {
                         begins */
     int *node_element;  /* numbers of the elements that have a node as a corner: the list of node 0,
                            then that of node 1, and so on */
-    double bend_share;  /* first change of the in-plane stresses by bent cross-sections over these
-                           stresses (stress_warp.h) */
+    double bend_share;  /* ratio of in-plane stresses: change of the stresses when bent
+                           cross-sections are computed for the first time, over the stresses of
+                           straight cross-sections (stress_warp.h) */
     double bend_change; /* ratio of two changes of the in-plane stresses, when bent cross-sections
                            are computed twice: the change by the second computation over the change
                            by the first (stress_warp.h) */
     bool is_straight;   /* whether the stresses are those of straight cross-sections, because the
                            strains of bent ones did not converge (stress_warp.h) */
-    bool has_squeeze;   /* whether the in-plane stresses contain the effect of the normal stress 33
-                           of each height */
+    bool has_squeeze;   /* whether the in-plane stresses contain the effect of the recovered normal
+                           stress 33, which varies with the height */
     stress_correction correction; /* correction of the displacement for assumptions of the elements,
                                      such as straight cross-sections; all members are 0 if there is
                                      no correction */

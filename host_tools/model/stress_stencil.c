@@ -129,8 +129,9 @@ static void offset_of(const stress_field *field, const stencil *stencil, int nei
 }
 
 /*
- * Return whether the neighbours lie on one side of the element along a direction, as at an edge of
- * the mesh, so that a linear fit would give the gradient between element and neighbours.
+ * Return whether the neighbours lie on one side of the element along some direction, as at an edge
+ * of the mesh. A linear fit would then give the gradient halfway between the element and its
+ * neighbours, not at the element.
  *   size out  mean distance of the neighbours (m)
  */
 static bool is_one_sided(const stress_field *field, const stencil *stencil, double *size)
@@ -170,9 +171,9 @@ static void add_second_ring(const stress_field *field, stencil *stencil)
 }
 
 /*
- * Compute the weights of the neighbouring elements in the least-squares fit of a quadratic
- * polynomial through the value of the element, whose gradient is that at the element. Second
- * derivatives that the neighbours do not determine are zero.
+ * Compute the weights of the neighbouring elements by which the gradient at an element is formed:
+ * that of a quadratic polynomial, which has the value of the element at its centre and fits the
+ * neighbours by least squares. Second derivatives that the neighbours do not determine are zero.
  *   size in  length that makes the offsets dimensionless (m)
  */
 static void quadratic_weights(const stress_field *field, stencil *stencil, double size)

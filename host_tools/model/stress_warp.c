@@ -9,8 +9,8 @@
 #include "stress_equilibrium.h"
 
 /*
- * Number of unit strains from which strains are combined that balance given stress resultants:
- * membrane strains 11, 22, 12 and curvatures 11, 22, 12.
+ * Number of unit strains, membrane strains 11, 22, 12 and curvatures 11, 22, 12, from which the
+ * strains are combined that are added to keep the stress resultants of an element.
  */
 enum { UNITS = 6 };
 
@@ -67,11 +67,11 @@ static void stresses_of(const stress_field *field, strains strain, strains stres
 }
 
 /*
- * Add membrane strains and curvatures to in-plane strains of an element, so that their stresses,
- * together with further stresses, have no forces and moments. Returns 0, or -1 if the plies have no
- * bending stiffness.
+ * Add membrane strains and curvatures to in-plane strains of an element, so that the stresses of
+ * all these strains and `further` have no resultant forces and moments. Returns 0, or -1 if the
+ * plies have no bending stiffness.
  *   strain  in/out  in-plane strains
- *   further in      in-plane stresses that these strains are to balance, too (Pa)
+ *   further in      other in-plane stresses whose resultants are to be balanced, too (Pa)
  */
 static int keep_resultants(const stress_field *field, const stencil *stencil, strains strain,
                            strains further)
@@ -120,8 +120,8 @@ static void squeeze_of(const stress_field *field, int element, strains squeeze)
 }
 
 /*
- * Store the in-plane stresses of an element that its theory leaves out: those of the given strains,
- * plus further stresses.
+ * Store the in-plane stresses that an element leaves out, in the member `lacking` of its samples:
+ * stresses of the given strains, plus further stresses.
  */
 static void store_lacking(const stress_field *field, int element, strains strain, strains further)
 {

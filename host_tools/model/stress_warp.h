@@ -28,11 +28,11 @@
 #include "stress_field.h"
 
 /*
- * Add these stresses to the recovered ones, whose transverse stresses are known, and compute the
- * transverse stresses anew. Where the second change of the in-plane stresses, relative to the first
- * one (bend_change), exceeds a limit, as in a soft core whose faces bend by themselves, the
- * stresses remain those of straight cross-sections (is_straight). Returns 0, or -1 if memory runs
- * out.
+ * Add the stresses of bent cross-sections, and of a normal stress 33 that varies over the
+ * thickness, to recovered stresses whose transverse stresses are known. Then compute the transverse
+ * stresses anew. If bend_change (second change of the in-plane stresses over the first one) exceeds
+ * a limit, as in a soft core whose faces bend by themselves, the stresses remain those of straight
+ * cross-sections (is_straight). Returns 0, or -1 if memory runs out.
  */
 int stress_warp(stress_field *field);
 

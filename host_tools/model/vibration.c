@@ -271,9 +271,9 @@ static void append(search *search, double *column)
         }
     }
     /*
-     * mass_next is the mass matrix M times `next` before its last components along the basis were
-     * subtracted. Its product with the new `next` is still the squared norm, because these
-     * components are M-orthogonal to it.
+     * search->mass_next was computed before the last components along the basis were subtracted
+     * from search->next. These components are orthogonal to the new `next` in the mass matrix. So
+     * the product of both vectors is still the squared norm of `next`.
      */
     const double norm = sqrt(fmax(pzs_linalg_inner(search->next, search->mass_next, free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)

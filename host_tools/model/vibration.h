@@ -59,9 +59,9 @@ bool vibration_allocate(vibration *vibration, const design *design, size_t count
 
 /*
  * Take the measured vibration modes of a scene with a measured influence matrix. Static responses
- * that the scene file does not give follow from a least-squares fit: sum over all modes of shape
- * times static response to the matrix. Returns 0, or -1 with error filled; call vibration_free in
- * either case.
+ * that the scene file does not give are fitted by least squares: the sum over all modes of shape
+ * times static response shall equal the matrix. Returns 0, or -1 with error filled; call
+ * vibration_free in either case.
  */
 int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
 

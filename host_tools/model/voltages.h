@@ -82,7 +82,7 @@ void voltages_free(voltages *result);
 
 /*
  * Compute the influence matrix of the nonlinear structure at the optimum that voltages_optimum has
- * found. Where the last step of the method was taken back, the equilibrium of the optimum is solved
+ * found. If the last step of that search was rejected, the equilibrium at the optimum is computed
  * again, which improves result->displacement within the tolerance.
  *   influence [outputs][inputs] out  influence matrix
  * Returns 0, or -1 with error filled.

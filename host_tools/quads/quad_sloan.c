@@ -28,10 +28,10 @@ typedef struct sloan {
     uint32_t *slot;    /* [nodes] position of a mesh node in the heap `waiting`, if the node is a
                           candidate for the next number */
     uint32_t count;    /* number of mesh nodes that are candidates for the next number */
-    int64_t growth_weight; /* factor in the priority of a node: numbering the node adds nodes to the
-                              front, and its priority is lower by this factor for each of them. The
-                              front is the set of nodes without a number that have a numbered
-                              neighbour */
+    int64_t growth_weight; /* The front is the set of nodes without a number that have a numbered
+                              neighbour. Numbering a node adds some nodes to the front: the priority
+                              of the node is its distance from the end of the mesh, minus
+                              growth_weight for each added node */
 } sloan;
 
 /* ---- waiting nodes ------------------------------------------------------ */

@@ -174,11 +174,11 @@ typedef struct scene_quads {
     bool accept_irregular; /* elements that are too thin for an irregular mesh (factor
                               quad_rule.lock above QUAD_LOCK) have too stiff a bending: true: they
                               are accepted with a warning; false: the mesh is refused */
-    double place_gap;   /* largest distance between a place that the scene names by coordinates and
-                           the mesh node nearest to it, which the scene uses instead, as a part of
-                           the longest diagonal of the elements at this node */
-    int64_t place_node; /* number, in the mesh file, of the node whose distance from its place is
-                           place_gap; 0 if the nodes have no numbers */
+    double place_gap; /* The scene uses the mesh node nearest to a place instead of a place that it
+                         names by coordinates. Largest distance between such a place and its node,
+                         over the longest diagonal of the elements at the node */
+    int64_t place_node; /* number, in the mesh file, of the node to which the largest distance
+                           place_gap belongs; 0 if the nodes have no numbers */
     scene_at place_at;  /* position in the scene file of the place that lies farthest from its node,
                            at the distance place_gap */
     scene_at at;

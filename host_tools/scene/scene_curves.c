@@ -389,8 +389,9 @@ static int check_others(const scene *scene, char *error)
 }
 
 /*
- * Multiply each column of the influence matrix by the number of units in the file per volt of the
- * scaled effect of its actuator.
+ * Convert the influence matrix from displacement per unit of the effect in the file to displacement
+ * per volt of the scaled effect: multiply each column by the conversion factor (curve.unit) of its
+ * actuator.
  */
 static void scale_matrix(scene *scene)
 {

@@ -110,9 +110,9 @@ static long long label_of(const quad_mesh *mesh, size_t element)
 /* ---- no direction ------------------------------------------------------------ */
 
 /*
- * Return the first side of an element that is not side number (k + 2) mod 4 of one element where it
- * is side number k of the neighbour, or NULL if there is none. Without such a side, the first sides
- * of all elements continue each other, as on mesh lines.
+ * Check that the first sides of all elements continue each other, as on mesh lines: where side
+ * number k of an element is side number m of its neighbour, m must be (k + 2) mod 4. Returns a side
+ * for which this does not hold, or NULL if it holds everywhere.
  *   side [sides] in  sides of all elements, sorted so that the two of one edge are adjacent
  */
 static const quad_side *find_turn(const quad_side *side, size_t sides)
@@ -196,7 +196,10 @@ static double distance_of_edge(const quad_mesh *mesh, uint32_t edge, const doubl
     return vector_distance(foot, point);
 }
 
-/* Compute the direction of the edge of a set that is nearest to a point. */
+/*
+ * Among the edges of a set, find the one nearest to a point, and store its direction in
+ * `direction`.
+ */
 static void follow_edges(const quad_mesh *mesh, const quad_set *edges, const double point[3],
                          double direction[3])
 {

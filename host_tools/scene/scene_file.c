@@ -270,7 +270,7 @@ static int copy_columns(reader *reader, const function_text *text, const number_
  */
 static void take_image(const function_text *text, number_table *table)
 {
-    enum { POINT_COLUMNS = 4 }; /* three coordinates and a value */
+    enum { POINT_COLUMNS = 4 }; /* x, y and z of a point, and a value there */
     if (table->line || table->column_name || text->value || text->columns ||
         table->columns <= POINT_COLUMNS)
         return;

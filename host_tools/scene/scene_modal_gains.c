@@ -192,8 +192,9 @@ static int check_sums(reader *reader, int node, const scene_modal_gains *gains)
 }
 
 /*
- * Set gain and leak of what is not in the modes: without modes those of everything, which the key
- * `gain` and `leak` then give.
+ * Set other_gain and other_leak, the gain and the leak of all voltages that belong to no mode. If
+ * the scene has no modes, these are all voltages, and the keys `gain` and `leak` give the two
+ * numbers.
  */
 static int take_others(reader *reader, int node, const modal_gains_text *text,
                        scene_modal_gains *gains)

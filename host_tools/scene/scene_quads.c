@@ -535,8 +535,8 @@ static const field place_fields[] = {
 const form place_form = {.type = FORM_MAP, .fields = place_fields};
 
 /*
- * Remember a place of the scene and the mesh node nearest to it, which the scene uses instead, if
- * the gap between them is the largest so far.
+ * The scene uses the mesh node nearest to a place instead of the place itself. Record the place,
+ * its node and the gap between them, if this gap is the largest so far.
  *   gap in  distance of the place from the node, as a fraction of the size of the elements there
  */
 static void note_gap(scene_quads *quads, double gap, uint32_t node, scene_at at)

@@ -267,8 +267,8 @@ static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
  * Table of the keys of a sensor. The key `drives` (patches whose electrodes the sensor reads) is
- * read by the same function as that of an actuator. This function takes any pointer in the place of
- * `rule` as the sign of a sensor, here `circuits`.
+ * read by the same function as that of an actuator. This function recognises a sensor by the member
+ * `rule` of the row, which is not NULL; any pointer would do, here it is `circuits`.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
