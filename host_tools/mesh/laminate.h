@@ -36,9 +36,9 @@ typedef struct laminate_ply {
                                     of interdigitated electrodes on its faces */
     bool is_field_along_surface; /* whether the field of a voltage is along the surface
                                     (interdigitated electrodes) rather than along the normal */
-    double stress_along[2][6];   /* stress in a ply per electric field along axis 1 and along axis 2
-                                    of the shell, while the strains of the ply are zero (C/m2), Voigt
-                                    order 11 22 33 23 13 12 */
+    double stress_along[2][6];   /* stress in a ply of zero strains per electric field along axis 1,
+                                    and along axis 2, of the shell (C/m2), in the Voigt order 11 22 33
+                                    23 13 12 */
     double permittivity_along[2][2]; /* permittivity tensor of a ply for electric fields along the
                                         axes 1 and 2 of the shell, at constant strain (F/m) */
     double pyroelectric_along[2];    /* electric displacement of a ply along the axes 1 and 2 of the
