@@ -150,9 +150,9 @@ static double area_below(const side *one, const side *other, double base)
 }
 
 /*
- * Return the area common to two polygons, as a sum over pairs of their sides: area between the
- * height `base` and the lower side over the common range of x, negative where both run in opposite
- * directions of x.
+ * Return the area common to two polygons. It is a sum over pairs of their sides: the area between
+ * the height `base` and the lower of both sides over the range of x that they have in common;
+ * negative if the sides run in opposite directions of x.
  *   one, other out  work arrays for the sides of each polygon
  */
 static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,

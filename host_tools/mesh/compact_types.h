@@ -23,9 +23,9 @@ typedef struct compact_types {
 
 /*
  * Make the compact element types of a mesh and list its nodes. The arrays of types and of nodes are
- * both NULL if memory runs out, if compact types would save no memory, or if the types that
- * pzs_rebuild_type makes from them are not bitwise equal to the full types (with the element option
- * `published`, and on meshes along lines of curvature).
+ * both NULL in three cases: memory runs out; compact types would save no memory; or
+ * pzs_rebuild_type does not compute the full types from them bit by bit, as with the element option
+ * `published` and on meshes along lines of curvature.
  */
 void compact_types_make(compact_types *compact, const mesh *mesh);
 void compact_types_free(compact_types *compact);

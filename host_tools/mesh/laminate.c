@@ -782,14 +782,15 @@ static double bending_flexibility(double inverse[N][N], double thickness)
 }
 
 /*
- * Return whether a strain mode of the element contains a strain. Modes 1 to 3 leave out the strains
- * that would make the element too stiff (locking).
+ * Return whether a strain mode of the element (0: constant, 1 and 2: linear, 3: bilinear over the
+ * element) contains a strain. Modes 1 to 3 leave out the strains that would make the element too
+ * stiff (locking).
  */
 static int kept(int mode, int strain)
 {
     /*
-     * for each of the ten strains, the strain mode that contains it besides mode 0: 1 or 2; 3: all
-     * of the modes 1 to 3; 0: none
+     * for each of the ten strains, the strain modes that contain it besides mode 0 (constant
+     * strains). 1 or 2: this linear mode; 3: both linear modes and the bilinear one; 0: none
      */
     static const int along[N] = {1, 1, 2, 2, 3, 3, 0, 0, 1, 2};
     return mode == 0 || along[strain] == 3 || (mode < 3 && along[strain] == mode);
@@ -870,7 +871,8 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 
 /*
  * List the strains whose stiffness block soften_shear inverts: the transverse shears of a strain
- * mode, or all its strains where a stiffness entry couples a shear with another strain.
+ * mode (constant, linear or bilinear over the element), or all its strains where a stiffness entry
+ * couples a shear with another strain.
  *   modal [10][10] in   stiffness matrix of the strain mode
  *   index [10]     out  indices of these strains among the ten strains of an element
  * Returns their number.
@@ -1194,11 +1196,11 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * Return the larger one of the fractions of an element that are covered by the plies in which two
- * fields (electric field or temperature) act; 1 for a temperature of all plies. In
- * laminate_capacitance a term that is a product of mean effects of both fields is proportional to
- * both fractions. It is multiplied by the larger one here, and by the smaller one in the functions
- * that call laminate_capacitance.
+ * Return the larger one of two fractions of an element: those covered by the plies in which two
+ * fields (electric field or temperature) act; 1 for a temperature of all plies. A capacitance
+ * contains products of the mean effects of both fields, which are proportional to both fractions.
+ * laminate_capacitance multiplies these products by the larger fraction, its callers by the smaller
+ * one.
  */
 static double larger_cover(const laminate_place *place, const laminate_field *first,
                            const laminate_field *second)

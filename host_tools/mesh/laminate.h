@@ -6,7 +6,8 @@
  *       difference)
  *   D   stiffness of the element
  *   H0  prescribed resultants of voltages and temperatures
- * The charge of an electrode is its charge at zero strains minus H0^T E, with H0 of 1 V.
+ * The charge of an electrode is its charge at zero strains minus H1^T E, where H1 are the
+ * prescribed resultants of 1 V at this electrode.
  */
 #ifndef LAMINATE_H
 #define LAMINATE_H
@@ -36,9 +37,8 @@ typedef struct laminate_ply {
                                     of interdigitated electrodes on its faces */
     bool is_field_along_surface; /* whether the field of a voltage is along the surface
                                     (interdigitated electrodes) rather than along the normal */
-    double stress_along[2][6];   /* stress in a ply of zero strains per electric field along axis 1,
-                                    and along axis 2, of the shell (C/m2), in the Voigt order 11 22 33
-                                    23 13 12 */
+    double stress_along[2][6]; /* stress in a ply of zero strains per electric field along axis 1 or
+                                  2 of the shell (C/m2), Voigt order 11 22 33 23 13 12 */
     double permittivity_along[2][2]; /* permittivity tensor of a ply for electric fields along the
                                         axes 1 and 2 of the shell, at constant strain (F/m) */
     double pyroelectric_along[2];    /* electric displacement of a ply along the axes 1 and 2 of the

@@ -60,10 +60,10 @@ typedef struct mesh {
                          of lengths */
     const quad_mesh *quads; /* mesh of quadrilaterals in any arrangement from which this mesh was
                                built; NULL for a mesh along lines of curvature */
-    bool accept_irregular; /* whether elements are accepted that are too thin for the irregular mesh
-                              around them, so that their bending is too stiff (quad_rule.lock above
-                              QUAD_LOCK). true: they are counted in quad_report; false: they are an
-                              error */
+    bool accept_irregular;  /* treatment of elements that are too thin for the irregular mesh around
+                               them, so that they bend too little (quad_rule.lock above QUAD_LOCK).
+                               true: they are accepted, and counted in quad_report; false: they are
+                               an error */
     quad_report quad_report;
     laminate laminate;
     int lines[2]; /* number of node lines along the surface coordinates theta1 and theta2; along a
@@ -149,8 +149,8 @@ bool mesh_depends_on_axes(const scene_support *support);
 
 /*
  * Apply the oblique supports of a scene: hold mean displacements (of both faces) along directions
- * that are no axes of the triads, by turning the dof of the node. Call it after all other supports
- * are marked in node_dof, and before the dof are numbered.
+ * that are no axes of the triads (local axes), by turning the dof of the node. Call it after all
+ * other supports are marked in node_dof, and before the dof are numbered.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  *   node   [nodes]               out     work array
  * Returns 0, or -1 with error filled if directions or values at a node contradict each other.

@@ -31,7 +31,8 @@ int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
  * Write an error message about a point that no element contains.
  *   at        in   line of the scene file that the message names
  *   k         in   index of the point in its list, from 0
- *   point [3] in   its coordinates, as those of mesh_spot_find
+ *   point [3] in   surface coordinates theta1 and theta2; on a mesh from a file x, y and z, NAN for
+ *       a z that is not given
  * Returns -1.
  */
 int mesh_spot_refuse(scene_at at, int k, const double point[3], char *error);

@@ -88,9 +88,9 @@ static double remove_held(const held_axes *held, held_direction *rest)
 }
 
 /*
- * Return the largest absolute displacement that supports prescribe at a node, for relative rounding
- * limits. The displacements are those along the axes in `held`, which earlier supports have added,
- * and that along `direction`, which one more support prescribes.
+ * Return the largest absolute displacement that supports prescribe at a node, from which relative
+ * rounding limits are computed: along the axes in `held`, which earlier supports have added, and
+ * along `direction`, which one more support prescribes.
  */
 static double largest_value(const held_axes *held, const held_direction *direction)
 {
@@ -275,8 +275,8 @@ static void hold_along_triad(mesh *mesh, int node, const held_axes *held)
 
 /*
  * Mark the dof of a node that supports hold or prescribe. The node gets new axes, which begin with
- * the held directions, unless all prescribed displacements are 0 and the directions are axes of the
- * triad (local axes) or span the space.
+ * the held directions. It keeps the axes of its triad (local axes) if all prescribed displacements
+ * are 0 and the directions are such axes, or span the space.
  *   values [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none
  */
 static void hold_node(mesh *mesh, int node, double *values, held_axes *held)

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Geometry of one quadrilateral element at its centre, from the positions and directors of its four
- * nodes alone: the mesh needs no surface coordinates and no formula of the surface. The natural
- * coordinates xi1 and xi2 are -1 or 1 at the corners.
+ * Geometry of one quadrilateral element at its centre, from the positions and directors (unit
+ * normals) of its four nodes alone: the mesh needs no surface coordinates and no formula of the
+ * surface. The natural coordinates xi1 and xi2 are -1 or 1 at the corners.
  */
 #ifndef QUAD_GEOMETRY_H
 #define QUAD_GEOMETRY_H
@@ -13,10 +13,11 @@ typedef struct quad_geometry {
     double base[2][3];  /* base vectors g_a of the element (m), a = 1, 2: derivative of the position
                            with respect to the natural coordinate xi_a at the centre, 1/4 of the sum
                            of xi_a times the corner positions */
-    double turn[2][3];  /* derivatives d_a of the director with respect to the natural coordinate
-                           xi_a at the centre (dimensionless), 1/4 of the sum of xi_a times the
-                           directors of the corners */
-    double director[3]; /* unit vector along the sum of the directors of the corners */
+    double turn[2][3];  /* derivatives d_a of the director (unit normal of the surface) with respect
+                           to the natural coordinate xi_a at the centre (dimensionless), 1/4 of the
+                           sum of xi_a times the directors of the corners */
+    double director[3]; /* unit vector along the sum of the directors (unit normals) of the corners
+                         */
     double normal[3]; /* unit normal of the element, along the cross product of its base vectors */
     double length[2]; /* lengths of the element along its directions 1 and 2, twice the lengths of
                          the base vectors (m) */

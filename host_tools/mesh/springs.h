@@ -10,8 +10,8 @@
 #include "mesh.h"
 
 /*
- * Compute the unit vector of a direction in space; a direction along an axis of the local triad is
- * taken at the given surface point.
+ * Compute the unit vector of a direction in space; a direction along an axis of the local triad
+ * (e1, e2, normal) is taken at the given surface point.
  */
 void springs_direction(const surface_point *point, const scene_direction *direction,
                        double vector[3]);

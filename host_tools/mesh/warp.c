@@ -7,16 +7,16 @@
 
 /*
  * Size of the linear system for the factors c_i of the warping correction (warp.h). ROWS: number of
- * factors. TILTS: number of equations, one for the tilt of each corner's director about each of two
- * local axes, which must not change the correction.
+ * factors. TILTS: number of equations, one for the tilt of each corner's director (thickness
+ * direction) about each of two local axes, which must not change the correction.
  */
 enum { ROWS = 8, TILTS = 8 };
 
 /*
  * Linear system a c = y for the eight factors c_i of the warping correction (warp.h). Row j belongs
- * to a unit tilt of the director of one corner along its local axis e1 or e2. This tilt causes
- * eight strains e_i, the entries a_ji, and the difference y_j of the shear strain 12 between both
- * faces.
+ * to a unit tilt of the director (thickness direction) of one corner along its local axis e1 or e2.
+ * This tilt causes eight strains e_i, the entries a_ji, and the difference y_j of the shear strain
+ * 12 between both faces.
  */
 typedef struct tilt_system {
     double matrix[TILTS][ROWS], right_side[TILTS];
@@ -63,7 +63,8 @@ static void slope_base(const pzs_element_type *type, int corner, int direction, 
 
 /*
  * Add the share of one corner to eight strains e_i of an element (warp_fill), caused by a unit tilt
- * of a node's director. Each e_i is the mean over the four corners of a strain times a factor:
+ * of a node's director (thickness direction). Each e_i is the mean over the four corners of a
+ * strain times a factor:
  *   strain  13    23    13  23  11  11    22  22
  *   factor  xi2   xi1   1   1   1   xi2   1   xi1
  *   xi1, xi2     natural coordinates of the corner; strains 11 and 22: difference of both faces

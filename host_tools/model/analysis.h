@@ -200,9 +200,10 @@ bool analysis_output_is_row(const analysis *analysis, int k);
 /* Number of values (nodes or electrodes) of the scene's output with index k. */
 int analysis_outputs(const analysis *analysis, int k);
 /*
- * Return the index of the mesh node at which the i-th value of the scene's output k is read; the
- * first of several nodes that share one value, such as the force on a support; -1 for outputs
- * without a node (voltages and charges, force and number of nodes of the whole contact).
+ * Return the index of the mesh node at which the i-th value of the scene's output k is read. If
+ * several nodes share one value, such as the force on a support, it is the first of them. Returns
+ * -1 for outputs without a node: voltages and charges, and force and number of nodes of the whole
+ * contact.
  */
 int analysis_output_node(const analysis *analysis, int k, int i);
 /*

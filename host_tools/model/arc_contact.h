@@ -37,8 +37,8 @@ void arc_contact_close(arc_contact *contact);
  * Choose the nodes in contact at the present displacement of the solver, before one of the Newton
  * corrections of a step along the load path.
  *   iteration in  number of this correction within the step, from 0
- *   increment in  norm of the correction before this one, over that of the displacement change in
- *       the step so far; 1 for the first correction
+ *   increment in  norm of the preceding correction over the norm of the whole displacement change
+ *       in the step so far; 1 for the first correction
  */
 void arc_contact_prepare(const arc_contact *contact, int iteration, double increment);
 

@@ -267,7 +267,7 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
  * Compute the standard error of the entries of column k of the influence matrix. Their variance is
  *   s^2 times the diagonal entry k of (V'V)^-1     without a model,
  *   t^2 (1 - v'(V V' + q I)^-1 v)                  with a model.
- *   V, v  voltages of all pokes, and those of actuator k
+ *   V, v  voltages of all pokes (measured shapes), and those of actuator k
  *   s, t  standard deviations of the noise and of the model's entries
  *   q     (s/t)^2
  */
@@ -325,7 +325,10 @@ static void fit_with_model(calibration *result, spectrum *spectrum, const pokes 
     fill_errors(result, spectrum, pokes);
 }
 
-/* Compute the influence matrix from reduced pokes. Returns 0, or -1 with error filled. */
+/*
+ * Compute the influence matrix from pokes (measured shapes) that have been combined to at most as
+ * many as there are actuators. Returns 0, or -1 with error filled.
+ */
 static int fit_reduced(calibration *result, const poke_reduction *reduction, const double *model,
                        char *error)
 {

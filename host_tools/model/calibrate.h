@@ -51,9 +51,10 @@ double calibration_predict(const pokes *pokes, const double *influence, size_t p
 
 /*
  * Return the standard deviation of the noise of one output: root mean square of its readings minus
- * those that the influence matrix predicts. With few pokes this is inaccurate. The result is
- * therefore a mean, in which the noise of all outputs has the weight of NOISE_POKES further pokes.
- * If the pokes leave no information on noise, it is the noise of all outputs, which may be NAN.
+ * those that the influence matrix predicts. With few pokes (measured shapes) this is inaccurate.
+ * The result is therefore a mean, in which the noise of all outputs has the weight of NOISE_POKES
+ * further pokes. If the pokes leave no information on noise, it is the noise of all outputs, which
+ * may be NAN.
  */
 #define NOISE_POKES 4
 double calibration_output_noise(const calibration *result, const pokes *pokes, size_t output);

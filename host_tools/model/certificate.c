@@ -36,9 +36,10 @@ static const double decayed = 20;
  *       tick, and under their mean output voltages in the interval before it
  */
 typedef struct transition {
-    const double *loop; /* [modes][stride] loop matrix: entry (i, j) is the static coordinate of
-                           mode i (in equilibrium, by the model) under the correction, the voltages
-                           that the controller subtracts, for a measured unit of mode j */
+    const double *loop; /* [modes][stride] loop matrix. The voltages that the controller subtracts
+                           for a measured unit of mode j are called the correction. Entry (i, j) is
+                           the static coordinate of mode i under it: its modal coordinate in
+                           equilibrium, by the model */
     size_t stride, modes, order;
     const certificate_conditions *conditions;
     double kept, behind; /* kept: fraction of the difference between command and output voltage of

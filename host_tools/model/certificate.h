@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Certificate of stability: whether the control loop, whose step treats each shape as an
- * equilibrium, is stable on a structure with mass. The plant has the lowest vibration modes and the
- * static response of the others. The controller is pzs_tick without voltage limits, because limits
- * only slow the growth of a vibration:
- *   v' = -F (q - g v),  F = (B'W^2 B + regularisation)^-1 B'W^2 C.
- *   v, v'  voltages before and after the tick
- *   q, g   modal coordinates measured `delay` ticks before, and their static response per volt
- *   B, C   influence matrix and mode shapes
- *   W      weights of the targets
- * Stability depends on the product g F alone.
+ * Certificate of stability: whether the control loop is stable on a structure with mass, although
+ * its step treats each measured shape as an equilibrium. The structure has the lowest vibration
+ * modes and the static response of all others. The controller is pzs_tick without voltage limits,
+ * because limits only slow the growth of a vibration. In each tick it changes the voltages from v
+ * to
+ *   -F (q - g v),  F = (B^T W^2 B + regularisation)^-1 B^T W^2 C.
+ *   q     modal coordinates that were measured `delay` ticks before
+ *   g     static modal coordinates per volt, according to the model
+ *   B, C  influence matrix and mode shapes
+ *   W     weights of the targets
+ * Stability depends on the loop matrix g F alone.
  */
 #ifndef CERTIFICATE_H
 #define CERTIFICATE_H
@@ -19,7 +20,7 @@
 #include "vibration.h"
 
 enum {
-    CERTIFICATE_UNIT = 64, /* room for the unit of shape errors as text */
+    CERTIFICATE_UNIT = 64, /* size of the text that names the unit of shape errors (characters) */
     CERTIFICATE_TEXT = 2500
 }; /* largest length of the text that describes the result of the stability tests (characters) */
 
@@ -124,14 +125,15 @@ typedef struct certificate_loop {
                          no mode is observed, or no load can be compensated */
     double angle; /* angle by which the phase of the first observed vibration mode advances in one
                      tick (rad): angular frequency times tick interval; 0: no mode is observed */
-    double residual; /* time until the loop has followed 95 % of what the observed modes do not
-                        explain, such as static errors of the model (periods of the first observed
-                        mode); NAN: no mode is observed */
+    double residual; /* time until the estimate of the controller contains 95 % of a sudden change
+                        of the readings that the observed modes do not explain, such as a static
+                        error of the model (periods of the first observed mode); NAN: no mode is
+                        observed */
     double fading; /* time in which the vibration that the supervisor tolerates after a jump of the
                       target falls by the factor e (periods of the first observed mode); 0: no
                       supervisor, or not tested */
     int alarms;    /* number of storms (simulations with fast jumps of the target) in which the
-                      supervisor takes control away from the loop in order */
+                      supervisor stops the loop although nothing is wrong with it */
     double less_hysteresis; /* fraction by which the ceramic has less hysteresis than the scene file
                                says in a third of the storms (simulations with fast target jumps); 0
                                where the loop does not compensate hysteresis */
@@ -147,7 +149,8 @@ typedef struct certificate_loop {
     certificate_target target; /* result of the stability tests of the loop on the structure that is
                                   deformed to its target */
     bool is_free_cause;        /* true where an unstable loop passes all stability tests if the free
-                                  functions of the target (target.free) are left out */
+                                  functions of the target (shapes that may be added at no cost;
+                                  target.free) are left out */
     double cure; /* regularisation of the voltages with which an unstable loop passes all stability
                     tests, relative to the mean diagonal entry of the Hessian; 0: none was found */
     double cures_tried; /* largest regularisation of the voltages with which an unstable loop was
@@ -161,10 +164,10 @@ typedef struct certificate_loop {
                                         relative to the controller's model, with which the control
                                         loop is stable */
     bool has_rates;                  /* true after stable tick rates have been searched */
-    double rate_from, rate_to; /* range of tick rates (1/s) around that of the scene, or around the
-                                  nearest stable one, at which the loop, with tables made for each
-                                  rate, passes the tests of small vibrations and two storms (fast
-                                  jumps of the target); 0: none was found, or not searched */
+    double rate_from, rate_to; /* range of tick rates (1/s), around that of the scene or around the
+                                  nearest stable one, at which the loop passes the tests of small
+                                  vibrations and two storms (fast jumps of the target). Tables are
+                                  made for each rate. 0: no such rate was found, or not searched */
 } certificate_loop;
 
 typedef struct certificate {
@@ -212,9 +215,9 @@ typedef struct certificate {
     certificate_loop loop;    /* result of the stability tests of the loop whose control tick damps
                                  vibration */
     double stable_rate; /* tick rate (1/s) up to which a loop without a vibration model is stable at
-                           all rates tested, on the model and on structures with 0.8 to 1.33 times
-                           its response to voltages and 0.9 to 1.1 times its natural frequencies; 0:
-                           none was found; infinite: every rate is stable */
+                           all rates tested; 0: none was found; infinite: every rate is stable.
+                           Tested are the model, and structures with 0.8 to 1.33 times its response
+                           to voltages and 0.9 to 1.1 times its natural frequencies */
 } certificate;
 
 void certificate_free(certificate *certificate);
@@ -273,7 +276,8 @@ typedef struct certificate_conditions {
  *       voltages that the controller subtracts for a measured unit of mode j
  *   square  [modes]     in  squares of the angular frequencies (rad^2/s^2)
  *   damping [modes]     in  damping ratios
- *   conditions          in  response of the structure, delay, interval and lag
+ *   conditions          in  static response of the structure relative to the model, delay of the
+ *       readings, tick interval, and lag of the amplifiers
  *   squarings           in  number of matrix squarings from which the radius is computed
  */
 double certificate_radius(const double *loop, const double *square, int modes,

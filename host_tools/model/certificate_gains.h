@@ -70,7 +70,8 @@ size_t certificate_groups_order(const pzs_modal_gains *gains, size_t modes, size
  * 1.
  *   square  [modes]     in  squares of the vibration modes' angular frequencies (rad^2/s^2)
  *   damping [modes]     in  damping ratios
- *   conditions          in  response of the structure, delay, interval and lag
+ *   conditions          in  static response of the structure relative to the model, delay of the
+ *       readings, tick interval, and lag of the amplifiers
  *   squarings           in  number of matrix squarings from which the radius is computed
  */
 double certificate_groups_radius(const certificate_groups *groups, const double *square,

@@ -36,11 +36,11 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Tick rates for which the stability of the control loop is tested.
- *   scan_from  lowest rate (1/s), over damping ratio times angular frequency of the first vibration
- *       mode (rad/s)
- *   scan_step  each further rate over the one before
- *   scan_to    highest rate over the natural frequency of the loop's last vibration mode (Hz)
+ * Tick rates for which the stability of the control loop is tested: scan_from is the lowest and
+ * scan_to the highest rate; each rate is scan_step times the preceding one.
+ *   scan_from  as a multiple of damping ratio times angular frequency of the first vibration mode
+ *       (rad/s)
+ *   scan_to    as a multiple of the natural frequency of the loop's last vibration mode (Hz)
  */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
@@ -210,9 +210,9 @@ static bool fill_gains(gains *gains)
 
 /*
  * Compute the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions, and
- * the voltages that answer to each of them. Entry (i, j) of the matrix is the modal coordinate of
- * mode i in static equilibrium under the voltages that the controller subtracts for a measured unit
- * of mode j. Returns whether it could be computed; free_gains releases the arrays in either case.
+ * the voltages that the controller subtracts for a measured unit of each of them. Entry (i, j) of
+ * the matrix is the modal coordinate of mode i in static equilibrium under the voltages for mode j.
+ * Returns whether it could be computed; free_gains releases the arrays in either case.
  */
 static bool make_gains(gains *gains, const analysis *analysis, const vibration *vibration,
                        int modes)
@@ -249,7 +249,8 @@ static void free_gains(gains *gains)
 
 /*
  * Control loop whose stability is tested.
- *   matrix    [modes][modes] loop matrix, as for certificate_radius
+ *   matrix    [modes][modes] loop matrix: entry (i, j) is the static coordinate of mode i under the
+ *       voltages that the controller subtracts for a measured unit of mode j
  *   square    [modes] squared angular frequencies (rad^2/s^2)
  *   damping   [modes] damping ratios
  *   delay     delay of the sensor readings (ticks)

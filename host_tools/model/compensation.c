@@ -6,7 +6,7 @@
 #include "../../lib/control/hysteresis.h"
 
 /*
- * Tick rate (1/s) that is assumed where the scene file gives none; simulations assume the same one.
+ * Tick rate (1/s) that tables and simulations assume if the scene file gives none.
  */
 static const double usual_rate = 1000;
 

@@ -47,8 +47,8 @@ typedef struct damper_settings {
                     angular frequency. The unit is the standard error of the modal coordinate in a
                     fit to the readings of one tick */
     double drift; /* root mean square of the random change of the loads in one tick that the
-                     observer assumes (process noise), in terms of the static displacement of the
-                     first mode under the loads. The unit is the standard error of the modal
+                     observer assumes (process noise). A load is measured by the static displacement
+                     of the first mode that it causes. The unit is the standard error of the modal
                      coordinate in a fit to the readings of one tick */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus
                      those of the observed vibration modes */

@@ -43,8 +43,8 @@ typedef struct design_rows {
                         weighted sum of voltages) in `input` and `value` */
     uint16_t *input; /* [entries of all limit rows] amplifier to whose voltage each entry of a limit
                         row (limit of a weighted sum of voltages) belongs */
-    double *value; /* [entries of all limit rows] factor of the voltage of each amplifier in a limit
-                      row (limit of a weighted sum of voltages) (1) */
+    double *value;   /* [entries of all limit rows] factor (dimensionless) by which the voltage of
+                        each amplifier enters a limit row (limit of a weighted sum of voltages) */
     double *lower, *upper; /* [limit rows] lower and upper limit of each weighted sum of voltages
                               (V) */
     double *safe; /* [amplifiers] voltages that obey all voltage limits and all limit rows, which
@@ -75,14 +75,14 @@ typedef struct modal_gains {
     pzs_modal_gains tables;
     double *memory; /* memory in which all arrays of the tables, and the array `left`, are stored
                        one after the other */
-    double *left;   /* [modes] part of each function of the scene that no voltages can make: norm of
-                       the misfit over the norm of the function; 0 for singular vectors */
+    double *left; /* [modes] for a mode made from a function of the scene: norm of what no voltages
+                     can make of the function, over its norm; 0 for singular vectors */
 } modal_gains;
 
 /*
- * Numerical model of a scene. The members after `problem` are what later stages (analysis, control,
- * reports) need of the scene file, copied by design_build; their texts and lists belong to the
- * scene, which outlives the design.
+ * Numerical model of a scene. The members after `problem` hold everything else of the scene that
+ * later stages (analysis, control, reports) use; design_build copies them. Their texts and lists
+ * belong to the scene, which outlives the design.
  */
 typedef struct design {
     const scene *scene; /* the scene from which this numerical model is built, used only by the

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Target rows that no voltage can change, because they depend on constrained dof alone (their
- * weights become 0), and free functions, which may be added to the target at no cost. The projector
- * that removes the weighted least-squares fit by the free functions from a vector is
+ * Two special parts of a target. Target rows that depend on constrained dof alone cannot be changed
+ * by any voltage; their weights become 0. Free functions are shapes that may be added to the target
+ * at no cost. The projector that removes the weighted least-squares fit by the free functions from
+ * a vector is
  *   P = I - F F'W^2, with F orthonormal: F'W^2 F = I.
  *   W  weights of the target rows
  *   F  free functions at the target nodes

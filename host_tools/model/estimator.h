@@ -20,18 +20,18 @@ typedef struct estimator {
     int sensors, disturbances;
     int rank; /* number of combinations of disturbances (loads and voltage errors) that the sensors
                  distinguish from noise */
-    double condition; /* condition number of the matrix of readings, each over its sensor's noise,
-                         under one standard deviation of each disturbance (load or voltage error):
-                         ratio of the largest to the smallest singular value above 1; smaller ones
-                         do not stand out from the noise */
+    double condition; /* condition number (ratio of largest to smallest singular value) of a matrix
+                         of readings: one row for each sensor, divided by its noise, and one column
+                         for one standard deviation of each disturbance (load or voltage error).
+                         Singular values below 1 do not stand out from the noise and are left out */
     double disturbed; /* expected root mean square of the shape, weighted with the target weights,
                          under the disturbances (loads and voltage errors), before estimation */
     double remaining; /* expected root mean square of the error of the estimated shape, weighted
                          with the target weights */
-    double worst_disturbed; /* worst_disturbed, worst_remaining: expected root mean square, along
-                               the shape in which the estimation error is largest (member `worst`),
-                               of the displacements under the disturbances (loads and voltage
-                               errors) and of the estimation error */
+    double worst_disturbed; /* root mean squares along the shape `worst`, in which the
+                               estimation error is largest. worst_disturbed: of the displacements
+                               that the disturbances (loads and voltage errors) cause.
+                               worst_remaining: of the estimation error */
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */

@@ -45,9 +45,9 @@ enum {
 static const double two_pi = 6.283185307179586, largest_damping = 0.3;
 
 /*
- * Smallest energy of a vibration mode in the readings, relative to the energy that noise alone
- * would give it, and largest standard error of its frequency, relative to the frequency. A mode
- * beyond one of these bounds is left out.
+ * Limits for a vibration mode; a mode that violates one of them is left out. First: smallest energy
+ * of the mode in the readings, relative to the energy that noise alone would give it. Second:
+ * largest standard error of its frequency, relative to the frequency.
  */
 static const double significant = 10, largest_error = 0.01;
 
@@ -324,12 +324,12 @@ static void fill_slopes(const fit *fit, const interval *interval)
  */
 typedef struct normal {
     double matrix[PARAMETERS * PARAMETERS], right[PARAMETERS];
-    double squares; /* sum of the squares of the parts of all signals (weighted sums of the
-                       readings) that the fitted vibration modes do not explain (squared unit of the
+    double squares; /* sum of squares, over all signals (weighted sums of the readings) and samples,
+                       of what the fitted vibration modes do not explain (squared unit of the
                        readings) */
-    double energy[IDENTIFIED_MODES]; /* sum, over all signals (weighted sums of the readings) and
-                                        samples, of the squares of each vibration mode's part of the
-                                        signal (squared unit of the readings) */
+    double energy[IDENTIFIED_MODES]; /* energy of each vibration mode: sum of squares, over all
+                                        signals (weighted sums of the readings) and samples, of the
+                                        mode's decaying vibration (squared unit of the readings) */
     size_t values; /* number of samples of all signals (weighted sums of the readings) minus number
                       of fitted coefficients */
 } normal;
@@ -763,8 +763,8 @@ static void fill_parts(const fit *fit, double *part)
 }
 
 /*
- * Compute the shape of a vibration mode by power iteration: the vector over the outputs along which
- * the coefficients of the mode have the largest energy.
+ * Compute the shape of a vibration mode by power iteration. The shape is the vector over the
+ * outputs along which the coefficients of the mode have the largest sum of squares.
  *   part [outputs][columns] in   coefficients of the decaying cosine and sine of the mode in all
  *       intervals of constant voltages
  *   along [columns]         out  work array

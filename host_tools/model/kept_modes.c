@@ -3,7 +3,9 @@
 #include "kept_modes.h"
 #include <string.h>
 
-/* Largest number of reals in all mode shapes that are kept, which is 256 MiB. */
+/*
+ * Largest number of values (doubles) in all mode shapes that are kept together: 256 MiB of memory.
+ */
 static const size_t reals_limit = (size_t)1 << 25;
 
 static size_t reals_of(const design *design, const vibration *result)

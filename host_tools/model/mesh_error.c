@@ -16,9 +16,10 @@
 static const double LEAST_UNCERTAINTY = 1e-9;
 
 /*
- * Return the expected error of a result extrapolated with second order where the convergence is
- * slower: differences between further meshes form a geometric series with the sum last/(ratio - 1),
- * of which the extrapolation contains last/3.
+ * Return the expected error of an extrapolated result if it converges more slowly than with second
+ * order, which the extrapolation assumes. Differences between further and further meshes would form
+ * a geometric series with the sum last/(ratio - 1). The extrapolation has added last/3; the error
+ * is the difference of both numbers.
  *   last  in  difference between the results on the two finest meshes
  *   ratio in  difference between the second and the third finest, divided by `last`; 4 for second
  *       order; values below SLOWEST count as SLOWEST

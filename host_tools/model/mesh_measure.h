@@ -23,9 +23,9 @@ mesh_measure mesh_measure_solve;
  */
 mesh_measure mesh_measure_path;
 /*
- * Append the influence matrix to the results whose discretisation error is estimated: the root mean
- * square, over the area of the target nodes, of the whole matrix and, where there are at most
- * MESH_COLUMNS amplifiers, of the column of each amplifier (displacement per volt). Returns 0, or
+ * Append the influence matrix (displacement per volt) to the results whose discretisation error is
+ * estimated, as root mean squares over the area of the target nodes: one of the whole matrix and,
+ * if there are at most MESH_COLUMNS amplifiers, one of the column of each amplifier. Returns 0, or
  * -1 with error filled.
  */
 enum { MESH_COLUMNS = MESH_VALUES - 2 };

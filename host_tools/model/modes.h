@@ -10,8 +10,8 @@
 #include "voltages.h"
 
 /*
- * Shape errors that voltages within one pair of voltage limits leave for one shape, where the
- * target is a list of shapes taken one by one.
+ * Shape errors for one target shape within one pair of voltage limits, if the scene gives a list of
+ * target shapes: errors of the optimal voltages, and of other voltages for comparison.
  */
 typedef struct mode_left {
     double limit[2];    /* lowest and highest voltage that any amplifier may give (V) */

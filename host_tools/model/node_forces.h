@@ -2,7 +2,7 @@
 /*
  * Displacements and forces at nodes as linear functions of the free dof of a mesh. A displacement
  * is a weighted sum of the dof of a node; the same weights give the nodal forces of a force there.
- * Functions add them to a vector with an entry for each free dof.
+ * The functions add these weights or forces to a vector with an entry for each free dof.
  */
 #ifndef NODE_FORCES_H
 #define NODE_FORCES_H

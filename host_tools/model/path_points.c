@@ -30,9 +30,9 @@ static bool wants_reactions(const design *design)
 }
 
 /*
- * Store in a point of the load path the largest angles (degrees) by which the shell has bent within
- * an element and turned from its undeformed normal, and the lowest principal strain of its faces,
- * which stays 0 where memory runs out.
+ * Store three numbers in a point of the load path: the largest angle by which the shell has bent
+ * within an element, the largest angle by which it has turned from its undeformed normal (degrees),
+ * and the lowest principal strain of its faces, which stays 0 where memory runs out.
  */
 static void measure_shape(const mesh *mesh, const double *displacement, load_path_point *point)
 {

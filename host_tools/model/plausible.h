@@ -90,17 +90,18 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
 /*
- * Warn where the static loads of a scene change the first natural frequency, which is then not that
- * of the unloaded structure.
+ * Warn if the static loads of a scene change the first natural frequency, because results for the
+ * unloaded structure then do not hold under the loads.
  *   unloaded, loaded in  first natural frequency without and with the loads (Hz); 0: the
  *       equilibrium under the loads is unstable; NAN: not known
  */
 void plausible_prestress(plausible *warnings, const scene *scene, double unloaded, double loaded);
 
 /*
- * Warn where reversed amplifiers may not be noticed: the supervisor of the loop tolerates that all
- * loads of the scene appear at once, and these move the target nodes far compared with the
- * voltages. Displacements are root mean squares over the target nodes (length unit of the scene).
+ * Warn if reversed amplifiers may not be noticed. The supervisor of the loop must tolerate that all
+ * loads of the scene appear at once. If the loads move the target nodes far more than the voltages
+ * do, the effect of reversed amplifiers lies within this tolerance. Displacements are root mean
+ * squares over the target nodes (length unit of the scene).
  *   load  in  displacement under all loads
  *   reach in  displacement under half the voltage range of all amplifiers with random signs
  */

@@ -145,8 +145,8 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate for a plausibility rule on transverse
- * shear, which checks one number, k = 0.
- *   k       in   index of the number that the rule is asked for
+ * shear. The rule measures a single number, with the index k = 0.
+ *   k       in   index of the number that is asked for
  *   bending out  stiffnesses
  *   wave    out  squared wave number of a half sine wave over the shorter side of the structure
  *       (1/m2)

@@ -94,8 +94,8 @@ measure measure_strength, measure_soft_strength, measure_strength_ratio;
 measure measure_reserve;
 
 /*
- * Functions that find by how much the theory of the elements errs, from recovered stresses, for the
- * plausibility rules (plausible_theory.c).
+ * Functions that measure, with recovered stresses, the error that assumptions of the elements
+ * cause, such as straight cross-sections, for the plausibility rules (plausible_theory.c).
  */
 measure measure_theory, measure_bend;
 

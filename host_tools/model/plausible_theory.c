@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plausibility rules on the theory of the elements, from recovered stresses (plausible_parts.h). */
+/*
+ * Plausibility rules on assumptions of the elements, such as straight cross-sections, by recovered
+ * stresses (plausible_parts.h).
+ */
 #include "plausible_parts.h"
 #include <stdio.h>
 #include "stress_field.h"

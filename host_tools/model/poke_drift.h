@@ -17,8 +17,8 @@
 #include "calibrate.h"
 
 typedef struct poke_drift {
-    double *offset; /* [outputs] offset c of the shapes, their value at the first poke without
-                       voltages; 0 where `drifts` is false */
+    double *offset; /* [outputs] offset c of the shapes, their value at the first poke (measured
+                       shape) without voltages; 0 where `drifts` is false */
     double *slope;  /* [outputs] drift d of the shapes from one poke (measured shape) to the next; 0
                        where `drifts` is false */
     /*

@@ -15,17 +15,17 @@
 #include "pokes.h"
 
 typedef struct poke_reduction {
-    pokes pokes; /* reduced pokes (shapes measured under known voltages), of which there are as many
-                    as actuators: voltages R and shapes X. Where there are no more pokes than
-                    actuators, the pokes themselves */
-    size_t left; /* number of rows of `rest` and `extra`: number of pokes minus number of actuators,
-                    or 0 */
+    pokes pokes; /* reduced pokes (shapes measured under known voltages): voltages R and shapes X,
+                    as many as actuators. If there were no more pokes than actuators, they are not
+                    reduced */
+    size_t left; /* number of rows of `rest` and `extra`: number of pokes (measured shapes) minus
+                    number of actuators, or 0 */
     const double *rest; /* [left][outputs] rows of the measured shapes, multiplied by the orthogonal
                            matrix Q' that makes the voltages of these rows 0: no influence matrix
                            can explain what is in them */
-    const double *extra; /* [left][extras] further numbers of each poke (argument `regressor` of
-                            poke_reduce), multiplied by the orthogonal matrix Q'; only the rows in
-                            which Q' makes the voltages 0 */
+    const double *extra; /* [left][extras] further numbers of each poke, a measured shape (argument
+                            `regressor` of poke_reduce), multiplied by the orthogonal matrix Q';
+                            only the rows in which Q' makes the voltages 0 */
     double *memory;      /* one allocation that holds the arrays of the reduction */
 } poke_reduction;
 

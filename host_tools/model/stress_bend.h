@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Displacement of the cross-sections of a shell that transverse shear bends, beyond the straight
- * line through the thickness with which the elements move; and the rise of the plies by their
- * thickness strains. Equations in stress_warp.h.
+ * Displacement of the cross-sections of a shell whose elements move with straight cross-sections:
+ * the part by which transverse shear bends the cross-sections, and the displacement of the plies
+ * along the normal by their thickness strains. Equations in stress_warp.h.
  */
 #ifndef STRESS_BEND_H
 #define STRESS_BEND_H

@@ -186,7 +186,10 @@ static void add_plane(const stress_field *field, int element, double (*lacking)[
 
 /* ---- displacement ------------------------------------------------------------------- */
 
-/* Return the largest displacement of any node (m), as the mean of both faces. */
+/*
+ * Return the largest displacement of all nodes (m). The displacement of a node is the mean of both
+ * faces.
+ */
 static double largest(const mesh *mesh, const double *displacement)
 {
     double square = 0;

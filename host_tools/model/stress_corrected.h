@@ -27,7 +27,7 @@
 
 /*
  * Recover the stresses of a structure with linear kinematics from its displacement and input
- * values, and correct them.
+ * values. The displacement is corrected for assumptions of the elements before the final recovery.
  *   model in  structure with the factors of its stiffness matrix
  * Returns 0, or -1 if memory runs out; call stress_free in both cases.
  */

@@ -482,11 +482,11 @@ void stress_shear_strains(const stress_field *field, int element, int layer, int
 }
 
 /*
- * Add the in-plane strains of bent cross-sections (stress_warp.h) to the strains of a layer, and
- * the thickness strain 33 that they cause while the normal stress 33 stays the same. Replace the
- * in-plane stresses by those stored in `sample`, which belong to these strains. Where the in-plane
- * stresses contain the effect of the normal stress 33 of each height (has_squeeze), the thickness
- * strain 33 does, too.
+ * Complete a layer for bent cross-sections (stress_warp.h). Add their in-plane strains to the
+ * strains of the layer, and the thickness strain 33 that they cause while the normal stress 33
+ * stays the same. Replace the in-plane stresses by those in `sample`, which belong to these
+ * strains. If the stresses contain the effect of a normal stress 33 that varies with the height
+ * (has_squeeze), the thickness strain 33 gets its effect, too.
  */
 static void add_warp(const laminate_ply *ply, const stress_sample *sample, bool has_squeeze,
                      double strain[6], double stress[6])

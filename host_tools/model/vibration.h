@@ -32,8 +32,8 @@ typedef struct vibration {
 } vibration;
 
 /*
- * Number of vibration modes that a structure has: that of its free dof, or of the measured modes
- * that the scene file gives.
+ * Return the number of vibration modes that a structure has: the number of its free dof, or of the
+ * measured modes that the scene file gives.
  */
 int vibration_most(const design *design);
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Texts on what voltages for a target obey and leave out (voltages_words.h). */
+/*
+ * Texts on optimised voltages: limits that they reach, and parts of the target that they cannot
+ * change (voltages_words.h).
+ */
 #include "voltages_words.h"
 #include <stdio.h>
 #include "design_rows.h"

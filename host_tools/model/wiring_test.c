@@ -107,9 +107,10 @@ static double mean_response(const pzs_selftest_tables *tables, const double *dir
 }
 
 /*
- * Set the scale of each sensor, a factor for its readings with which the mean square response to 1
- * V is 1, and the noise above which a sensor is reported as too noisy. Scales are inversely
- * proportional to the noise in the scene file, if stated, so that units may differ.
+ * Set the scale of each sensor, by which its readings are multiplied, and the noise above which it
+ * is reported as too noisy. With the scales, the mean square response of the sensors to 1 V is 1.
+ * If the scene file states the noise of the sensors, scales are inversely proportional to it, so
+ * that the units of sensors may differ.
  */
 static void set_scales(const pzs_selftest_tables *tables, const double *direct, double amplitude,
                        double *scale, double *noise)

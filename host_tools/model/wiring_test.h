@@ -58,8 +58,9 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
 
 /*
  * List as text what the self-test of the wiring cannot detect: amplifiers without a test pulse,
- * without effect on a reading, or with a response that the scene's noise may hide (with an
- * amplitude and a duration that suffice). Empty where there is nothing to list.
+ * amplifiers without effect on a reading, and amplifiers whose response may be hidden by the
+ * scene's noise. For the last ones, the text also states which height and which duration of the
+ * test pulses suffice. Empty where there is nothing to list.
  */
 void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 

@@ -38,9 +38,9 @@ typedef struct collection {
     const quad_file *file;
     numbered *node; /* numbers and indices of all nodes of the mesh file, in ascending order of the
                        numbers */
-    uint32_t *node_of, *element_of; /* index in the mesh of each node and each cell of the mesh
-                                       file; the value `unused` for those that the mesh does not
-                                       contain */
+    uint32_t *node_of, *element_of; /* index in the mesh of each node and each cell (point, edge or
+                                       quadrilateral) of the mesh file; the value `unused` for those
+                                       that the mesh does not contain */
 } collection;
 
 static int refuse_memory(const collection *collection)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Directors (unit normals) and axes of the local triads at the nodes of a mesh of quadrilaterals
+ * Directors (unit normals) and local axes at the nodes of a mesh of quadrilaterals
  * in any arrangement (quad_steps.h).
  */
 #include "quad_steps.h"

@@ -63,8 +63,8 @@ typedef struct quad_mesh {
                                none */
     uint32_t (*element)[4]; /* [elements] nodes of the corners (-,-) (+,-) (+,+) (-,+),
                                counterclockwise as seen from the outer face */
-    double *area; /* [elements] exact area of each element (m2); NULL: areas are computed from nodes
-                     and directors */
+    double *area; /* [elements] exact area of each element (m2); NULL: areas are computed from the
+                     positions and directors (unit normals) of the nodes */
     uint32_t *element_region; /* [elements] number of each element's region; NULL: all belong to
                                  region 0 */
     quad_region *region; /* [regions] plies and material axis of each region; there is at least one

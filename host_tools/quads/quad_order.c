@@ -154,8 +154,8 @@ typedef struct search {
     const quad_graph *graph;
     uint32_t *best;  /* [nodes] node order with the smallest envelope of the stiffness matrix found
                         so far */
-    uint32_t *other; /* [nodes] another node order, whose envelope is compared with the smallest one
-                        found so far */
+    uint32_t *other; /* [nodes] another node order, whose envelope (number of stored matrix entries)
+                        is compared with the smallest one found so far */
     uint32_t *level; /* [nodes] number of elements on the shortest way from the first node of a node
                         order to each node */
     uint32_t *place; /* [nodes] work memory in which each node's position in an order is stored

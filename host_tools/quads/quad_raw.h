@@ -18,11 +18,13 @@ typedef struct quad_raw_node {
 /* Cell of a mesh file: a point (1 corner), an edge (2 corners) or a quadrilateral (4 corners). */
 typedef struct quad_raw_cell {
     int64_t label;   /* number of the cell (point, edge or quadrilateral) in the mesh file */
-    int64_t node[4]; /* [corners] numbers of the cell's nodes in the file */
+    int64_t node[4]; /* [corners] numbers, in the mesh file, of the nodes at the corners of the cell
+                        (point, edge or quadrilateral) */
     int corners;
     int group; /* index that the reader of a mesh file gives to the set of the cell (point, edge or
                   quadrilateral) while it reads the file; negative if the cell belongs to no set */
-    size_t at; /* position (byte) in the mesh file at which the cell was read, for error messages */
+    size_t at; /* position (byte) in the mesh file at which the cell (point, edge or quadrilateral)
+                  was read, for error messages */
 } quad_raw_cell;
 
 /*

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Reading of a mesh file into a checked mesh with directors and an order of the nodes. */
+/*
+ * Reading of a mesh file into a checked mesh with directors (unit normals) and an order of the
+ * nodes.
+ */
 #ifndef QUAD_READ_H
 #define QUAD_READ_H
 

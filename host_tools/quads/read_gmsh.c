@@ -18,8 +18,8 @@ typedef struct entity {
     int dimension, tag, count;
     int *physical; /* [count] numbers of the physical groups to which the geometric entity of the
                       Gmsh file belongs */
-    size_t *set;   /* [count] indices of the sets of these groups; NULL until the first cell (point,
-                      edge or quadrilateral) of the entity is added to them */
+    size_t *set;   /* [count] indices of the sets of the entity's physical groups; NULL until the
+                      first cell (point, edge or quadrilateral) of the entity is added to them */
 } entity;
 
 typedef struct physical_name {
@@ -110,10 +110,10 @@ static int find_entity(const gmsh *gmsh, int dimension, int tag)
 }
 
 /*
- * Return the index of the entry for a physical group of a Gmsh file of version 2.2 in the list of
- * geometric entities (gmsh->entity), added where the group first occurs, because such a file has no
- * entities. Returns -1 for group 0 (none), and -2 after writing an error message about the mesh
- * file.
+ * A Gmsh file of version 2.2 has physical groups, but no geometric entities. Each physical group
+ * therefore gets an entry of its own in the list of entities (gmsh->entity), when the group first
+ * occurs. Return the index of this entry; -1 for group 0 (none); -2 after writing an error message
+ * about the mesh file.
  */
 static int group_of(gmsh *gmsh, int dimension, int physical)
 {

@@ -238,9 +238,9 @@ static void derivative(const outline_cell *cell, const double natural[2], int di
 }
 
 /*
- * The coordinates in the plane of the outlines are bilinear functions of the natural coordinates,
- * which Newton's method inverts, starting from the middle of the convex cell (element or part of
- * one).
+ * A point in the plane of the outlines is a bilinear function of the natural coordinates. Newton's
+ * method inverts this function, starting from the middle of the cell (element or part of one). It
+ * converges because the cell is convex.
  */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2])

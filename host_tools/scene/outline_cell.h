@@ -64,9 +64,9 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
                        const double high[2], outline_cell *part);
 
 /*
- * Find the displacement, by full turns, with which a cell (element or part of one) is moved to
- * compare it with an electrode outline that passes the end of a periodic surface coordinate (theta1
- * or theta2, period 2 pi).
+ * An electrode outline may pass the end of a periodic surface coordinate (theta1 or theta2, period
+ * 2 pi). For the comparison with such an outline, a cell (element or part of one) is also moved by
+ * full turns. Compute one of these displacements.
  *   k          in   number of the displacement, below OUTLINE_MOVES: 0 for none, else a combination
  *       of 0, +1 and -1 turns of both coordinates
  *   shift  [2] out  displacement in the plane of the electrode outlines

@@ -114,11 +114,11 @@ typedef enum scene_squares {
 typedef struct scene_element {
     bool cartesian; /* true: strains are computed from differences of the displacement vectors of an
                        element's corners; false: from derivatives of displacement components in the
-                       local triad of the surface */
-    double tau; /* factor (dimensionless) of a term of the membrane shear strain of curved elements,
-                   which is proportional to the warping by normal displacements of the four corners
-                   with alternating signs (warp.h); 1: bending of curved shells converges faster; 0:
-                   no such term */
+                       local axes of the surface (triad) */
+    double tau; /* factor (dimensionless) of a term that is added to the membrane shear strain of
+                   curved elements (warp.h). The term is proportional to their warping: normal
+                   displacements of the four corners with alternating signs. 1: bending of curved
+                   shells converges faster; 0: no such term */
     double rho; /* factor (dimensionless) of a flexibility that is added to the transverse shears of
                    an element: bending flexibility 12/(E h^3) times L^2/12, with the length L of the
                    element. Without it, elements much longer than thick bend too little */
@@ -341,8 +341,9 @@ typedef enum scene_component {
 /* Direction of a spring or of a stack actuator. */
 typedef struct scene_direction {
     bool given;
-    scene_component component; /* direction along an axis of the local triad or along a global axis,
-                                  where the scene file gives no components of the direction */
+    scene_component component; /* direction along an axis of the local triad (e1, e2, normal) or
+                                  along a global axis, where the scene file gives no components of
+                                  the direction */
     double vector[3]; /* direction of a spring or stack as a unit vector (x, y, z); zero if it is
                          not given as a vector */
 } scene_direction;
@@ -469,9 +470,9 @@ typedef struct scene_support {
     unsigned fix;
     expr *value; /* formula of the displacement that a support prescribes at full load (length unit
                     of the scene file); NULL: 0 */
-    unsigned move; /* dof among those in `fix` to which the support gives the displacement `value`,
-                      in the same bits; the other dof in `fix` are 0. For a normal displacement, for
-                      example, the mean of both faces is prescribed and their difference is 0.
+    unsigned move; /* displacements that the support prescribes as `value`: a part of the bits in
+                      `fix`. The dof of all other bits in `fix` are 0. For a normal displacement,
+                      for example, the mean of both faces is prescribed and their difference is 0.
                       FIX_ALONG: mean displacement along the direction of an oblique support */
     scene_direction about; /* axis of a support that holds or prescribes a rotation; not given for
                               other supports */
@@ -572,10 +573,10 @@ typedef struct scene_output {
                    all layers together */
     int height; /* height of a strain, stress or potential output in its layer, or in all layers
                    together: 0 inner face, 1 middle, 2 outer face */
-    double angle;   /* angle by which axis 1 of a strain or stress output is turned from that of the
-                       shell (degrees) */
-    bool of_sensor; /* used for voltages and charges of electrodes only. true: electrodes of
-                       sensors; false: electrodes that amplifiers drive */
+    double angle;      /* angle from axis 1 of the shell to axis 1 of the strain or stress that the
+                          output      gives (degrees) */
+    bool of_sensor;    /* used for voltages and charges of electrodes only. true: electrodes of
+                          sensors; false: electrodes that amplifiers drive */
     int first, count;  /* range of the electrodes of an electric output: numbers first to first +
                           count - 1 */
     scene_where where; /* nodes of the output; its position in the scene file is 0 for an output
@@ -637,8 +638,9 @@ typedef struct scene_compare {
  */
 typedef struct scene_limit {
     int first, count;
-    bool is_tied; /* true: the limits are those of one of the actuators which the amplifier drives
-                     together; the narrowest limits of these actuators apply to the amplifier */
+    bool is_tied; /* The amplifier may drive several actuators together. true: the limits are those
+                     of one of these actuators; the narrowest limits of all of them apply to the
+                     amplifier */
     int tied; /* index of the actuator to which these limits belong, in the file of the influence
                  matrix; used if is_tied is true */
     bool has_voltage;    /* whether the amplifiers from `first` on, `count` in number, have voltage
@@ -865,8 +867,8 @@ typedef struct scene_simulate {
     scene_imperfections imperfections;
     bool detects_faults; /* whether the controller itself has to detect the fault of some electrode
                             (ANNOUNCED_DETECTED) */
-    bool has_feed_forward; /* whether the controller is informed of some load event one tick in
-                              advance */
+    bool has_feed_forward; /* true if the controller is informed of at least one load event one tick
+                              in advance */
     int events;
     scene_event *event;
     scene_at at;
@@ -977,12 +979,13 @@ typedef struct scene_dynamics {
  */
 typedef struct scene_modal_gains {
     bool given;
-    int modes;            /* number of modes; 0: the gain and the leak are those of all shapes */
-    int functions;        /* number of modes that the scene gives as functions, all or none of them;
-                             none: they are the singular vectors of the influence matrix with the
-                             largest singular values */
-    scene_mode *function; /* [functions] modes as functions at the target nodes */
-    double *gain, *leak;  /* [modes] gain and leak of each mode; NULL without modes */
+    int modes;     /* number of modes with gains of their own; 0: one gain and one leak hold for all
+                      shapes */
+    int functions; /* number of modes that the scene gives as functions, which is 0 or `modes`. 0:
+                      the modes are the singular vectors of the influence matrix with the largest
+                      singular values */
+    scene_mode *function;          /* [functions] modes as functions at the target nodes */
+    double *gain, *leak;           /* [modes] gain and leak of each mode; NULL without modes */
     double other_gain, other_leak; /* gain and leak of all voltages that belong to no mode */
     scene_at at;
 } scene_modal_gains;
@@ -1010,8 +1013,8 @@ typedef struct scene_safety {
     double *park;  /* [amplifiers] park voltages: voltages of rest, to which the amplifiers are
                       ramped when control is lost (V); NAN where the scene file gives none for an
                       amplifier, NULL where it gives none at all */
-    bool park_is_common; /* true: the scene file gives one park voltage for all amplifiers; false:
-                            voltages of amplifiers by name, or none */
+    bool park_is_common; /* true: the scene file gives one park voltage (voltage of rest) for all
+                            amplifiers; false: voltages of amplifiers by name, or none */
     scene_at at; /* position of the section `safety` in the scene file, for error messages */
     int timeout; /* number of ticks without usable readings after which the supervisor takes control
                     away; 0: never */

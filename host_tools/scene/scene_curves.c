@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Key `curve` of the section `influence` of a scene: curves of actuators whose displacement is not
- * proportional to their voltage. The effect of a voltage is what the displacement is proportional
- * to.
+ * proportional to their voltage. A curve gives the effect of each voltage, the quantity to which
+ * the displacement is proportional.
  */
 #include "scene_file.h"
 #include "scene_parts.h"

@@ -127,8 +127,9 @@ static double entry(const influence_text *text, int output, int actuator, char *
 
 /*
  * Check that a list in the scene file (names, points or flags) has as many entries as the measured
- * influence matrix has outputs, or actuators. A list with the number of the other kind gets the
- * message that the matrix is transposed. Returns 0, or -1 after writing the error message.
+ * influence matrix has outputs, or has actuators. If a list for outputs has the number of the
+ * actuators, or the reverse, the message says that the matrix is transposed. Returns 0, or -1 after
+ * writing the error message.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)

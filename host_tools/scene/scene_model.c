@@ -744,8 +744,8 @@ const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000}
 
 /*
  * Check that patches whose electrodes are given by outlines lie on a layer of the right kind: with
- * smeared stiffness the layer is patched and has no bare face, otherwise it is continuous. Returns
- * 0, or -1 after writing an error message about the scene file.
+ * smeared stiffness the layer is patched and has no bare face (without electrode), otherwise it is
+ * continuous. Returns 0, or -1 after writing an error message about the scene file.
  */
 static int check_outlined_layer(reader *reader, int node, const scene_patches *patches)
 {

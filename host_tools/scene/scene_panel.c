@@ -27,8 +27,9 @@ static const field panel_fields[] = {
 static const form panel_form = {.type = FORM_MAP, .fields = panel_fields};
 
 /*
- * Largest ratio of a hole's radius to the distance of its centre from an edge, and largest angle of
- * a panel on a cylinder to either side of its middle (rad).
+ * Limits of a panel with a hole. most_hole: largest ratio of the hole's radius to the distance of
+ * its centre from an edge. most_angle: largest angle (rad) that a panel on a cylinder extends to
+ * either side of its middle.
  */
 static const double most_hole = 0.8, most_angle = 3;
 

@@ -62,9 +62,9 @@ int scene_take_block(reader *reader, int node, scene *scene, const char *key, qu
                      const block_options *options);
 
 /*
- * Find the k-th set (from 0) of nodes, edges or elements of the mesh file whose name fits a
- * pattern, in which the first * stands for any text, and copy its name to `name` (unchanged where
- * fewer fit). Returns the number of sets that fit.
+ * Among the sets of nodes, edges and elements of the mesh file, consider those whose names fit a
+ * pattern, in which the first * stands for any text. Copy the name of the k-th of them (from 0) to
+ * `name`, which stays unchanged if there are fewer. Returns the number of sets that fit.
  */
 int scene_fitting_set(const scene *scene, const char *pattern, int k, char name[SCENE_NAME]);
 

@@ -331,8 +331,8 @@ static const int event_types[] = {
     EVENT_DELAY};
 
 /*
- * Range of the fraction of a tick interval by which voltages may be late, or by which the interval
- * may vary.
+ * Permitted range of two keys, both fractions of a tick interval: by how much voltages may be late,
+ * and by how much the interval may vary.
  */
 static const range part = {0, 0.9, 0,
                            "must lie between 0 and 0.9; it is a part of the interval "

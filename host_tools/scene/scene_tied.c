@@ -175,9 +175,9 @@ void scene_tied_sum(const scene_influence *influence, double *value)
 
 /*
  * Replace the voltage limits of an amplifier by the narrowest of the entries of limits.each that
- * hold for it. An entry may hold for only one of the actuators that the amplifier drives together;
- * it then counts only if this is the actuator `tied` (index in the file of the influence matrix;
- * -1: no actuator). Without such an entry the limits remain unchanged.
+ * apply to it. If the amplifier drives several actuators together, an entry may name only one of
+ * them. Such an entry applies only if it names the actuator `tied` (index in the file of the
+ * influence matrix; -1: no actuator). If no entry applies, the limits remain unchanged.
  */
 static void take_entries(const scene_limits *limits, int amplifier, int tied, double *lower,
                          double *upper)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Supports of a mesh from a file: they determine the local triads of their nodes and constrain dof
- * along the axes of these triads (scene_parts.h).
+ * Supports of a mesh from a file: they determine the local axes (triads) of their nodes and
+ * constrain dof along these axes (scene_parts.h).
  */
 #include "scene_parts.h"
 #include "../quads/vector.h"

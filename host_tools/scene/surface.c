@@ -86,8 +86,8 @@ double surface_area(const scene_surface *surface, const double t1[2], const doub
 /*
  * Return whether a set of surface coordinates contains theta1 (direction 1) or theta2 (direction
  * 2).
- *   set  in  sum of the bits ALONG_THETA1, ALONG_THETA2, and AROUND_AXIS, which stands for the one
- *       of theta1 and theta2 that is the angle around the axis of a cylinder or spiral
+ *   set  in  sum of the bits ALONG_THETA1, ALONG_THETA2 and AROUND_AXIS. AROUND_AXIS stands for the
+ *       angle around the axis of a cylinder or spiral, which is theta1 or theta2
  */
 static int has_direction(const scene_surface *surface, int set, int direction)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference surfaces of shells: position, local triad, metric and curvatures at the coordinates
- * theta1 and theta2.
+ * Reference surfaces of shells: position, local axes (triad), metric and curvatures at the
+ * coordinates theta1 and theta2.
  */
 #ifndef SURFACE_H
 #define SURFACE_H
