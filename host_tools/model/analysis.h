@@ -193,8 +193,9 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
  */
 int analysis_find_reactions(analysis *analysis, const double *displacement, char *error);
 /*
- * Whether the scene's output with index k is a linear function of the displacement in this
- * analysis, with rows that begin at design.named_first[k].
+ * Return whether output k of the scene is a linear function of the displacement under the
+ * kinematics of this analysis. Its values are then rows of the structure's outputs, from row
+ * design.named_first[k] on.
  */
 bool analysis_output_is_row(const analysis *analysis, int k);
 /* Number of values (nodes or electrodes) of the scene's output with index k. */

@@ -119,7 +119,10 @@ void design_vectors(const mesh *mesh, const double *displacement, double *vector
     }
 }
 
-/* Append the row of an output that is a linear function of the displacement, at one node. */
+/*
+ * Append the sparse row (output per unit of each free dof) of an output that is a linear function
+ * of the displacement, at one node.
+ */
 static void append_output(const mesh *mesh, const scene_output *output, int node, row_builder *rows,
                           double *dense)
 {

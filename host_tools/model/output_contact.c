@@ -3,13 +3,16 @@
 #include "equilibrium.h"
 #include "output_calls.h"
 
-/* Number of nodes of output k; 0: the output is that of the whole shell. */
+/* Return the number of nodes that output k names; 0: the output is that of the whole shell. */
 static int node_count(const design *design, int k)
 {
     return design->place_first[k + 1] - design->place_first[k];
 }
 
-/* Component of the force of the body on the nodes of the output, or on the whole shell (N). */
+/*
+ * Return a component of the force of the rigid body on the nodes of the output, or on the whole
+ * shell (N).
+ */
 static double force(const output_state *state, int k, int i)
 {
     const design *design = state->design;
@@ -26,7 +29,10 @@ static double force(const output_state *state, int k, int i)
     return sum;
 }
 
-/* Number of nodes in contact, among those of the output or of the whole shell. */
+/*
+ * Return the number of nodes that touch the rigid body, among the nodes of the output or of the
+ * whole shell.
+ */
 static double nodes(const output_state *state, int k, int i)
 {
     const design *design = state->design;
@@ -40,7 +46,7 @@ static double nodes(const output_state *state, int k, int i)
     return count;
 }
 
-/* Pressure of the body on the shell at a node (N/m2). */
+/* Return the pressure of the rigid body on the shell at a node (N/m2). */
 static double pressure(const output_state *state, int k, int i)
 {
     const design *design = state->design;

@@ -6,8 +6,8 @@
 #include "stress_summary.h"
 
 /*
- * Part of an output that is the von Mises stress; parts below are the stress components 11 22 33 23
- * 13 12.
+ * Value of scene_output.part for the von Mises stress. Smaller values stand for the stress
+ * components 11 22 33 23 13 12.
  */
 enum { PART_MISES = 6 };
 

@@ -165,7 +165,8 @@ double strain_area(const mesh *mesh, const scene_output *output, int node)
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
                         const double strain[STRAIN_COUNT])
 {
-    static const int component[] = {0, 1, 5}; /* strains 11, 22 and 12 in the Voigt order */
+    static const int component[] = {0, 1, 5}; /* indices of the strains 11, 22 and 12 in the Voigt
+                                                 order 11 22 33 23 13 12 */
     double in_plane[STRAIN_COUNT], all[6], turned[6];
     memcpy(in_plane, strain, sizeof in_plane);
     in_plane[4] = in_plane[5] = 0; /* a gauge on the surface does not see the thickness strain */

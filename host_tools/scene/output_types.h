@@ -2,15 +2,16 @@
 /*
  * Table of the types of outputs: the quantities that an output of a scene can measure. Columns:
  *   1. value of scene_output_type
- *   2. word for it in messages
- *   3. keys, separated by blanks, of those that only some types of outputs take: layer, face,
- *      angle and support
- *   4. dimension of a value in the scene file, such as a reference value (scene_dimension.h)
+ *   2. name of the quantity in messages
+ *   3. keys, separated by blanks, that outputs of this type take in addition to those of all
+ *       outputs: layer, face, angle and support
+ *   4. physical dimension of a value, such as a reference value in the scene file
+ *       (scene_dimension.h)
  *   5. quantity that a value measures, which gives its unit in texts (words.h)
  *   6. what each value of the output belongs to (scene_output_spread)
- *   7. when a sensor may measure it (scene_output_reading)
+ *   7. when a sensor may measure the output (scene_output_reading)
  *   8. function that completes an output of the scene file and checks it (scene_output.c)
- *   9. functions of its rows and values (host_tools/model/output_calls.h)
+ *   9. functions that compute the output (host_tools/model/output_calls.h)
  */
 #ifndef OUTPUT_TYPES_H
 #define OUTPUT_TYPES_H

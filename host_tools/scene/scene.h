@@ -555,7 +555,10 @@ typedef enum scene_output_spread {
     SPREAD_TOTAL
 } scene_output_spread;
 
-/* When a sensor may measure an output; READING_LINEAR: where the kinematics is linear. */
+/*
+ * When a sensor of the device may measure an output: always, only if the kinematics is linear
+ * (READING_LINEAR), or never.
+ */
 typedef enum scene_output_reading {
     READING_ALWAYS,
     READING_LINEAR,
@@ -565,8 +568,8 @@ typedef enum scene_output_reading {
 typedef struct scene_output {
     char name[SCENE_NAME];
     scene_output_type type; /* quantity that the output measures */
-    int part; /* which component of that quantity it is, such as x, y or z of a force: index among
-                 the words that the scene file has for this type of output */
+    int part; /* component of the quantity, such as x, y or z of a force: index in the list of words
+                 that the scene file accepts for this type of output */
     char support[SCENE_NAME]; /* name of the supports whose reaction an output gives; empty: the
                                  output is the reaction at given nodes of the mesh */
     int layer;  /* layer of a strain, stress or potential output; -1: a strain that is measured over
@@ -581,18 +584,19 @@ typedef struct scene_output {
                           count - 1 */
     scene_where where; /* nodes of the output; its position in the scene file is 0 for an output
                           without nodes, such as a charge or the force of the whole contact */
-    scene_component component; /* component of a displacement */
-    scene_face face;           /* face whose displacement the output is */
+    scene_component component; /* direction of a displacement output */
+    scene_face face;           /* face of the shell whose displacement the output is */
     double reference; /* reference value of an output that is printed beside the computed value; NAN
                          if not given */
     scene_at at;
 } scene_output;
 
-/* What all outputs of one type have in common, from the table in output_types.h. */
+/* Properties that all outputs of one type have in common, from the table in output_types.h. */
 typedef struct scene_output_info {
     const char *word; /* name of the quantity in messages, such as "contact force" */
-    const char *keys; /* keys, of those that only some types of outputs take, that it takes */
-    dimension of;     /* physical dimension of a value in the scene file */
+    const char *keys; /* keys, separated by blanks, that outputs of this type take in addition to
+                         those of all outputs */
+    dimension of;     /* physical dimension of the values of the output */
     scene_output_spread spread;
     scene_output_reading reading;
 } scene_output_info;

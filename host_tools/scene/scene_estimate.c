@@ -11,8 +11,9 @@ static bool is_readable(const scene_output_info *info, const char *key)
 }
 
 /*
- * Check that a sensor can measure an output. Returns 0, or -1 after writing an error message about
- * the scene file.
+ * Check that a sensor of the device can measure an output, by the table of the types of outputs:
+ * stresses and reactions never, strains only under linear kinematics. Returns 0, or -1 after
+ * writing an error message about the scene file.
  */
 static int check_reading(reader *reader, int node, const scene_output *output)
 {

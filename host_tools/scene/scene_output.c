@@ -10,8 +10,9 @@
 /* ---- quantities ---- */
 
 /*
- * Count the keys that name the quantity of an output, of which there must be one. Returns 0, or -1
- * after writing an error message about the scene file.
+ * Count the keys of an output that name its quantity, such as `u3` or `reaction`. Exactly one is
+ * permitted. Returns 0, or -1 after writing an error message about the scene file if there is a
+ * second one.
  */
 static int count_quantity(reader *reader, int node, output_text *text)
 {
@@ -35,10 +36,10 @@ int read_displacement(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Read the word of a quantity that has several components, such as x, y or z of a reaction. The
- * type of the output is the value of the word; its component is the number of words before it that
- * have the same value.
- *   rule in  words (choice) of the key
+ * Read the word that selects a component of the output's quantity, such as x, y or z of a reaction.
+ * In the list of words, the value of a word is the type of the output. Its component is the number
+ * of earlier words with the same value.
+ *   rule in  list of words (choice) of the key
  */
 static int read_quantity(reader *reader, int node, void *to, const void *rule)
 {
@@ -189,12 +190,12 @@ static int read_reference_value(reader *reader, int node, void *to, const void *
 /* ---- checks of complete outputs ---- */
 
 /*
- * Complete and check an output of one type after all its keys have been read. Returns 0, or -1
- * after writing an error message about the scene file.
+ * Function that completes and checks an output of one type after all its keys have been read.
+ * Returns 0, or -1 after writing an error message about the scene file.
  */
 typedef int output_finish(reader *reader, int node, output_text *text);
 
-/* Output that belongs to nodes of the mesh. */
+/* Complete an output that is measured at nodes of the mesh, such as a displacement. */
 static int finish_at_place(reader *reader, int node, output_text *text)
 {
     if (text->quantities == 0)
@@ -204,7 +205,10 @@ static int finish_at_place(reader *reader, int node, output_text *text)
     return require_place(reader, node, &text->output.where);
 }
 
-/* Output that is a total of some nodes, or of the whole structure. */
+/*
+ * Complete an output that is a total over some nodes, or over the whole structure. Every such
+ * output is valid.
+ */
 static int finish_total(reader *reader, int node, output_text *text)
 {
     (void)reader;
@@ -213,7 +217,7 @@ static int finish_total(reader *reader, int node, output_text *text)
     return 0;
 }
 
-/* Reaction, which is that of supports or that at nodes of the mesh. */
+/* Complete a reaction. It belongs either to the supports of one name or to nodes of the mesh. */
 static int finish_reaction(reader *reader, int node, output_text *text)
 {
     const scene_output *output = &text->output;
@@ -228,7 +232,10 @@ static int finish_reaction(reader *reader, int node, output_text *text)
     return 0;
 }
 
-/* Voltages or charges of electrodes, which have no place. */
+/*
+ * Complete an output of voltages or charges of electrodes, for which no place on the mesh may be
+ * given.
+ */
 static int finish_electrodes(reader *reader, int node, output_text *text)
 {
     (void)node;
@@ -239,8 +246,8 @@ static int finish_electrodes(reader *reader, int node, output_text *text)
 }
 
 /*
- * Electric potential of a layer's bare face (without electrode). Where the scene file does not say
- * which face, and only one is bare, the output is that of this face.
+ * Complete an electric potential of a layer's bare face (without electrode). Where the scene file
+ * does not say which face, and only one is bare, the output is that of this face.
  */
 static int finish_potential(reader *reader, int node, output_text *text)
 {
@@ -262,8 +269,8 @@ static int finish_potential(reader *reader, int node, output_text *text)
 }
 
 /*
- * Strain. If the scene file does not give the angle of the axes, it is that of the layer, or 0
- * without a layer.
+ * Complete a strain. If the scene file does not give the angle of the axes, it is that of the
+ * layer, or 0 without a layer.
  */
 static int finish_strain(reader *reader, int node, output_text *text)
 {
@@ -273,7 +280,10 @@ static int finish_strain(reader *reader, int node, output_text *text)
     return require_place(reader, node, &output->where);
 }
 
-/* Stress. If the scene file does not give the layer, it is the only one of the shell. */
+/*
+ * Complete a stress. If the scene file does not name a layer, the shell must have a single one,
+ * which is taken.
+ */
 static int finish_stress(reader *reader, int node, output_text *text)
 {
     const int layers = reader->s->layers;
