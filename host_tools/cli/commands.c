@@ -17,6 +17,7 @@ const char *const command_title =
 static const char *const starts[] = {"plate",           "mirror",        "panel",       "measured",
                                      "measured-matrix", "poke-voltages", "poke-shapes", NULL};
 static const char *const shells[] = {"bash", NULL};
+static const char *const circuits[] = {"open", "short", NULL};
 static const char *const images[] = {"control", "linear", "nonlinear", NULL};
 #define NAME_OF(name, machine, bits, twin) name,
 #define NAME_IN_TEXT(name, machine, bits, twin) name ", "
@@ -83,11 +84,14 @@ const command_entry command_table[COMMANDS] = {
          ARGUMENT_SCENE,
          NULL,
          "natural frequencies and mode shapes",
-         "Natural frequencies and mode shapes in the reference state, electrodes short-circuited; "
-         "every material needs a density. For each mode: the mass that takes part in a motion "
-         "along x, y and z, and the input that moves it most; with --json what each input moves by "
-         "it.",
-         {"pzs modes plate-50-patches --number 5 --vtu modes.vtu", NULL}},
+         "Natural frequencies and mode shapes; every material needs a density. With nonlinear "
+         "kinematics they are those about the equilibrium under the loads, otherwise those of the "
+         "reference state. Electrodes of amplifiers are short-circuited, those of sensors as the "
+         "scene says; --electrodes open or short changes that. For each mode: the mass that takes "
+         "part in a motion along x, y and z, and the input that moves it most; with --json what "
+         "each input moves by it.",
+         {"pzs modes plate-50-patches --number 5 --vtu modes.vtu",
+          "pzs modes bimorph-sensor --set materials.PVDF.density=1780 --electrodes open", NULL}},
     [COMMAND_TABLES] =
         {"tables",
          "SCENE -o FILE.h",
@@ -270,6 +274,11 @@ const option_entry option_table[OPTIONS] = {
                        BIT(COMMAND_MODES) | BIT(COMMAND_CALIBRATE),
                        "how many modes, 1 to 200; default 10; of calibrate --vibration at most "
                        "20, default 5"},
+    [OPTION_ELECTRODES] =
+        {"--electrodes", NULL, "CIRCUIT", ARGUMENT_CHOICE, circuits, BIT(COMMAND_MODES),
+         "circuit of all electrodes while the structure vibrates: open or short; default: sensors "
+         "as the scene says, amplifiers short. Where electrodes are open, the short-circuit "
+         "frequencies and coupling factors are printed, too"},
     [OPTION_CSV] =
         {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
          "a line a tick: tick, time (s), error and vibration of the shape over the scene's "

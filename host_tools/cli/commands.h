@@ -39,6 +39,7 @@ typedef enum option_id {
     OPTION_SVG,
     OPTION_VTU,
     OPTION_NUMBER,
+    OPTION_ELECTRODES,
     OPTION_CSV,
     OPTION_NPZ,
     OPTION_CSV_FOLDER,

@@ -334,8 +334,11 @@ int export_shape(const options *options, const shape_run *run)
     return write_arrays(options, &arrays);
 }
 
-int export_modes(const options *options, const design *design, const vibration *vibration)
+int export_modes(const options *options, const loaded_modes *modes)
 {
+    const design *design = &modes->analysis.design;
+    const vibration *vibration = &modes->vibration;
+    const coupling *coupling = &modes->coupling;
     const size_t nodes = (size_t)design->mesh.nodes, count = (size_t)vibration->count;
     arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
@@ -347,6 +350,10 @@ int export_modes(const options *options, const design *design, const vibration *
                        shape + k * 3 * nodes);
     add_array(&arrays, "frequency", "Hz", count, 0, vibration->frequency);
     add_array(&arrays, "mode_shape", "", count, 3 * nodes, shape);
+    if (coupling->count > 0) {
+        add_array(&arrays, "short_frequency", "Hz", count, 0, coupling->short_frequency);
+        add_array(&arrays, "coupling_squared", "", count, 0, coupling->squared);
+    }
     return write_arrays(options, &arrays);
 }
 

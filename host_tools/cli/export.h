@@ -5,7 +5,7 @@
 
 #include "../data/named_array.h"
 #include "../model/stress.h"
-#include "../model/vibration.h"
+#include "../model/loaded.h"
 #include "options.h"
 #include "history.h"
 #include "print.h"
@@ -18,13 +18,13 @@ bool export_is_wanted(const options *options);
  * exit code after printing an error message.
  *   export_solve       displacement [free_dof], values of all outputs, and stresses (NULL: without)
  *   export_shape       voltages and shape of every result of `pzs shape`
- *   export_modes       natural frequencies and mode shapes of vibration
+ *   export_modes       natural frequencies, mode shapes and coupling factors of vibration
  *   export_simulation  values of every tick of a simulation
  */
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
                  const double *value, const stress_field *stress);
 int export_shape(const options *options, const shape_run *run);
-int export_modes(const options *options, const design *design, const vibration *vibration);
+int export_modes(const options *options, const loaded_modes *modes);
 
 int export_simulation(const options *options, const simulation *simulation, const history *history);
 

@@ -625,7 +625,7 @@ static int write_modes(const vibration *vibration, const design *design, const c
 
 /* Estimate the discretisation error of the natural frequencies. Returns an exit code. */
 static int modes_error(const options *options, const scene *scene, const vibration *vibration,
-                       int number, mesh_error *result)
+                       const modes_request *request, mesh_error *result)
 {
     mesh_values values = {.count = 0};
     for (int i = 0; i < vibration->count; i++) {
@@ -633,7 +633,17 @@ static int modes_error(const options *options, const scene *scene, const vibrati
         mesh_mode_name(i, name);
         mesh_values_add(&values, name, vibration->frequency[i]);
     }
-    return estimate_error(options, scene, &values, mesh_measure_modes, &number, result);
+    return estimate_error(options, scene, &values, mesh_measure_modes, request, result);
+}
+
+/* Refuse circuits of electrodes for a measured influence matrix. Returns 0, or an exit code. */
+static int check_circuit(const options *options, const scene *scene)
+{
+    if (options->circuit == CIRCUIT_SCENE || !scene->influence.given)
+        return 0;
+    return options_refuse("--electrodes needs a structure, but the scene has a measured influence "
+                          "matrix:",
+                          options->scene);
 }
 
 /*
@@ -646,12 +656,17 @@ static int find_modes(const options *options, const scene *scene, loaded_modes *
 {
     enum { USUAL_NUMBER = 10 };
     char error[SCENE_ERROR];
-    const int number = options->number ? options->number : USUAL_NUMBER;
+    const modes_request request = {options->number ? options->number : USUAL_NUMBER,
+                                   options->circuit};
+    memset(modes, 0, sizeof *modes);
+    if (check_circuit(options, scene))
+        return OPTIONS_WRONG;
     progress_stage("natural frequencies");
-    if (loaded_modes_open(modes, scene, number, error) < 0)
+    if (loaded_modes_open(modes, scene, &request, error) < 0)
         return complain(error, OPTIONS_WRONG);
+    const modes_request computed = {modes->vibration.count, request.circuit};
     const int status =
-        modes_error(options, scene, &modes->vibration, modes->vibration.count, &modes->mesh_error);
+        modes_error(options, scene, &modes->vibration, &computed, &modes->mesh_error);
     if (!modes->is_loaded) {
         modes->first = loaded_first(scene);
         plausible_prestress(&modes->warnings, scene, modes->first.unloaded, modes->first.loaded);
@@ -678,7 +693,7 @@ static int run_modes(const options *options)
     if (status == 0 && options->vtu)
         status = write_modes(&modes.vibration, &modes.analysis.design, options->vtu);
     if (status == 0)
-        status = export_modes(options, &modes.analysis.design, &modes.vibration);
+        status = export_modes(options, &modes);
     if (status == 0 && options->is_strict && modes.warnings.count > 0)
         status = 1;
     loaded_modes_close(&modes);

@@ -197,6 +197,12 @@ static int take_image(options *options, const char *value)
     return 0;
 }
 
+static int take_circuit(options *options, const char *value)
+{
+    options->circuit = strcmp(value, "open") == 0 ? CIRCUIT_OPEN : CIRCUIT_SHORT;
+    return 0;
+}
+
 static int take_branch(options *options, const char *value)
 {
     char *end;
@@ -231,6 +237,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_SET: return take_set(options, value);
     case OPTION_LIMIT: return take_limit(options, value);
     case OPTION_NUMBER: return take_number(options, value);
+    case OPTION_ELECTRODES: return take_circuit(options, value);
     case OPTION_IMAGE: return take_image(options, value);
     case OPTION_JSON: options->as_json = true; return 0;
     case OPTION_STRICT: options->is_strict = true; return 0;

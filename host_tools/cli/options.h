@@ -32,7 +32,8 @@ typedef struct options {
     common_limits limit[MOST_LIMITS];
     int sets, limits;
     bool as_json, is_strict;
-    int number;      /* number of vibration modes that the command line asks for; 0: not given */
+    int number; /* number of vibration modes that the command line asks for; 0: not given */
+    electrode_circuit circuit; /* circuits of the electrodes for vibration modes */
     bool is_compact; /* whether to write tables without what the device can compute from the nodes
                         (option --compact) */
     bool quasi_static;

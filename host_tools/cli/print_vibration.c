@@ -36,15 +36,54 @@ static int strongest(const design *design, const vibration *vibration, int mode)
     return best;
 }
 
-static void print_mode(const design *design, const vibration *vibration, int mode)
+/* Whether voltages of amplifiers move the modes: not where the amplifiers are open. */
+static bool has_inputs(const loaded_modes *modes)
 {
-    const int input = strongest(design, vibration, mode);
+    return modes->analysis.design.amplifiers > 0 && modes->circuit != CIRCUIT_OPEN;
+}
+
+/* Print the frequency with short-circuited electrodes and the coupling factor of a mode. */
+static void print_coupling(const coupling *coupling, int mode)
+{
+    if (mode < coupling->count && isfinite(coupling->short_frequency[mode]))
+        printf(" %16.6g", coupling->short_frequency[mode]);
+    else if (mode < coupling->count)
+        printf(" %16s", "-");
+    if (mode < coupling->count && isfinite(coupling->squared[mode]))
+        printf(" %10.6f", fmax(coupling->squared[mode], 0));
+    else if (mode < coupling->count)
+        printf(" %10s", "-");
+}
+
+static void print_mode(const loaded_modes *modes, int mode)
+{
+    const design *design = &modes->analysis.design;
+    const vibration *vibration = &modes->vibration;
+    const int input = has_inputs(modes) ? strongest(design, vibration, mode) : -1;
     printf("  %4d %16.6g", mode + 1, vibration->frequency[mode]);
+    print_coupling(&modes->coupling, mode);
     for (int axis = 0; axis < 3 && vibration->mass > 0; axis++)
         printf(" %8.2f%%", 100 * vibration->effective[mode][axis] / vibration->mass);
     if (input >= 0)
         printf("   %-16s %12.4e", design->amplifier_name[input],
                fabs(moved_by(design, vibration, mode, input)));
+    putchar('\n');
+}
+
+/* Print the circuits of the electrodes while the structure vibrates. */
+static void print_circuit(const loaded_modes *modes)
+{
+    const vibration *vibration = &modes->vibration;
+    const int open = vibration->open - vibration->bare;
+    if (open == 0)
+        fputs("electrodes short-circuited", stdout);
+    else if (modes->circuit == CIRCUIT_OPEN)
+        printf("%d electrode%s open", open, open == 1 ? "" : "s");
+    else
+        printf("%d electrode%s of sensors open, the others short-circuited", open,
+               open == 1 ? "" : "s");
+    if (vibration->bare > 0)
+        fputs(", bare faces without charge", stdout);
     putchar('\n');
 }
 
@@ -63,9 +102,10 @@ static void print_source(const loaded_modes *modes)
         printf("  damping ratio of the first mode %g, %s\n", design->dynamics.damping, from);
         return;
     }
-    printf("%s: natural frequencies %s, electrodes short-circuited\n", design->name,
+    printf("%s: natural frequencies %s, ", design->name,
            modes->is_loaded ? "about the equilibrium under loads and voltages"
                             : "in the reference state");
+    print_circuit(modes);
     if (modes->is_loaded)
         printf("  first mode without loads and voltages: %.6g Hz\n", modes->first.unloaded);
     printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", vibration->mass,
@@ -76,9 +116,11 @@ static void print_source(const loaded_modes *modes)
  * Print the sums of the effective modal masses of all computed vibration modes, as shares of the
  * mass of the structure.
  */
-static void print_sum(const vibration *vibration)
+static void print_sum(const loaded_modes *modes)
 {
+    const vibration *vibration = &modes->vibration;
     printf("  %-21s", "together");
+    printf("%*s", modes->coupling.count > 0 ? 28 : 0, "");
     for (int axis = 0; axis < 3; axis++) {
         double sum = 0;
         for (int i = 0; i < vibration->count; i++)
@@ -96,31 +138,37 @@ void print_vibration(const loaded_modes *modes)
     words_unit(&design->units, QUANTITY_LENGTH, unit);
     print_source(modes);
     printf("\n  %4s %16s", "mode", "frequency (Hz)");
+    if (modes->coupling.count > 0)
+        printf(" %16s %10s", "short-circuited", "coupling k2");
     if (vibration->mass > 0)
         printf(" %9s %9s %9s", "mass x", "mass y", "mass z");
-    if (design->amplifiers > 0)
+    if (has_inputs(modes))
         printf(*unit ? "   %-16s largest displacement by 1 V (%s)"
                      : "   %-16s largest displacement by 1 V",
                "strongest input", unit);
     putchar('\n');
     for (int i = 0; i < vibration->count; i++)
-        print_mode(design, vibration, i);
+        print_mode(modes, i);
     if (vibration->mass > 0)
-        print_sum(vibration);
+        print_sum(modes);
     print_matrix_modes(design);
     print_mesh_error(&modes->mesh_error);
     plausible_print(stdout, &modes->warnings);
 }
 
-static void json_mode(json *json, const design *design, const vibration *vibration, int mode)
+static void json_mode(json *json, const loaded_modes *modes, int mode)
 {
+    const design *design = &modes->analysis.design;
+    const vibration *vibration = &modes->vibration;
     json_open(json, NULL, '{');
     json_number(json, "frequency", vibration->frequency[mode]);
     json_numbers(json, "effective_mass", vibration->effective[mode], 3);
-    json_open(json, "controllability", '{');
-    for (int k = 0; k < design->amplifiers; k++)
-        json_number(json, design->amplifier_name[k], moved_by(design, vibration, mode, k));
-    json_close(json, '}');
+    if (modes->circuit != CIRCUIT_OPEN) {
+        json_open(json, "controllability", '{');
+        for (int k = 0; k < design->amplifiers; k++)
+            json_number(json, design->amplifier_name[k], moved_by(design, vibration, mode, k));
+        json_close(json, '}');
+    }
     json_close(json, '}');
 }
 
@@ -139,10 +187,16 @@ void print_vibration_json(const loaded_modes *modes)
     json_string(&json, "state", modes->is_loaded ? "loaded" : "reference");
     json_number(&json, "first_unloaded", modes->first.unloaded);
     json_number(&json, "first_loaded", modes->first.loaded);
+    json_number(&json, "open_electrodes", vibration->open - vibration->bare);
     json_numbers(&json, "frequency", vibration->frequency, vibration->count);
+    if (modes->coupling.count > 0) {
+        json_numbers(&json, "short_frequency", modes->coupling.short_frequency,
+                     modes->coupling.count);
+        json_numbers(&json, "coupling_squared", modes->coupling.squared, modes->coupling.count);
+    }
     json_open(&json, "modes", '[');
     for (int i = 0; i < vibration->count; i++)
-        json_mode(&json, design, vibration, i);
+        json_mode(&json, modes, i);
     json_close(&json, ']');
     print_mesh_error_json(&json, &modes->mesh_error);
     plausible_json(&json, &modes->warnings);

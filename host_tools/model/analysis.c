@@ -104,7 +104,7 @@ static pzs_status factor_reference_state(analysis *analysis)
                : status;
 }
 
-static pzs_status open_electrodes(analysis *analysis)
+static pzs_status start_electrodes(analysis *analysis)
 {
     const pzs_electrodes *tables = &analysis->design.electrodes;
     const uint16_t inputs = analysis->design.structure.input.count;
@@ -140,7 +140,7 @@ static int open_structure(analysis *analysis, char *error)
                            "kinematics: linear cannot prescribe the value of a support; set "
                            "kinematics: nonlinear");
     if (status == PZS_OK)
-        status = open_electrodes(analysis);
+        status = start_electrodes(analysis);
     if (status == PZS_OK)
         status = factor_reference_state(analysis);
     if (design->kinematics != KINEMATICS_LINEAR &&
@@ -592,6 +592,14 @@ static bool is_loaded(const design *design)
            design->kinematics != KINEMATICS_LINEAR;
 }
 
+int analysis_vibration_of(const analysis *analysis, electrode_circuit circuit, vibration *vibration,
+                          int number, char *error)
+{
+    const linearised *about = analysis->about.tangent ? &analysis->about : NULL;
+    return vibration_solve_at(vibration, &analysis->design, about, circuit, number, MASS_LUMPED,
+                              error);
+}
+
 int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error)
 {
     const design *design = &analysis->design;
@@ -599,10 +607,7 @@ int analysis_vibration(const analysis *analysis, vibration *vibration, int numbe
     kept_modes *kept = analysis->modes;
     if (kept && kept_modes_copy(kept, design, wanted, vibration))
         return 0;
-    const int failed =
-        analysis->about.tangent
-            ? vibration_solve_at(vibration, design, &analysis->about, number, MASS_LUMPED, error)
-            : vibration_solve(vibration, design, number, MASS_LUMPED, error);
+    const int failed = analysis_vibration_of(analysis, CIRCUIT_SCENE, vibration, number, error);
     if (!failed && kept)
         kept_modes_add(kept, design, vibration);
     return failed;

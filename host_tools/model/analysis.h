@@ -250,6 +250,13 @@ int analysis_linearise(analysis *analysis, char *error);
 int analysis_vibration(const analysis *analysis, vibration *vibration, int number, char *error);
 
 /*
+ * Compute the vibration modes as analysis_vibration does, but with a stated circuit of the
+ * electrodes, and without the store of modes that were computed before.
+ */
+int analysis_vibration_of(const analysis *analysis, electrode_circuit circuit, vibration *vibration,
+                          int number, char *error);
+
+/*
  * Fill `error` with the message of a library status and, where it refers to a degree of freedom,
  * with the node of the mesh to which this belongs. Returns -1.
  */

@@ -46,8 +46,8 @@ static int linearise(deformed *deformed, voltages *best, int modes, char *error)
     fill_offset(deformed, best);
     if (!linearised_take(&deformed->about, design, solver))
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    if (vibration_solve_at(&deformed->vibration, design, &deformed->about, modes, MASS_LUMPED,
-                           error) < 0)
+    if (vibration_solve_at(&deformed->vibration, design, &deformed->about, CIRCUIT_SCENE, modes,
+                           MASS_LUMPED, error) < 0)
         return -1;
     const size_t amplifiers = (size_t)design->amplifiers;
     if (!modal_open(&deformed->modal, design, &deformed->vibration, amplifiers))

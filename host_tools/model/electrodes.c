@@ -2,6 +2,7 @@
 /* Electrodes of a scene's amplifiers and sensors as the library's table (electrodes.h). */
 #include "electrodes.h"
 #include <stdlib.h>
+#include <string.h>
 #include "../../lib/model/electrode.h"
 #include "../scene/outline_common.h"
 #include "bare_charges.h"
@@ -193,7 +194,11 @@ static int is_wanted(const design *design)
     return wanted;
 }
 
-int electrodes_build(design *design, char *error)
+/*
+ * Fill design->electrodes with all electrodes and bare faces of the scene if they are wanted, else
+ * with none. Returns 0, or -1 with error filled.
+ */
+static int build(design *design, bool wanted, char *error)
 {
     const size_t inputs = design->structure.input.count;
     pzs_electrodes *tables = &design->electrodes;
@@ -202,7 +207,7 @@ int electrodes_build(design *design, char *error)
     uint32_t *start = calloc(inputs + 1, sizeof *start);
     across_list list = {NULL, NULL, 0, 0, false};
     double *dense = NULL, *value = NULL;
-    const int wanted = is_wanted(design), ready = input && open && start;
+    const int ready = input && open && start;
     tables->input = input;
     tables->open = open;
     tables->count = wanted && ready ? list_inputs(design, input, open) : 0;
@@ -227,6 +232,43 @@ int electrodes_build(design *design, char *error)
         return scene_fault(design->scene->at_surface, error, "electrodes do not fit into memory");
     tables->crc = pzs_electrode_crc(tables, (uint32_t)inputs);
     return 0;
+}
+
+int electrodes_build(design *design, char *error)
+{
+    return build(design, is_wanted(design), error);
+}
+
+int electrodes_build_all(const design *given, pzs_electrodes *tables, char *error)
+{
+    design copy = *given;
+    memset(&copy.electrodes, 0, sizeof copy.electrodes);
+    const int failed = build(&copy, true, error);
+    *tables = copy.electrodes;
+    return failed;
+}
+
+void electrodes_free(pzs_electrodes *tables)
+{
+    design_release(tables->input);
+    design_release(tables->open);
+    design_release(tables->direct.start);
+    design_release(tables->direct.dof);
+    design_release(tables->direct.value);
+    memset(tables, 0, sizeof *tables);
+}
+
+bool electrodes_is_bare(const design *design, int input)
+{
+    return design->bare.count > 0 && input >= design->bare.first_input;
+}
+
+const char *electrodes_name(const design *design, int input)
+{
+    if (electrodes_is_bare(design, input))
+        return "of a bare face";
+    return input < design->amplifiers ? design->amplifier_name[input]
+                                      : design->electrode_name[input - design->sensor_first];
 }
 
 int electrodes_of(const design *design, int input)

@@ -46,3 +46,32 @@ void linearised_free(linearised *linearised)
     free(linearised->force);
     memset(linearised, 0, sizeof *linearised);
 }
+
+void linearised_force(const linearised *about, const design *design, uint32_t input, double *force)
+{
+    const size_t free_dof = design->structure.free_dof;
+    const pzs_rows *in = &design->structure.input;
+    const mesh *mesh = &design->mesh;
+    if (about) {
+        memcpy(force, about->force + input * free_dof, free_dof * sizeof *force);
+        return;
+    }
+    memset(force, 0, free_dof * sizeof *force);
+    for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
+        force[in->dof[entry]] += in->value[entry];
+    for (int i = 0; i < mesh->prescribed_count; i++)
+        force[mesh->prescribed_dof[i]] = 0;
+}
+
+double linearised_work(const linearised *about, const design *design, uint32_t input,
+                       const double *displacement)
+{
+    const size_t free_dof = design->structure.free_dof;
+    const pzs_rows *in = &design->structure.input;
+    double sum = 0;
+    if (about)
+        return pzs_linalg_inner(about->force + input * free_dof, displacement, (uint32_t)free_dof);
+    for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
+        sum += in->value[entry] * displacement[in->dof[entry]];
+    return sum;
+}

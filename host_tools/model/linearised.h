@@ -29,4 +29,18 @@ typedef struct linearised {
 bool linearised_take(linearised *linearised, const design *design, pzs_solver *solver);
 void linearised_free(linearised *linearised);
 
+/*
+ * Compute the nodal forces per unit of an input. Entries of dof with prescribed displacements are
+ * 0. about            in   NULL: reference state force [free_dof] out  nodal forces
+ */
+void linearised_force(const linearised *about, const design *design, uint32_t input, double *force);
+
+/*
+ * Return the work that the nodal forces per unit of an input do on a displacement.
+ *   about                   in  NULL: reference state
+ *   displacement [free_dof] in  displacement vector; 0 at dof with prescribed displacements
+ */
+double linearised_work(const linearised *about, const design *design, uint32_t input,
+                       const double *displacement);
+
 #endif

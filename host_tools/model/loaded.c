@@ -24,10 +24,11 @@ static bool has_loads(const scene *scene)
  *   first out  frequency (Hz), 0 for a rigid motion
  * Returns 0, or -1 with error filled.
  */
-static int find_first(const analysis *analysis, double *first, char *error)
+static int find_first(const analysis *analysis, electrode_circuit circuit, double *first,
+                      char *error)
 {
     vibration vibration;
-    if (analysis_vibration(analysis, &vibration, 1, error) < 0)
+    if (analysis_vibration_of(analysis, circuit, &vibration, 1, error) < 0)
         return -1;
     *first = vibration.frequency[0];
     vibration_free(&vibration);
@@ -41,13 +42,14 @@ static loaded_frequency compare_first(analysis *analysis)
     loaded_frequency first = {(double)NAN, (double)NAN};
     double *voltage = calloc((size_t)analysis->design.amplifiers + 1, sizeof *voltage),
            *displacement = calloc((size_t)analysis->design.mesh.free_dof + 1, sizeof *displacement);
-    if (voltage && displacement && find_first(analysis, &first.unloaded, ignored) == 0 &&
+    if (voltage && displacement &&
+        find_first(analysis, CIRCUIT_SCENE, &first.unloaded, ignored) == 0 &&
         analysis_reach(analysis, voltage, 0, displacement, ignored) == 0) {
         const bool is_stable = analysis->equilibrium.solver.info.negative_pivots == 0;
         if (!is_stable)
             first.loaded = 0;
         else if (analysis_linearise(analysis, ignored) == 0)
-            (void)find_first(analysis, &first.loaded, ignored);
+            (void)find_first(analysis, CIRCUIT_SCENE, &first.loaded, ignored);
     }
     free(voltage);
     free(displacement);
@@ -84,11 +86,12 @@ static bool has_voltages(const scene *scene)
  * Compute the vibration modes about the equilibrium under the scene's loads and applied voltages.
  * Returns 0, or -1 with error filled.
  */
-static int solve_loaded(loaded_modes *modes, const scene *scene, int number, char *error)
+static int solve_loaded(loaded_modes *modes, const scene *scene, const modes_request *request,
+                        char *error)
 {
     analysis *analysis = &modes->analysis;
     if (analysis_prepare(analysis, scene, error) < 0 ||
-        find_first(analysis, &modes->first.unloaded, error) < 0)
+        find_first(analysis, request->circuit, &modes->first.unloaded, error) < 0)
         return -1;
     modes->is_loaded = true;
     double *displacement = calloc((size_t)analysis->design.mesh.free_dof + 1, sizeof *displacement);
@@ -97,27 +100,41 @@ static int solve_loaded(loaded_modes *modes, const scene *scene, int number, cha
     const int failed = analysis_continue(analysis, displacement, error) < 0 ||
                        analysis_linearise(analysis, error) < 0;
     free(displacement);
-    if (failed || analysis_vibration(analysis, &modes->vibration, number, error) < 0)
+    if (failed || analysis_vibration_of(analysis, request->circuit, &modes->vibration,
+                                        request->number, error) < 0)
         return -1;
     modes->first.loaded = modes->vibration.frequency[0];
     return 0;
 }
 
-int loaded_modes_open(loaded_modes *modes, const scene *scene, int number, char *error)
+/* Compute the vibration modes about the reference state. Returns 0, or -1 with error filled. */
+static int solve_unloaded(loaded_modes *modes, const scene *scene, const modes_request *request,
+                          char *error)
+{
+    if (design_build(&modes->analysis.design, scene, error) < 0)
+        return -1;
+    return analysis_vibration_of(&modes->analysis, request->circuit, &modes->vibration,
+                                 request->number, error);
+}
+
+int loaded_modes_open(loaded_modes *modes, const scene *scene, const modes_request *request,
+                      char *error)
 {
     const bool is_linear = scene->kinematics == KINEMATICS_LINEAR || scene->influence.given;
+    const bool is_loaded = !is_linear && (has_loads(scene) || has_voltages(scene));
     memset(modes, 0, sizeof *modes);
+    modes->circuit = request->circuit;
     modes->first = (loaded_frequency){(double)NAN, (double)NAN};
-    if (!is_linear && (has_loads(scene) || has_voltages(scene)))
-        return solve_loaded(modes, scene, number, error);
-    if (design_build(&modes->analysis.design, scene, error) < 0 ||
-        vibration_solve(&modes->vibration, &modes->analysis.design, number, MASS_LUMPED, error) < 0)
+    if ((is_loaded ? solve_loaded : solve_unloaded)(modes, scene, request, error) < 0)
         return -1;
-    return 0;
+    if (modes->vibration.open == modes->vibration.bare)
+        return 0;
+    return coupling_find(&modes->coupling, &modes->analysis, &modes->vibration, error);
 }
 
 void loaded_modes_close(loaded_modes *modes)
 {
     vibration_free(&modes->vibration);
+    coupling_free(&modes->coupling);
     analysis_free(&modes->analysis);
 }

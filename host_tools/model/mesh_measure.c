@@ -150,9 +150,8 @@ int mesh_measure_shape(const scene *scene, const void *context, mesh_values *val
 
 int mesh_measure_modes(const scene *scene, const void *context, mesh_values *values, char *error)
 {
-    const int *number = context;
     loaded_modes modes;
-    const int failed = loaded_modes_open(&modes, scene, *number, error);
+    const int failed = loaded_modes_open(&modes, scene, context, error);
     for (int i = 0; !failed && i < modes.vibration.count; i++) {
         char name[SCENE_LABEL];
         mesh_mode_name(i, name);

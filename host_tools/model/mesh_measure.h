@@ -39,7 +39,7 @@ int mesh_values_add_influence(mesh_values *values, const analysis *analysis, cha
 mesh_measure mesh_measure_shape;
 /*
  * Compute the natural frequencies of the structure on one mesh. The argument `context` points to
- * the number of frequencies, an int.
+ * the modes that are asked for, a modes_request.
  */
 mesh_measure mesh_measure_modes;
 

@@ -62,6 +62,8 @@ typedef struct search {
     void *work;
     const linearised *about; /* tangent stiffness matrix and forces at the equilibrium about which
                                 the structure vibrates; NULL: the reference state */
+    open_electrodes open; /* open electrodes, which stiffen the structure; in the comments of this
+                             file K includes their stiffness */
     uint8_t *held; /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
                       for vibration */
     size_t free_dof, room; /* number of free dof, and number of vectors of the Lanczos basis for
@@ -108,6 +110,23 @@ static bool assemble(search *search)
 }
 
 /*
+ * Prepare linear solves with the open electrodes for the factors that the model holds.
+ *   inertia in/out  pivots of the matrix at prescribed voltages; out: of that with open electrodes
+ */
+static void add_open_electrodes(search *search, linalg_inertia *inertia)
+{
+    if (inertia->zero >= 0 || search->open.count == 0)
+        return;
+    const int negative = open_electrodes_factor(&search->open, &search->model.state.stiffness,
+                                                search->model.state.scale);
+    search->solves += (int)search->open.count;
+    if (negative < 0)
+        inertia->zero = 0;
+    else
+        inertia->negative -= (uint32_t)negative;
+}
+
+/*
  * Factor the matrix K + c M, with the stiffness matrix K, the mass matrix M and the factor c
  * (argument `times`). The rows are scaled by the diagonal of K. Returns the numbers of positive and
  * negative pivots, all zero where K has a zero on its diagonal.
@@ -129,10 +148,11 @@ static linalg_inertia factor(search *search, double times, int keep_scale)
                              mass_element(&search->mass, element));
     pzs_linalg_apply_scale(&search->model.state.stiffness, search->model.state.scale);
     const double norm = pzs_linalg_norm1(&search->model.state.stiffness, search->model.state.work);
-    const linalg_inertia inertia = pzs_linalg_factor(&search->model.state.stiffness);
+    linalg_inertia inertia = pzs_linalg_factor(&search->model.state.stiffness);
     if (inertia.zero < 0)
         search->model.info.condition =
             pzs_linalg_condition(&search->model.state.stiffness, norm, search->model.state.work);
+    add_open_electrodes(search, &inertia);
     return inertia;
 }
 
@@ -301,6 +321,7 @@ static void apply(search *search, const double *vector, size_t count)
     pzs_linalg_solve_many(factor, search->image, (uint32_t)count, search->free_dof);
     for (size_t i = 0; i < count * search->free_dof; i++)
         search->image[i] *= scale[i % search->free_dof];
+    open_electrodes_correct(&search->open, search->image, count);
     mass_multiply(&search->mass, &search->model, search->image, count, search->mass_image);
     search->image_begin = search->image_end = 0;
     search->solves += (int)count;
@@ -574,10 +595,9 @@ static void take_shape(search *search, size_t i, double *vector)
 }
 
 /*
- * Twice the strain energy of a displacement vector, from the strains of the elements and the
- * elongations of the springs. Unlike u'K u, this sum has almost no rounding errors for a rigid
- * motion.
- *   vector [free_dof] in  displacement vector u
+ * Twice the strain and electric energy of a displacement vector, from the strains of the elements,
+ * the elongations of the springs and the voltages of the open electrodes. Unlike u'K u, this sum
+ * has almost no rounding errors for a rigid motion. vector [free_dof] in  displacement vector u
  */
 static double energy(const search *search, const double *vector)
 {
@@ -593,7 +613,7 @@ static double energy(const search *search, const double *vector)
         const double elongation = springs_elongation(&mesh->springs, row, vector);
         sum += mesh->springs.stiffness[row] * elongation * elongation;
     }
-    return sum;
+    return sum + open_electrodes_energy(&search->open, vector);
 }
 
 static void take_modes(search *search, vibration *vibration)
@@ -631,23 +651,6 @@ static void take_masses(search *search, vibration *vibration)
     }
 }
 
-/*
- * Modal force of one input: the product of a mode shape with the nodal forces per unit of this
- * input.
- *   vector [free_dof] in  mode shape
- */
-static double modal_force(const search *search, const double *vector, uint32_t input)
-{
-    const pzs_rows *in = &search->design->structure.input;
-    double sum = 0;
-    if (search->about)
-        return pzs_linalg_inner(search->about->force + input * search->free_dof, vector,
-                                (uint32_t)search->free_dof);
-    for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
-        sum += in->value[entry] * vector[in->dof[entry]];
-    return sum;
-}
-
 /* Compute the static value of each modal coordinate under a unit of each input. */
 static void take_responses(const search *search, vibration *vibration)
 {
@@ -655,10 +658,12 @@ static void take_responses(const search *search, vibration *vibration)
     for (int mode = 0; mode < vibration->count; mode++) {
         const double *vector = vibration->shape + (size_t)mode * search->free_dof;
         double *response = vibration->response + (size_t)mode * inputs;
+        open_electrodes_follow(&search->open, vector);
         for (uint32_t input = 0; input < inputs; input++)
-            response[input] = mode < vibration->rigid
-                                  ? (double)NAN
-                                  : modal_force(search, vector, input) / vibration->square[mode];
+            response[input] =
+                mode < vibration->rigid
+                    ? (double)NAN
+                    : open_electrodes_work(&search->open, input, vector) / vibration->square[mode];
     }
 }
 
@@ -688,6 +693,8 @@ bool vibration_copy(vibration *to, const vibration *from, const design *design)
     to->rigid = from->rigid;
     to->solves = from->solves;
     to->mass = from->mass;
+    to->open = from->open;
+    to->bare = from->bare;
     memcpy(to->frequency, from->frequency, count * sizeof *to->frequency);
     memcpy(to->square, from->square, count * sizeof *to->square);
     memcpy(to->largest, from->largest, count * sizeof *to->largest);
@@ -731,6 +738,7 @@ static int allocate_search(search *search, size_t number)
 static void free_search(search *search)
 {
     mass_free(&search->mass);
+    open_electrodes_free(&search->open);
     free(search->work);
     free(search->held);
     free(search->basis);
@@ -760,6 +768,8 @@ static int search_modes(search *search, vibration *vibration, size_t number, cha
     take_modes(search, vibration);
     take_masses(search, vibration);
     take_responses(search, vibration);
+    vibration->open = (int)search->open.count;
+    vibration->bare = (int)search->open.bare;
     return 0;
 }
 
@@ -774,23 +784,22 @@ int vibration_most(const design *design)
  * nonlinear equilibrium. Returns 0, or -1 with error filled and the result empty.
  */
 static int solve_structure(vibration *vibration, const design *design, const linearised *about,
-                           int number, double lumped, char *error)
+                           electrode_circuit circuit, int number, double lumped, char *error)
 {
     search search;
     memset(&search, 0, sizeof search);
     search.design = design;
     search.about = about;
     const int most = vibration_most(design), wanted = number < most ? number : most;
-    if (mass_build(&search.mass, design, lumped, error) < 0)
-        return -1;
     int failed = -1;
     if (wanted < 1)
         scene_fault(design->at, error, "%d modes of %d free dof; ask for at least 1", number, most);
-    else if (!allocate_search(&search, (size_t)wanted))
-        scene_fault(design->mesh.line[0].at, error,
-                    "%d modes of %d free dof do not fit into memory", wanted, most);
-    else
-        failed = search_modes(&search, vibration, (size_t)wanted, error);
+    else if (mass_build(&search.mass, design, lumped, error) == 0 &&
+             open_electrodes_build(&search.open, design, about, circuit, error) == 0)
+        failed = allocate_search(&search, (size_t)wanted)
+                     ? search_modes(&search, vibration, (size_t)wanted, error)
+                     : scene_fault(design->mesh.line[0].at, error,
+                                   "%d modes of %d free dof do not fit into memory", wanted, most);
     free_search(&search);
     return failed;
 }
@@ -798,22 +807,19 @@ static int solve_structure(vibration *vibration, const design *design, const lin
 int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
                     char *error)
 {
-    const int most = vibration_most(design);
-    memset(vibration, 0, sizeof *vibration);
-    const size_t taken = (size_t)(number < most ? number : most);
-    const int failed = design->mesh.elements == 0
-                           ? vibration_take_measured(vibration, design, taken, error)
-                           : solve_structure(vibration, design, NULL, number, lumped, error);
-    if (failed)
-        vibration_free(vibration);
-    return failed;
+    return vibration_solve_at(vibration, design, NULL, CIRCUIT_SCENE, number, lumped, error);
 }
 
 int vibration_solve_at(vibration *vibration, const design *design, const linearised *about,
-                       int number, double lumped, char *error)
+                       electrode_circuit circuit, int number, double lumped, char *error)
 {
+    const int most = vibration_most(design);
     memset(vibration, 0, sizeof *vibration);
-    const int failed = solve_structure(vibration, design, about, number, lumped, error);
+    const size_t taken = (size_t)(number < most ? number : most);
+    const int failed =
+        design->mesh.elements == 0
+            ? vibration_take_measured(vibration, design, taken, error)
+            : solve_structure(vibration, design, about, circuit, number, lumped, error);
     if (failed)
         vibration_free(vibration);
     return failed;

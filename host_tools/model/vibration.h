@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Natural frequencies and mode shapes of a structure in its reference state with short-circuited
- * electrodes, or those of the scene with a measured influence matrix (vibration_measured.c). They
+ * Natural frequencies and mode shapes of a structure in its reference state or about a deformed
+ * equilibrium, or those of the scene with a measured influence matrix (vibration_measured.c). They
  * are the lowest solutions of
  *   K x = w^2 M x.
- *   K, M  stiffness and mass matrix
+ *   K, M  stiffness, with that of open electrodes (open_electrodes.h), and mass matrix
  *   w     angular frequency
  * Method: band Lanczos on (K + shift M)^-1 M; the shift is 0 unless rigid motions are possible. The
  * negative pivots of K - s M, with s just above the last w^2, prove that no mode is missing.
@@ -12,20 +12,23 @@
 #ifndef VIBRATION_H
 #define VIBRATION_H
 
-#include "linearised.h"
+#include "open_electrodes.h"
 
 typedef struct vibration {
     int count;   /* number of computed natural frequencies and mode shapes */
     int rigid;   /* number of rigid motions, which are the first vibration modes and have the
                     frequency 0 */
     int solves;  /* number of linear solves with the shifted stiffness matrix that were needed */
+    int open;    /* number of open electrodes and of free potentials of bare faces */
+    int bare;    /* number of free potentials of bare faces among them */
     double mass; /* mass of the whole structure, constrained nodes included */
     double *frequency; /* [count] natural frequencies (Hz where the unit of time is the second) */
     double *square;    /* [count] squares of the angular frequencies (rad^2/s^2) */
     double *shape; /* [count][free_dof] mode shapes, scaled to unit modal mass; measured mode shapes
                       that the scene file gives keep the unit of the file */
     double *response; /* [count][inputs] static value of each modal coordinate under a constant unit
-                         of each input of the structure; NAN for rigid motions */
+                         of each input of the structure, which is a unit of charge where the input
+                        is an open electrode; NAN for rigid motions */
     double *largest;  /* [count] largest displacement of a node in each mode shape */
     double (*effective)[3]; /* [count] effective modal mass of each vibration mode for motions along
                                x, y and z */
@@ -38,7 +41,8 @@ typedef struct vibration {
 int vibration_most(const design *design);
 
 /*
- * Compute the lowest vibration modes.
+ * Compute the lowest vibration modes in the reference state, with the circuits of the scene
+ * (CIRCUIT_SCENE).
  *   number in  number of modes, reduced to the number that the structure has
  *   lumped in  part of the lumped mass matrix in the mass matrix, 0 to 1, usually MASS_LUMPED (2/3)
  * Returns 0, or -1 with error filled and the result empty: no density, no convergence, a mode
@@ -67,13 +71,15 @@ int vibration_take_measured(vibration *vibration, const design *design, size_t n
 
 /*
  * Compute the lowest modes of small vibrations about a deformed equilibrium.
- *   about  in  tangent stiffness matrix there, with the prestress, and forces of the inputs
- *   number in  number of modes
- *   lumped in  part of the lumped mass matrix in the mass matrix, from 0 to 1
+ *   about   in  tangent stiffness matrix there, with the prestress, and forces of the inputs; NULL:
+ *               reference state
+ *   circuit in  circuits of the electrodes; not read for measured vibration modes
+ *   number  in  number of modes, reduced to the number that the structure has
+ *   lumped  in  part of the lumped mass matrix in the mass matrix, from 0 to 1
  * Returns 0, or -1 with error filled and the result empty.
  */
 int vibration_solve_at(vibration *vibration, const design *design, const linearised *about,
-                       int number, double lumped, char *error);
+                       electrode_circuit circuit, int number, double lumped, char *error);
 
 /*
  * Check that the static responses of the measured vibration modes can be fitted to the measured

@@ -784,6 +784,10 @@ check "the README's picture is the demo's (else: make demo, copy build/plate-50-
 run 0 modes plate-50-patches --number 5 --vtu "$dir/modes.vtu" && grep -q '^ *1 *15\.0' "$dir/out" && grep -q 'mode_5' "$dir/modes.vtu" &&
     grep -q 'Name="element_type"' "$dir/modes.vtu" && grep -q 'Name="patch_up"' "$dir/modes.vtu" && ! grep -q 'Name="voltage' "$dir/modes.vtu"; check 'modes: a table and a VTU file' $?
 run 0 modes plate-50-patches --number 5 --json && json "all(abs(f/w-1)<.02 for f,w in zip(j['frequency'],[15,36,94,123,133])) and abs(j['mass']-.184)<1e-12 and len(j['modes'][4]['controllability'])==25 and len(j['frequency'])==5"; check 'modes --json' $?
+run 0 modes plate-50-patches --set materials.G1195.permittivity=15.3e-9 --electrodes open --number 3 --json && json "j['open_electrodes']==25 and all(0<k<1 and abs(k-1+(s/f)**2)<1e-12 for k,s,f in zip(j['coupling_squared'],j['short_frequency'],j['frequency'])) and abs(j['short_frequency'][0]-15.0413)<1e-4" &&
+    run 0 modes bimorph-sensor --set materials.PVDF.density=1780 --number 2 && grep -q 'coupling k2' "$dir/out" && grep -q '5 electrodes of sensors open' "$dir/out" &&
+    run 0 modes bimorph-sensor --set materials.PVDF.density=1780 --number 2 --electrodes short && ! grep -q coupling "$dir/out" &&
+    run 2 modes plate-50-patches --electrodes open && says 'has no capacitance' && run 2 modes plate-50-patches --electrodes shut && says 'open'; check 'modes --electrodes: short-circuit frequencies and coupling factors' $?
 run 2 modes scordelis-lo && says "no density in material 'concrete'"; check 'modes without a density: exit 2, with the cure' $?
 run 0 solve scordelis-lo --error --json && json "(lambda e: abs(e['extrapolated']/-.3013-1)<.007 and abs(e['value']+.29797)<1e-5 and abs(e['extrapolated']+.3013)<e['uncertainty'] and 1.5<e['order']<2.5)(j['discretisation']['results']['edge']) and j['discretisation']['meshes']==[[16,16],[8,8],[4,4]]"; check 'solve --error: the converged value lies inside' $?
 run 0 solve scordelis-lo --error && grep -q 'extrapolated' "$dir/out"; check 'solve --error: a table' $?

@@ -40,7 +40,7 @@ static void find_modes(loaded_modes *modes, scene *scene, const char *changes, i
 {
     char error[SCENE_ERROR];
     if (scene_run_read(scene, STRIP, changes, error) < 0 ||
-        loaded_modes_open(modes, scene, number, error) < 0)
+        loaded_modes_open(modes, scene, &(modes_request){number, CIRCUIT_SCENE}, error) < 0)
         fail_msg("%s", error);
 }
 
@@ -171,7 +171,8 @@ static void test_first_frequency(void **state)
         first[i] = loaded_first(&scene);
         if (i == 0) {
             loaded_modes modes;
-            assert_int_equal(loaded_modes_open(&modes, &scene, 1, error), 0);
+            assert_int_equal(
+                loaded_modes_open(&modes, &scene, &(modes_request){1, CIRCUIT_SCENE}, error), 0);
             assert_false(modes.is_loaded);
             assert_true(fabs(modes.vibration.frequency[0] / first[0].unloaded - 1) < 1e-9);
             loaded_modes_close(&modes);
