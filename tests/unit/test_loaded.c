@@ -153,6 +153,96 @@ static void test_buckling_plate(void **state)
     assert_true(fabs(buckling_end(changes, buckling) - 1) < pow(pi / 8, 2) / 4);
 }
 
+/* ---- deformed shapes ----------------------------------------------------- */
+
+enum { COMPARED = 5 };
+
+/* Supports that hold an edge and its rotation; `value` is the rest of the last support. */
+#define HELD_EDGE(value)                                                                           \
+    "supports=[{edge: theta1-, fix: cone}, {edge: theta1-, fix: rotation, about: y" value "}]"
+
+/* Compute the first frequencies of the strip without loads, with changes. */
+static void strip_frequencies(const char *changes, double frequency[COMPARED])
+{
+    scene scene;
+    loaded_modes modes;
+    char all[700];
+    snprintf(all, sizeof all, "loads=[];%s", changes);
+    find_modes(&modes, &scene, all, COMPARED);
+    memcpy(frequency, modes.vibration.frequency, COMPARED * sizeof *frequency);
+    close_modes(&modes, &scene);
+}
+
+/* Largest relative difference of frequencies. */
+static double largest_difference(const double *frequency, const double *reference)
+{
+    double most = 0;
+    for (int i = 0; i < COMPARED; i++)
+        most = fmax(most, fabs(frequency[i] / reference[i] - 1));
+    return most;
+}
+
+/*
+ * Law: a strip that a support has turned by 30 or 60 degrees vibrates as before, to rounding:
+ * machine epsilon times the condition number of the stiffness matrix.
+ */
+static void test_turned_strip(void **state)
+{
+    static const char *const turn[] = {"", ", value: 30 deg", ", value: 60 deg"};
+    double frequency[3][COMPARED];
+    scene_run run;
+    (void)state;
+    assert_int_equal(
+        scene_run_open(&run, STRIP,
+                       "kinematics=linear;loads=[];simulate.influence=undeformed;" HELD_EDGE("")),
+        0);
+    const double rounding = 2.220446049250313e-16 * run.analysis.model.info.condition;
+    scene_run_close(&run);
+    for (int i = 0; i < 3; i++) {
+        char changes[200];
+        snprintf(changes, sizeof changes, HELD_EDGE("%s"), turn[i]);
+        strip_frequencies(changes, frequency[i]);
+        const double most = largest_difference(frequency[i], frequency[0]);
+        print_message("    turned%s: %.10f Hz, largest difference %.1e, rounding %.1e\n", turn[i],
+                      frequency[i][0], most, rounding);
+        assert_true(most < rounding);
+    }
+}
+
+/*
+ * Law: a strip that voltages roll to an arc of one radian vibrates like a strip that is made as
+ * this arc. The strains, at most thickness/(2 radius), change the frequencies by their own order,
+ * and on n elements both differ by the second order of the angle 1/n of an element. The voltage V
+ * on layers of thickness t causes the curvature 1.5 d31 V/t^2.
+ */
+static void test_rolled_strip(void **state)
+{
+    static const char arc[] = "kinematics=linear;simulate.influence=undeformed;surface={type: "
+                              "cylinder, radius: 0.4, axial: theta2};mesh.theta1.to=1;"
+                              "target.value=x;";
+    const double layer = thickness / 2, curvature = 1 / length,
+                 voltage = curvature * layer * layer / (1.5 * 190e-12);
+    double rolled[COMPARED], made[COMPARED];
+    (void)state;
+    for (int elements = 16; elements <= 32; elements *= 2) {
+        char changes[500];
+        const double angle = 1.0 / elements;
+        snprintf(changes, sizeof changes,
+                 "mesh.theta1.elements=%d;supports=[{edge: theta1-, fix: clamped}];"
+                 "materials.ceramic.d32=0;actuators.0.applied=%.17g",
+                 elements, voltage);
+        strip_frequencies(changes, rolled);
+        snprintf(changes, sizeof changes,
+                 "%smesh.theta1.elements=%d;supports=[{edge: theta1-, fix: clamped}]", arc,
+                 elements);
+        strip_frequencies(changes, made);
+        print_message("    %d elements: rolled %.4f Hz, made as an arc %.4f Hz, largest difference "
+                      "%.1e\n",
+                      elements, rolled[0], made[0], largest_difference(rolled, made));
+        assert_true(largest_difference(rolled, made) < angle * angle + layer * curvature);
+    }
+}
+
 /*
  * Law: with linear kinematics the modes are those of the reference state, and the first frequency
  * under the loads is known beside them: the same as with nonlinear kinematics. Without loads there
@@ -279,6 +369,8 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_stretched_strip),
                                        cmocka_unit_test(test_buckling_strip),
                                        cmocka_unit_test(test_buckling_plate),
+                                       cmocka_unit_test(test_turned_strip),
+                                       cmocka_unit_test(test_rolled_strip),
                                        cmocka_unit_test(test_first_frequency),
                                        cmocka_unit_test(test_modes_sum_to_influence),
                                        cmocka_unit_test(test_loop),
