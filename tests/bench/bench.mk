@@ -8,7 +8,7 @@ FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 # The library as make builds it for users: vectors only where the processor is asked at run time.
 SHIPPED := -std=c99 -O2 $(WIDE) $(INCLUDE)
 
-BENCHES := bench-linalg bench-step bench-rows bench-growth bench-accuracy bench-path bench-count bench-device bench-mesh
+BENCHES := bench-linalg bench-step bench-rows bench-growth bench-accuracy bench-path bench-count bench-device bench-mesh bench-frequencies
 .PHONY: bench bench-peers $(BENCHES)
 bench: setup-bench
 	@$(MAKE) --no-print-directory -s -k $(BENCHES) bench-peers PEERS=--quick
@@ -67,8 +67,13 @@ bench-count: $(B)/bench/avx2/run_path $(F)/mps2-an500-hemisphere4.out
 	@echo 'The element at a shape: floating-point operations and instructions, counted by QEMU'
 	@B=$(B) sh tests/bench/count_shell.sh
 
+# Natural frequencies against CalculiX: half a minute.
+bench-frequencies: $(B)/pzs
+	@echo 'Natural frequencies, against CalculiX S8R'
+	@$(PYTHON) -B tests/bench/peers/frequencies.py --build $(B)
+
 # Every case, each code five times in turn: six minutes. `make bench` takes the best of them, CalculiX once: two minutes.
-bench-peers: $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)/pzs)
+bench-peers: bench-frequencies $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)/pzs)
 	@echo 'Time to reach an error, against the peers'
 	@$(PYTHON) -B tests/bench/peers/run.py --build $(B) $(PEERS) >$(B)/bench/peers.json; failed=$$?; \
 	    $(PYTHON) -B tests/bench/peers/compare.py $(B)/bench/peers.json && exit $$failed
