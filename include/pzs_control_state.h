@@ -783,8 +783,8 @@ typedef struct pzs_stuck_state {
     uint32_t repeats; /* number of successive ticks in which all readings have repeated. It counts
                          up while `reference` is stored, a part in each tick; after that it only
                          tells which part the tick compares */
-    uint32_t moved; /* number of these ticks in which the predicted shape differed from `reference`
-                       by more than repeated readings allow */
+    uint32_t moved; /* number of ticks, since the last reading changed, in which the predicted shape
+                       differed from `reference` by more than repeated readings allow */
 } pzs_stuck_state;
 
 /*
@@ -952,9 +952,10 @@ typedef struct pzs_selftest_state {
      */
     pzs_real difference[2];
     /*
-     * squared sine of the smallest angle found so far between two modelled responses (vectors):
-     * that of the amplifier (or sensor) under examination, and that of another one (dimensionless).
-     * The start value is the angle below which the self-test would not notice exchanged cables
+     * squared sine of the smallest angle found so far between the modelled response of the
+     * amplifier (or sensor) under examination and the modelled response of another one, both taken
+     * as vectors (dimensionless). The start value is the angle below which the self-test would not
+     * notice exchanged cables
      */
     pzs_real least_angle;
     pzs_selftest_sums own, nearest; /* comparisons of the measured response of the amplifier (or
@@ -962,10 +963,10 @@ typedef struct pzs_selftest_state {
                                        same one (own), and with the nearest modelled response of all
                                        found so far (nearest) */
     /*
-     * the same comparisons for the possible partner, with whose cable that of the amplifier (or
-     * sensor) under evaluation may be exchanged. The measured response of the partner is compared
-     * with its own modelled response (partner_own), and with that of the one under evaluation
-     * (partner_nearest)
+     * two comparisons for another amplifier (or sensor), the partner, whose cable may be exchanged
+     * with that of the one under evaluation: the measured response of the partner is compared with
+     * its own modelled response (partner_own), and with the modelled response of the one under
+     * evaluation (partner_nearest)
      */
     pzs_selftest_sums partner_own, partner_nearest;
     uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs

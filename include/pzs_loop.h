@@ -1156,7 +1156,7 @@ typedef struct pzs_compensator {
  * the influence matrix is the displacement per volt of effect.
  *
  *   - pzs_effect_block, in PZS_PHASE_READINGS and first in the list, replaces the last voltages and
- *     the limits of this tick by effects. The blocks between both blocks work with effects.
+ *     the limits of this tick by effects. The blocks between these two work with effects.
  *   - pzs_inverse_block, the first one of PZS_PHASE_VOLTAGE, restores the voltages that have the
  *     chosen effects. They stay inside voltage limits and step limits to the last bit.
  *   - Without a target or readings the effects are kept, and the voltages follow the creep.
@@ -1220,7 +1220,10 @@ typedef struct pzs_actuator_curves {
  */
 pzs_status pzs_actuator_curves_seal(pzs_actuator_curves *tables);
 
-/* Memory of pzs_curve_block, returned by pzs_loop_find. */
+/*
+ * Memory of pzs_curve_block, the block (stage of the control tick) that replaces voltages of
+ * actuators with curves by their effects; pzs_loop_find returns it.
+ */
 typedef struct pzs_actuator_effects {
     const pzs_real *effect; /* [inputs] effects of the voltages from which the last tick started, to
                                which the displacements of the actuators are proportional */
@@ -1231,17 +1234,17 @@ typedef struct pzs_actuator_effects {
  * tables pzs_actuator_curves.
  *
  *   - pzs_curve_block, in PZS_PHASE_READINGS and first in the list, replaces the last voltages and
- *     the limits of this tick by effects. The blocks between both blocks work with effects.
+ *     the limits of this tick by effects. The blocks between these two work with effects.
  *   - pzs_curve_inverse_block, the first one of PZS_PHASE_VOLTAGE, restores the voltages that have
- *     the chosen effects. They stay inside voltage limits and step limits to the last bit, and
- *     reach both.
+ *     the chosen effects. They stay inside voltage limits and step limits to the last bit, and can
+ *     reach these limits exactly.
  *   - The work of a tick is bounded, for each input 7 bisections of each curve lookup.
  *
  * Errors of the initialisation, besides PZS_E_FORMAT and PZS_E_CRC:
  *
  *   - PZS_E_ARGUMENT: the tables have other sizes than the controller; or sums of voltages are
- *     limited, which says nothing about effects; or there is regularisation, and the reference
- *     voltage of input info.where is not its own effect.
+ *     limited, and such limits do not hold for effects; or there is regularisation, and the
+ *     reference voltage of input info.where is not its own effect.
  *   - PZS_E_STAGE: no curve inverse block with these tables is in the list, or hysteresis is
  *     compensated beside the curves.
  *   - PZS_E_LIMITS: the curve of input info.where is not finite or not ascending, has bends outside
@@ -1524,9 +1527,9 @@ typedef struct pzs_selftest_tables {
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 
 /*
- * Work after which a tick of the self-test's evaluation ends. A comparison of a measured with a
- * modelled response has a work of their number of entries plus PZS_SELFTEST_STEP_WORK; it is not
- * interrupted, so that a tick may exceed its limit by less than one comparison.
+ * Work after which a tick of the self-test's evaluation ends. The work of comparing a measured with
+ * a modelled response is the number of entries of one response plus PZS_SELFTEST_STEP_WORK. A
+ * comparison is not interrupted, so that a tick may exceed its limit by less than one comparison.
  */
 #define PZS_SELFTEST_WORK 768u
 #define PZS_SELFTEST_STEP_WORK 16u
@@ -1587,9 +1590,9 @@ typedef struct pzs_selftest_info {
 /* Settings of the self-test that a program may change after the initialisation. */
 typedef struct pzs_selftest_settings {
     uint32_t work_limit; /* work after which a tick of the self-test's evaluation ends; default:
-                            PZS_SELFTEST_WORK. The work of a comparison of two responses is their
-                            number of entries plus PZS_SELFTEST_STEP_WORK. The larger the limit, the
-                            fewer ticks the evaluation takes */
+                            PZS_SELFTEST_WORK. The work of comparing two responses is the number of
+                            entries of one response plus PZS_SELFTEST_STEP_WORK. The larger the
+                            limit, the fewer ticks the evaluation takes */
 } pzs_selftest_settings;
 
 typedef struct pzs_selftest {

@@ -37,7 +37,10 @@ static void print_item(const design *design, const scene_patches *patches)
     free(area);
 }
 
-/* Print in how many elements the patches of a layer have smeared stiffness. */
+/*
+ * Print in how many elements the stiffness is smeared, because patches of a layer cover them only
+ * in part: the patches count there by the covered fraction of the area.
+ */
 static void print_cuts(const char *name, const outline_cuts *cuts)
 {
     if (cuts->elements == 0) {
@@ -62,7 +65,11 @@ void print_outlines(const design *design)
         }
 }
 
-/* Write the elements of each layer whose stiffness is smeared; nothing where no layer has such. */
+/*
+ * Write for each layer with smeared stiffness the number of elements that its patches cover in
+ * part, and the smallest and the largest covered fraction of an element; nothing where there is no
+ * such layer.
+ */
 static void json_cuts(json *json, const design *design)
 {
     int layers = 0;

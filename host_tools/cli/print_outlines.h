@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Areas of electrodes of any outline, and elements with smeared stiffness, on standard output, as
- * text and as JSON.
+ * text and as JSON. In an element that a patch covers in part, smeared stiffness counts the patch
+ * by the covered fraction of the area.
  */
 #ifndef PRINT_OUTLINES_H
 #define PRINT_OUTLINES_H

@@ -121,7 +121,7 @@ int trial_certify_target(const trial *trial, int enough, certificate_target *tar
 
 /*
  * Store in `context` whether a simulation of the loop has passed. Returns whether the next
- * simulation is to be run: the first that fails decides.
+ * simulation is to be run: no further one is run after the first that fails.
  */
 bool trial_visit_pass(void *context, const storm_task *task, const storm_result *result);
 

@@ -40,7 +40,10 @@ static void set_voltages(const law *law, const pzs_loop_signals *signals)
     for (int k = 0; k < law->problem.inputs; k++) {
         const double clipped = fmin(fmax(law->next[k], info->lower[k]), info->upper[k]);
         const bool is_held = !(info->lower[k] < info->upper[k]);
-        /* The limits of effects of actuator curves contain the step limits of the voltages. */
+        /*
+         * Where actuators have curves, no step limit is applied here: the limits of effects in this
+         * tick contain the step limits of the voltages already.
+         */
         control->state.voltage[k] =
             is_held || signals->curves
                 ? clipped

@@ -365,8 +365,9 @@ static void subtract_load_tangent(shell_motion *motion)
 
 /*
  * Subtract inertia, mass-proportional damping, and the damping of individual modes from the force
- * imbalance of a time step. The matrix of the step leaves out the damped modes, which would make it
- * dense: a Newton iteration reduces errors in them only by about their damping ratio.
+ * imbalance of a time step. The matrix of the step leaves out the damping of individual modes,
+ * which would make it dense. In these modes a Newton iteration therefore multiplies an error by
+ * about the damping ratio of the mode.
  */
 static void subtract_inertia(shell_motion *motion, double step, double *imbalance)
 {

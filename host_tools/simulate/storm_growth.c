@@ -26,8 +26,8 @@ static double amplitude(storm *storm)
 }
 
 /*
- * Return the slope of the straight line that fits values over their indices in the least-squares
- * sense.
+ * Return the slope of the straight line that fits values best (least squares), as a function of
+ * their indices.
  *   value [count] in  values, one for each index
  */
 static double slope(const double *value, int count)

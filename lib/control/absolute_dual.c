@@ -66,8 +66,8 @@ static input_state state_of(const rows_run *run, uint32_t i)
 
 /*
  * Whether a limited sum of absolute voltages is free (not kept at its limit) but still has a
- * multiplier, as after one of its voltages was given the other sign. Its place in the tableau is
- * row `row`.
+ * multiplier, as after the chosen sign of one of its voltages was reversed. `row` is the row of the
+ * sum in the tableau.
  */
 static bool is_pending(const rows_run *run, uint32_t row)
 {

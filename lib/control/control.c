@@ -34,8 +34,8 @@
 
 /*
  * Smallest square of displacements that is safe from underflow (m2). It is added under the root in
- * the rounding-error bound of the gradient; smaller squares lose digits, by which the bound could
- * be too small.
+ * the rounding-error bound of the gradient; without it, squares that underflow could make the bound
+ * too small.
  */
 #define SMALLEST_SQUARE PZS_BY_BITS(1e-31f, 1e-292)
 

@@ -87,10 +87,9 @@ static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 }
 
 /*
- * Store voltages as the newest row of the ring buffer of the last delay + 1 ticks (delay: age of
- * the readings in ticks), and the readings that the model predicts for them as the newest row of a
- * second one. In a loop with actuator curves they are the effects of the voltages.
- *   voltage [inputs] in
+ * Store the voltages of a tick, and the readings that the model predicts for them, each as the
+ * newest row of a ring buffer of the last delay + 1 ticks (delay: age of the readings in ticks).
+ *   voltage [inputs] in  voltages (V); in a loop with actuator curves, the effects of the voltages
  */
 static void push_voltages(pzs_reading_delay_state *state, const pzs_real *voltage)
 {

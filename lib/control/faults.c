@@ -30,8 +30,8 @@
  */
 #define FADING PZS_R(0.75)
 /*
- * An electrode does not respond if this number times the sum of squares of the voltage changes that
- * the measured shape indicates is below the sum of squares of its commanded changes.
+ * An electrode counts as not responding if this number times the sum of squares of the voltage
+ * changes that the measured shape indicates is below the sum of squares of its commanded changes.
  */
 #define NO_RESPONSE 16
 /*

@@ -366,8 +366,8 @@ static bool keeps_vibrating(pzs_monitor_state *monitor, const pzs_supervision *t
 
 /*
  * Whether a structure moves against its prediction, as the polarity monitor sees it. At the second
- * tick of a loop the predicted shape takes the place of the target before, so that a first target
- * counts as a jump.
+ * tick of a loop the motion from the predicted shape to the target is judged like that after a jump
+ * of the target, because the first target has no earlier one.
  *   has_jumped in  whether the target has jumped in this tick
  */
 static bool moves_against(pzs_monitor_state *monitor, const pzs_supervision *tables,

@@ -67,9 +67,9 @@
  */
 #define NOTICED PZS_R(0.05)
 /*
- * Structures whose gain differs from the model seem to lack the same part of the voltage change at
- * all electrodes. This is the largest such part that the fault detector subtracts from the voltage
- * errors.
+ * If the gain of the structure differs from the model, all electrodes seem to lack the same part of
+ * their voltage change. This is the largest such part that the fault detector subtracts from the
+ * voltage errors.
  */
 #define COMMON_LOSS PZS_R(0.5)
 /*

@@ -28,13 +28,14 @@
  */
 #define NOISE_MARGIN 64
 /*
- * Readings count as stuck if they repeat for the delay of the readings plus at least this number of
- * ticks after a motion of the predicted shape.
+ * Readings count as stuck if they repeat for more ticks after a motion of the predicted shape than
+ * the sum of the delay of the readings and this number. For slow structures PERIOD_PART gives a
+ * larger number.
  */
 #define LEAST_TICKS 8u
 /*
- * For slow structures, 1 / (part of a period of the first vibration mode) that replaces
- * LEAST_TICKS.
+ * For slow structures, a period of the first vibration mode divided by PERIOD_PART replaces
+ * LEAST_TICKS, if it is longer.
  */
 #define PERIOD_PART 8u
 /*
@@ -56,8 +57,8 @@ static void store(pzs_real *reference, const pzs_real *predicted, uint32_t first
 }
 
 /*
- * Return the mean square change of the predicted shape since store (m2), at every `stride`-th
- * output from `first` on.
+ * Return the mean square of the change of the predicted shape since the function `store` has stored
+ * it (m2), at every `stride`-th output from `first` on.
  */
 static pzs_real motion(const pzs_real *reference, const pzs_real *predicted, uint32_t first,
                        uint32_t outputs, uint32_t stride)

@@ -355,8 +355,8 @@ static pzs_real low_pass(pzs_real *restrict filtered, const pzs_real *restrict p
  * Whether info.innovation reports only the part of the innovations (readings minus predicted
  * readings) that the vibration modes explain. This is so if three conditions hold: the target has
  * free functions (shapes, such as a tilt, that may be added to it at no cost), every target node is
- * measured, and vibration modes are observed. It is an RMS over the sensors, because single modal
- * coordinates may be large but cancel each other.
+ * measured, and vibration modes are observed. The reported number is an RMS over the sensors,
+ * because single modal coordinates may be large but cancel each other.
  */
 static bool has_free_functions(const pzs_vibration *tables)
 {

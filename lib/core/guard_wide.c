@@ -55,8 +55,8 @@ PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *d
      */
     const polynomial over_block = {0x154442bd4, 0x1c6e41596};
     /*
-     * factor for the function `move` that folds data onto the next CRC_REST bytes, for the last
-     * four parts
+     * factor for the function `move` that folds CRC_REST bytes onto the next CRC_REST bytes; at the
+     * end it joins the remaining parts (array `part`) into one
      */
     const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};
     const polynomial start = {(long long)crc, 0};

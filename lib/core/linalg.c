@@ -592,8 +592,8 @@ static uint32_t index_of_largest(const pzs_real *vector, uint32_t count)
 
 /*
  * Fill a vector b with numbers of alternating signs and growing size. The ratio |A^-1 b| / |b| in
- * the 1-norm is then a second estimate of the norm of A^-1, which saves the estimate of the
- * condition number where cancellation misleads the first one (Higham 1988, section 3).
+ * the 1-norm is then a second estimate of the norm of A^-1. It serves where cancellation makes the
+ * first estimate of the condition number far too small (Higham 1988, section 3).
  */
 static void fill_alternating(pzs_real *vector, uint32_t count)
 {
@@ -604,9 +604,9 @@ static void fill_alternating(pzs_real *vector, uint32_t count)
 }
 
 /*
- * Estimate the condition number in the 1-norm by Hager's method. It maximises |A^-1 x| over all x
- * of norm 1, which is a maximum at a unit vector. Every x gives a lower bound, and the gradient
- * A^-1 sign(A^-1 x) of the norm shows which unit vector to try next, at most five times.
+ * Estimate the condition number in the 1-norm by Hager's method, which maximises |A^-1 x| over all
+ * vectors x of norm 1. The maximum lies at a unit vector. Every x gives a lower bound, and the
+ * gradient A^-1 sign(A^-1 x) of the norm shows which unit vector to try next, at most five times.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {

@@ -5,9 +5,10 @@
 #include "../core/linalg.h"
 
 /*
- * Whether the product of two entries of a spring's row lies inside the envelope of the stiffness
- * matrix, its stored entries. It lies in the row of entry `own` and the column of entry `other`;
- * the caller also asks for the reverse order, of which one is in the stored lower triangle.
+ * Whether the product of the entries `own` and `other` of a spring lies inside the envelope (stored
+ * entries) of the stiffness matrix, in the row of entry `own` and the column of entry `other`. The
+ * caller also asks for exchanged row and column, because the lower triangle stores only one of both
+ * places.
  */
 static bool in_envelope(const pzs_structure *structure, uint32_t own, uint32_t other)
 {

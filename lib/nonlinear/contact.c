@@ -435,8 +435,8 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
 
 /*
  * Add the contact forces per unit of the input that moves the contact body. A motion of the body
- * closes the gap by the component of the motion along the normal. It turns the normal by the second
- * derivatives of the gap times the motion.
+ * closes the gap at a node by the component of the motion along the normal of the body there. The
+ * motion also turns this normal, by the second derivatives of the gap times the motion.
  */
 static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *out)

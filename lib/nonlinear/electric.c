@@ -105,10 +105,10 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /*
-     * The number of negative eigenvalues of the tangent matrix was counted at fixed voltages.
-     * Subtracting the number for the matrix of charges per volt gives that for electrodes with
-     * fixed charges. This is exact: the inertia of a block matrix is the sum of the inertias of a
-     * block and of its Schur complement.
+     * The negative eigenvalues of the tangent matrix were counted at fixed voltages. Where the
+     * electrodes keep their charges instead, the number is smaller by that of the negative
+     * eigenvalues of the matrix of charges per volt. This is exact: the inertia of a block matrix
+     * is the sum of the inertias of a block and of its Schur complement.
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
                                         ? inertia.negative
