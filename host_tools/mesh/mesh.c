@@ -51,9 +51,9 @@ expr_point mesh_place(const mesh *mesh, int node)
 }
 
 /*
- * Return the text by which messages name a node or an element of a free mesh: its position, and its
- * number in the mesh file.
- *   what  in  the word for it: node or element
+ * Return the text by which messages name a node or an element of a mesh from a file: its position,
+ * and its number in the mesh file.
+ *   what  in  the word "node" or "element"
  *   label in  number in the mesh file; 0: the mesh was made without a file
  */
 static mesh_text place_text(const double position[3], const char *what, long long label)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Springs and stack actuators of a scene as sparse rows over the free dof: displacement of a
- * spring's point along its direction, minus that of its other end. Without a named face, a point
- * moves with the mean of both faces. Distributed springs are lumped at the nodes.
+ * Springs and stack actuators of a scene, each as a sparse row over the free dof that gives its
+ * elongation: the displacement of its point along its direction, minus that of its other end.
+ * Without a named face, a point moves with the mean of both faces. Distributed springs are lumped
+ * at the nodes.
  */
 #ifndef SPRINGS_H
 #define SPRINGS_H

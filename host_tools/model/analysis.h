@@ -171,8 +171,9 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
 /*
  * Fill analysis->input_value (values of all inputs) and analysis->charge (charges of the
  * electrodes) for the displacement just computed.
- *   value [inputs] in  input values of a linear structure, without those of open electrodes; not
- *       read under nonlinear kinematics, where the solver's last equilibrium counts
+ *   value [inputs] in  input values of a linear structure; those of open electrodes are computed.
+ *       Under nonlinear kinematics `value` is not read: the values are those of the solver's last
+ *       equilibrium
  */
 pzs_status analysis_electrodes(analysis *analysis, const double *value);
 

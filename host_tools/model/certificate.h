@@ -242,9 +242,9 @@ typedef struct certificate_range {
 certificate_range certificate_rates(const certificate_loop *loop);
 
 /*
- * Whether a control tick without a vibration model is known to be unstable at the scene's tick
- * rate. The structures are the model, and others with 0.8 to 1.33 of its response to voltages or
- * 0.9 to 1.1 of its frequencies.
+ * Return whether a control tick without a vibration model is known to be unstable at the scene's
+ * tick rate, on one of the structures that are tried: the model, structures with 0.8 to 1.33 times
+ * its response to voltages, and structures with 0.9 to 1.1 times its frequencies.
  */
 bool certificate_refuses(const certificate *certificate);
 

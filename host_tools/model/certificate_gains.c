@@ -341,7 +341,10 @@ static void fill_output(const transition *transition, size_t group, size_t i)
     }
 }
 
-/* Fill the rows of a vibration mode: free vibration about the equilibrium that the tick moves. */
+/*
+ * Fill the two rows of a vibration mode in the transition matrix: the change of its equilibrium at
+ * the tick, then free vibration about the new equilibrium over a tick interval.
+ */
 static void fill_vibration(const transition *transition, size_t i, const double turn[4])
 {
     const size_t m = transition->groups->modes;

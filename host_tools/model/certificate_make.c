@@ -301,8 +301,9 @@ static bool is_stable_at(const assessed_loop *loop, double interval)
 static bool is_stable(const assessed_loop *loop, double rate)
 {
     /*
-     * If a tick interval exceeds four periods of the first mode, the phase of the vibration at the
-     * tick matters, and intervals longer by fractions k / PHASES of a period are tested, too.
+     * If a tick interval exceeds four periods of the first mode, it matters in which phase of its
+     * vibration a tick finds this mode. Intervals that are longer by k / PHASES of a period are
+     * then tested, too.
      */
     const double period = two_pi / sqrt(loop->square[0]), interval = 1 / rate;
     const int phases = interval > 4 * period ? PHASES : 1;

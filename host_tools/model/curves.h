@@ -41,7 +41,8 @@ void curves_effects(const design *design, const double *voltage, double *effect)
 void curves_narrow(const design *design, double *lower, double *upper);
 
 /*
- * Compute the effects of voltage limits inside the curves, as the controller computes them.
+ * Compute the effects that belong to voltage limits, with the arithmetic of the controller. The
+ * limits must lie inside the curves.
  *   limit, effect [amplifiers] in, out (V)
  */
 void curves_limits(const design *design, const double *limit, double *effect);

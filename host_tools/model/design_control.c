@@ -313,7 +313,10 @@ static int build_park(design *design, char *error)
     }
     if (given)
         return check_park_rows(design, error);
-    /* Voltages near 0 that violate limits between amplifiers are replaced by ones that obey all. */
+    /*
+     * The park voltages nearest to 0 may violate limits between amplifiers. They are then replaced
+     * by voltages that obey all limits.
+     */
     if (design_rows_violated(design, design->park) >= 0)
         memcpy(design->park, design->rows.safe, amplifiers * sizeof *design->park);
     return 0;

@@ -184,8 +184,10 @@ static void add_point(arc_search *arc_search, analysis *analysis, load_path *pat
 /*
  * Leave the load path at the bifurcation within the step that was made last, and append the
  * bifurcation and the first point of the branch to the path.
- *   branch  in      number of the bifurcation; negative: leave against its mode
- *   control in/out  length of the step that passed the bifurcation; then that of the next step
+ *   branch  in   number of the bifurcation. Positive: leave along its mode; negative: opposite to
+ *       it
+ *   control in   length of the step that passed the bifurcation
+ *           out  length of the next step
  * Returns whether a point of the branch was found.
  */
 static bool enter_branch(arc_search *arc_search, analysis *analysis, load_path *path, int branch,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Vibration modes of one structure that were computed before (kept_modes.h). */
+/* Store of the vibration modes of one structure that have been computed so far (kept_modes.h). */
 #include "kept_modes.h"
 #include <string.h>
 

@@ -36,8 +36,8 @@ typedef struct load_path_point {
 typedef enum load_path_event_type {
     LOAD_PATH_LIMIT,       /* limit point: the load factor has a maximum or a minimum */
     LOAD_PATH_BIFURCATION, /* bifurcation point: another load path branches off */
-    LOAD_PATH_STABILITY    /* change of the number of negative pivots on a path of equal load steps:
-                              a bifurcation, or a change of the nodes in contact */
+    LOAD_PATH_STABILITY /* the number of negative pivots changes on a path of equal load steps: at a
+                           bifurcation, or because the set of nodes in contact changes */
 } load_path_event_type;
 
 /*

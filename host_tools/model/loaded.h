@@ -11,9 +11,9 @@
 
 /* First natural frequency of a structure without and with its loads. */
 typedef struct loaded_frequency {
-    double unloaded, loaded; /* first natural frequency in the reference state, and about the
-                                equilibrium under the scene's loads at 0 V (Hz); NAN where there is
-                                none; `loaded` is 0 where that equilibrium is unstable */
+    double unloaded, loaded; /* first natural frequency (Hz). unloaded: in the reference state;
+                                loaded: about the equilibrium under the scene's loads at 0 V, or 0
+                                if that equilibrium is unstable. NAN where there is none */
 } loaded_frequency;
 
 /*

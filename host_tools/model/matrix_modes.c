@@ -20,9 +20,9 @@ enum { SWAPS = 40 };
 static const double distinct = 1e-6;
 
 /*
- * A swap of two outputs (rows of the influence matrix) counts as found if it reduces the fraction
- * that the mode shapes leave unexplained by more than `least_gain` times this fraction and by more
- * than `rounding`.
+ * Limits for the search of swapped outputs (rows of the influence matrix). A swap counts as found
+ * if the fraction that the mode shapes leave unexplained falls by more than `least_gain` times this
+ * fraction, and by more than `rounding`.
  */
 static const double least_gain = 0.05, rounding = 1e-9;
 

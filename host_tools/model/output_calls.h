@@ -22,7 +22,7 @@ struct reactions;
 struct stress_field;
 
 /*
- * Solved structure, from which the function `value` of an output takes the value.
+ * Solved structure, from which the function `value` of an output (output_calls) takes a value.
  */
 typedef struct output_state {
     const struct design *design;

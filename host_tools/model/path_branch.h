@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Change to the branch of a load path that begins at a bifurcation: a first step along the mode in
- * which the tangent stiffness is singular there.
+ * Change from a load path to the branch that begins at one of its bifurcations. The first step goes
+ * along the mode of the bifurcation, the displacement for which the tangent stiffness is 0 there.
  */
 #ifndef PATH_BRANCH_H
 #define PATH_BRANCH_H

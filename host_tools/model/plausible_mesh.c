@@ -163,9 +163,9 @@ static int bending_of(const subject *of, int k, measured *found, laminate_bendin
 }
 
 /*
- * Measure which part of the deflection is missing if the shear strain is assumed to be uniform
- * through the thickness, instead of being computed from equilibrium. The part is relative to the
- * deflection by bending.
+ * Measure the error of a shear strain that is assumed to be uniform through the thickness, instead
+ * of being computed from equilibrium: the part of the deflection that is then missing, relative to
+ * the deflection by bending.
  */
 int measure_shear(const subject *of, int k, measured *found)
 {

@@ -105,8 +105,8 @@ static bool acts_alike(const mesh_springs *springs, int one, int other)
 }
 
 /*
- * Return the number of the first stack, from `first` to before `row`, that is elongated by the same
- * displacements as the stack `row`, or -1 if there is none.
+ * Among the stacks from `first` to `row` - 1, find the first one that the same displacements
+ * elongate as the stack `row`. Returns its number, or -1 if there is none.
  */
 static int stack_like(const mesh_springs *springs, int first, int row)
 {

@@ -9,11 +9,11 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * Settings of a second computation of an equilibrium with loads that rise more slowly.
- *   LONG_RAMP        linear solves at the start of a load step over which the loads rise; enough
- *       for a soft hyperboloid shell to converge in one load step on every mesh
- *   SOLVES_PER_STEP  largest number of linear solves for each load step that the scene asks for;
- *       three times as many as that shell needs
+ * Settings for the second try to compute an equilibrium, with loads that rise more slowly.
+ *   LONG_RAMP        number of linear solves at the start of a load step over which the loads rise.
+ *       It suffices for a soft hyperboloid shell to converge in one load step on every mesh
+ *   SOLVES_PER_STEP  largest number of linear solves for each load step that the scene asks for,
+ *       three times as many as the hyperboloid needs
  */
 enum { LONG_RAMP = 8, SOLVES_PER_STEP = 40 };
 

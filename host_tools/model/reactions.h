@@ -65,9 +65,9 @@ typedef struct reaction_state {
 bool reactions_fit(const design *design);
 
 /*
- * Compute the reactions of a solved structure. Returns 0, or -1 where memory runs out; where there
- * are too many dof (reactions_fit) the result is empty. The texts of the result belong to the
- * scene.
+ * Compute the reactions of a solved structure. The result is empty if there are too many dof
+ * (reactions_fit). The names of supports in the result belong to the scene. Returns 0, or -1 where
+ * memory runs out.
  */
 int reactions_compute(reactions *reactions, const reaction_state *state);
 

@@ -52,7 +52,10 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
                     char *error);
 void vibration_free(vibration *vibration);
 
-/* Copy the vibration modes of a design. Returns whether memory sufficed; if not, `to` is empty. */
+/*
+ * Copy computed vibration modes of a structure. Returns whether memory sufficed; if not, `to` is
+ * empty.
+ */
 bool vibration_copy(vibration *to, const vibration *from, const design *design);
 
 /*

@@ -23,9 +23,9 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *limits; /* [6][amplifiers] lower and upper limits of the effects of the voltages, step
-                       limits (largest change in one tick), voltages inside all limits, lower and
-                       upper voltage limits (V) */
+    double *limits; /* [6][amplifiers] six arrays: lower and upper limits of the effects of the
+                       voltages (V), step limits (V, largest change in one tick), voltages inside
+                       all limits (V), lower and upper voltage limits (V) */
     const double *lower, *upper; /* [amplifiers] voltage limits (V) */
     pzs_limit_rows rows;
     void *work;
@@ -132,8 +132,8 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
 }
 
 /*
- * Compute the optimal voltages within the limits by controller steps: one, and further ones where
- * the active-set solver has used up its iterations.
+ * Compute the optimal voltages within the limits by a control step. Further steps follow if the
+ * active-set solver uses up its iterations before it reaches the optimum.
  *   influence [targets][amplifiers] in      influence matrix; NULL: that of the reference state
  *   wanted    [targets]             in      displacements that the voltages are to cause
  *   reach                           in      largest change of any voltage (V), or INFINITY

@@ -41,10 +41,10 @@ typedef struct wiring {
                          (V2) */
     double *shapes;   /* [amplifiers][amplifiers] scalar products of each pair of columns of the
                          model's influence matrix */
-    double *products; /* [amplifiers][amplifiers] entry (i, k): right-hand side of the normal
-                         equations for the gain of electrode k if it is connected to amplifier i:
-                         sum over all measured shapes of the voltage of amplifier i times the scalar
-                         product of shape and model column k */
+    double *products; /* [amplifiers][amplifiers] right-hand sides of the normal equations for the
+                         gains, if electrode k is connected to amplifier i: entry (i, k) is a sum
+                         over all measured shapes, of the voltage of amplifier i times the scalar
+                         product of the shape and column k of the model */
     double *matrix; /* [amplifiers][amplifiers] matrix of the normal equations for the gains of the
                        electrodes, which its Cholesky factor replaces */
     double *gain;   /* [amplifiers] right-hand side of the normal equations, then gain of each

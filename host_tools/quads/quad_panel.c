@@ -58,9 +58,8 @@ static panel_plan make_plan(const quad_panel *panel)
         plan.elements[axis] = plan.before[axis] + plan.side + elements_along(to, size);
     }
     /*
-     * The rings of elements around the hole become larger with the distance from the hole. Elements
-     * as high as wide grow by the factor 1 + 2 pi/around from one ring to the next, if a ring has
-     * `around` elements.
+     * Number of rings around the hole. Elements that are as high as wide grow by the factor 1 + 2
+     * pi/around from one ring to the next, if a ring has `around` elements.
      */
     plan.layers = elements_along(log(1.1 * plan.half / panel->hole), 2 * pi / plan.around);
     const size_t inside = (size_t)(plan.side - 1) * (size_t)(plan.side - 1);

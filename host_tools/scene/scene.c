@@ -177,8 +177,9 @@ static void *copy_items(const void *items, size_t count, size_t size)
 }
 
 /*
- * Copy the vibration modes of a measured structure with their static responses, which a copy of the
- * scene may change; their shapes stay those of the original. Returns whether memory sufficed.
+ * Copy the measured vibration modes of a scene for a copy of the scene, which may change their
+ * static responses. The shapes of the modes are shared with the original. Returns whether memory
+ * sufficed.
  */
 static bool copy_modes(scene *copy, const scene *original)
 {

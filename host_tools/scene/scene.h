@@ -902,8 +902,8 @@ typedef struct scene_measured_mode {
 enum { SCENE_CURVE_POINTS = 128 }; /* largest number of points of a curve */
 typedef struct scene_curves {
     bool given;
-    bool is_square; /* whether the effect is the square of the voltage; voltages and effects are
-                       then known when the voltage limits are known */
+    bool is_square; /* whether the effect is the square of the voltage. The points of the curve are
+                       then set after the voltage limits have been read */
     int sets;       /* number of curves: 1 for all amplifiers together, otherwise one for each */
     int points;     /* number of points of each curve */
     double *voltage, *effect; /* [sets][points] voltages and effects of the points of a curve, both

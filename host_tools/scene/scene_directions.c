@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Material directions on a mesh of quadrilaterals: the vector on each element from whose projection
- * the angles of layers are measured. The key `direction` in the section `mesh` gives one vector,
- * three formulas of the position, or the name of a set of edges, which the direction follows.
+ * Material directions on a mesh of quadrilaterals. The angles of layers are measured from a vector
+ * on each element, projected on the element. The key `direction` in the section `mesh` gives one
+ * vector, three formulas of the position, or the name of a set of edges, which the direction
+ * follows.
  */
 #include "scene_parts.h"
 

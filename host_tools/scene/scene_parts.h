@@ -15,8 +15,8 @@
 field_read read_surface, read_mesh;
 
 /*
- * Readers of keys of scenes with a mesh from a file or of blocks (scene_quads.c, scene_disc.c,
- * scene_panel.c), with the C object that each fills:
+ * Readers of keys of scenes whose mesh comes from a file, or from the keys `disc` or `panel`
+ * (scene_quads.c, scene_disc.c, scene_panel.c), with the C object that each fills:
  *   read_mesh_file    the scene; also read_mesh_disc, read_mesh_panel
  *   read_layer_sets   scene_layer, with the elements of the named sets
  *   read_patch_sets   scene_patches, with the elements of the named sets
