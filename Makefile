@@ -220,6 +220,7 @@ $(call for_variants,shell_motion,64 san64,@tests/rigs/testdata.o @tests/rigs/sce
 $(call for_variants,plant,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,loop,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,certify,64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,free_functions,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,parallel,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,deformed,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,loaded,64 san64,@tests/rigs/scene_run.o @host.a)

@@ -719,6 +719,13 @@ typedef struct pzs_modal_gains_state {
                              voltages */
 } pzs_modal_gains_state;
 
+/* Memory of the block that takes the free functions of the target out of shapes. */
+typedef struct pzs_free_functions_state {
+    const struct pzs_free_functions *tables;
+    pzs_real *coordinate; /* [count] coordinate of each free function in a shape (m) */
+    pzs_real *shape;      /* [PZS_FREE_SHAPES][outputs] shapes without the free functions (m) */
+} pzs_free_functions_state;
+
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;
     pzs_real *readings; /* [sensors] sensor readings minus the effect of known loads on the sensors

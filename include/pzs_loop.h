@@ -105,6 +105,15 @@ typedef struct pzs_loop_signals {
      * to effects; NULL: no curves.
      */
     void (*take_effects)(const struct pzs_loop_signals *signals, pzs_real *voltage);
+    struct pzs_free_functions_state *free_functions; /* memory of pzs_free_functions_block; NULL:
+                                                        the target has no free functions */
+    /*
+     * Function that returns a shape [outputs] without the free functions of the target, and with 0
+     * at outputs of weight 0, in one of the PZS_FREE_SHAPES arrays of the block, number `place`,
+     * until the next call with this number; NULL: the target has no free functions.
+     */
+    const pzs_real *(*without_free)(const struct pzs_loop_signals *signals, const pzs_real *shape,
+                                    uint32_t place);
     uint32_t missed; /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
                       */
     pzs_real deviation; /* RMS amplitude by which the measured motion of the structure deviates from
@@ -530,6 +539,44 @@ extern const pzs_block_type pzs_modal_gains_block;
 #define PZS_MODAL_GAINS_BLOCK_BYTES(inputs, modes)                                                 \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_modal_gains_state)) +                                       \
                 (3u * PZS_CONTROL_WIDTH(inputs) + 2u * PZS_FOURS(modes)) * sizeof(pzs_real))
+
+/* ---- free functions of the target (lib/control/free_functions.c) ---------- */
+
+/*
+ * Tables of the free functions of a target: shapes, such as a piston or a tilt, that may be added
+ * to it at no cost. The influence matrix of the controller lacks them, so that a structure moves
+ * along them without a prediction of the model. The arrays are const and may stay in flash.
+ */
+typedef struct pzs_free_functions {
+    uint32_t format, scene; /* format: format number of the tables of free functions; scene: hash of
+                               the scene file from which `pzs tables` generated them, equal to the
+                               hash in the controller's tables (pzs_problem) */
+    uint32_t crc;           /* checksum of the tables of free functions and their array, computed by
+                               pzs_free_functions_seal */
+    uint16_t outputs, count; /* number of outputs, and number of free functions, at least 1 */
+    const pzs_real *value; /* [count][outputs] displacement of each output in each free function, 0
+                              at outputs of weight 0. The functions are orthonormal: the sum over
+                              the outputs of the product of two is 1 for the same, otherwise 0 */
+} pzs_free_functions;
+
+/*
+ * Write the format number and the checksum into tables of free functions that a firmware has built
+ * itself. Errors: PZS_E_ARGUMENT.
+ */
+pzs_status pzs_free_functions_seal(pzs_free_functions *tables);
+
+/*
+ * Block (stage of the control tick, in PZS_PHASE_READINGS) by which the supervisor compares shapes
+ * without the free functions of the target. Tables: pzs_free_functions. Work of a tick, in the
+ * supervisor: at most 2 * PZS_FREE_SHAPES * count * outputs multiply-adds.
+ * Errors of its initialisation: PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, and PZS_E_ARGUMENT for
+ * tables of other sizes.
+ */
+extern const pzs_block_type pzs_free_functions_block;
+#define PZS_FREE_SHAPES 3 /* number of shapes that a tick keeps without free functions */
+#define PZS_FREE_FUNCTIONS_BLOCK_BYTES(outputs, count)                                             \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_free_functions_state)) +                                    \
+                (PZS_FOURS(count) + PZS_FREE_SHAPES * (size_t)(outputs)) * sizeof(pzs_real))
 
 /* ---- supervisor (lib/control/supervisor.c) --------------------------- */
 

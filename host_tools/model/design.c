@@ -637,6 +637,7 @@ void design_free(design *design)
     free(design->weight);
     free(design->fixed_weight);
     free(design->free_value);
+    free(design->free_basis);
     free(design->influence);
     free(design->hessian);
     free(design->lower);

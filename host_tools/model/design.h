@@ -127,6 +127,9 @@ typedef struct design {
     double *free_value; /* [free_functions][targets] free functions of the target (shapes that may
                            be added at no cost), orthonormal in the scalar product that sums weight
                            squared times both functions over the targets */
+    double *free_basis; /* [free_functions][targets] the same functions, orthonormal in the scalar
+                           product without weights over the targets whose weight is not 0, where
+                           alone they are not 0 */
     double *influence;  /* [targets][amplifiers] influence matrix without its part along the free
                            functions of the target (shapes that may be added at no cost), filled by
                            design_control */

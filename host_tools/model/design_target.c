@@ -161,6 +161,45 @@ static int add_free(design *design, int j, char *error)
     return 0;
 }
 
+/*
+ * Subtract from free function j (a shape that may be added to the target at no cost) its part along
+ * the preceding ones, for orthonormal functions: sums over the target rows without weights. The
+ * second of two iterations corrects rounding errors.
+ */
+static void separate_basis(design *design, int j)
+{
+    const size_t targets = (size_t)design->targets;
+    double *value = design->free_basis + (size_t)j * targets;
+    for (int again = 0; again < 2; again++)
+        for (int k = 0; k < j; k++) {
+            const double *other = design->free_basis + (size_t)k * targets;
+            double product = 0;
+            for (size_t i = 0; i < targets; i++)
+                product += value[i] * other[i];
+            for (size_t i = 0; i < targets; i++)
+                value[i] -= product * other[i];
+        }
+}
+
+/*
+ * Compute orthonormal free functions of the target at the target rows whose weight is not 0, for
+ * the supervisor of the control loop, which compares shapes without weights.
+ */
+static void fill_basis(design *design)
+{
+    const size_t targets = (size_t)design->targets;
+    for (int j = 0; j < design->free_functions; j++) {
+        double *value = design->free_basis + (size_t)j * targets, square = 0;
+        for (size_t i = 0; i < targets; i++)
+            value[i] = design->weight[i] > 0 ? design->free_value[(size_t)j * targets + i] : 0;
+        separate_basis(design, j);
+        for (size_t i = 0; i < targets; i++)
+            square += value[i] * value[i];
+        for (size_t i = 0; i < targets; i++)
+            value[i] /= sqrt(square);
+    }
+}
+
 void design_take_free(const design *design, double *shape)
 {
     if (design->free_functions > 0)
@@ -213,12 +252,14 @@ int design_target_rows(design *design, char *error)
         return 0;
     design->fixed_weight = calloc(targets, sizeof *design->fixed_weight);
     design->free_value = calloc(targets * (size_t)target->frees + 1, sizeof *design->free_value);
-    if (!design->fixed_weight || !design->free_value)
+    design->free_basis = calloc(targets * (size_t)target->frees + 1, sizeof *design->free_basis);
+    if (!design->fixed_weight || !design->free_value || !design->free_basis)
         return scene_fault(target->what.at, error, "%d target nodes do not fit into memory",
                            design->targets);
     separate_fixed_rows(design);
     for (int j = 0; j < target->frees && design->fixed_rows < design->targets; j++)
         if (add_free(design, j, error) < 0)
             return -1;
+    fill_basis(design);
     return design_target_values(design, target->value, target->what.at, design->target, error);
 }

@@ -72,6 +72,16 @@ static bool has_modal_gains(const loop_blocks *blocks)
 }
 
 /*
+ * Return whether the supervisor of the loop has to compare shapes without the free functions of the
+ * target (shapes that may be added to it at no cost).
+ */
+static bool has_free_functions(const loop_blocks *blocks)
+{
+    return blocks->design->free_functions > 0 &&
+           loop_supervises(blocks->design, blocks->damper->is_used);
+}
+
+/*
  * Return whether the scene needs the block (stage of the control tick) that estimates the shape
  * from sensor readings. The block that damps vibration estimates the shape itself and replaces that
  * block.
@@ -173,6 +183,17 @@ static const void *governor_tables(loop_blocks *blocks)
     blocks->governor.share = blocks->damper->tables.share;
     blocks->governor.part = governor_part;
     return &blocks->governor;
+}
+
+static const void *free_functions_tables(loop_blocks *blocks)
+{
+    const design *design = blocks->design;
+    blocks->free_functions = (pzs_free_functions){.scene = design->problem.scene,
+                                                  .outputs = design->problem.outputs,
+                                                  .count = (uint16_t)design->free_functions,
+                                                  .value = design->free_basis};
+    (void)pzs_free_functions_seal(&blocks->free_functions);
+    return &blocks->free_functions;
 }
 
 static const void *modal_gains_tables(loop_blocks *blocks)
@@ -428,6 +449,19 @@ static void write_modal_gains(emitter *emitter, const loop_blocks *blocks)
     fprintf(emitter->file, " PZS_R(%.17g), PZS_R(%.17g)\n};\n", others[0], others[1]);
 }
 
+static void write_free_functions(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_free_functions *tables = &blocks->free_functions;
+    const uint16_t counts[2] = {tables->outputs, tables->count};
+    emit_comment(emitter, "number of free functions of the target");
+    fprintf(emitter->file, "#define %s_FREE_FUNCTIONS %u\n", emitter->upper, tables->count);
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emit_reals(emitter, "free_value", tables->value, (size_t)tables->count * tables->outputs,
+               "orthonormal free functions of the target (rows) at its nodes (columns)");
+    emit_begin(emitter, "free_functions", "free_functions", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %s_free_value,\n};\n", counts[0], counts[1], emitter->prefix);
+}
+
 static void write_amplifier(emitter *emitter, const loop_blocks *blocks)
 {
     emit_comment(emitter, "voltage step of the converters, and dead band of the amplifiers (V)");
@@ -630,6 +664,7 @@ BLOCK_BYTES(reading_delay, PZS_READING_DELAY_BLOCK_BYTES(of->inputs, of->reading
 BLOCK_BYTES(feed_forward, PZS_FEED_FORWARD_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(governor, PZS_GOVERNOR_BLOCK_BYTES(of->inputs, of->outputs))
 BLOCK_BYTES(modal_gains, PZS_MODAL_GAINS_BLOCK_BYTES(of->inputs, of->gain_modes))
+BLOCK_BYTES(free_functions, PZS_FREE_FUNCTIONS_BLOCK_BYTES(of->outputs, of->free_functions))
 BLOCK_BYTES(estimator, PZS_ESTIMATOR_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(vibration, PZS_VIBRATION_BLOCK_BYTES(of->modes, of->inputs, of->outputs, of->readings,
                                                  of->damper_delay))
@@ -683,6 +718,9 @@ static const struct {
      governor_bytes, governor_macro, loop_work_governor},
     {&pzs_modal_gains_block, has_modal_gains, modal_gains_tables, write_modal_gains, "modal_gains",
      "modal_gains", modal_gains_bytes, modal_gains_macro, loop_work_modal_gains},
+    {&pzs_free_functions_block, has_free_functions, free_functions_tables, write_free_functions,
+     "free_functions", "free_functions", free_functions_bytes, free_functions_macro,
+     loop_work_free_functions},
     {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
      estimator_bytes, estimator_macro, loop_work_estimator},
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
@@ -806,6 +844,7 @@ static block_counts count(const loop_blocks *blocks)
         .has_gains = has_modal_gains(blocks),
         .gain_modes = blocks->design->gains.tables.modes,
         .has_other_leak = blocks->design->gains.tables.other_leak > 0,
+        .free_functions = (size_t)blocks->design->free_functions,
         .blocks = count_blocks(blocks),
         .delay = (size_t)blocks->design->simulate.delay,
         .damper_delay = blocks->damper->tables.delay,

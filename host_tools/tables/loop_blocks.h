@@ -29,6 +29,7 @@ typedef struct loop_blocks {
     pzs_reading_delay delay;
     pzs_known_loads known_loads;
     pzs_governor governor;
+    pzs_free_functions free_functions;
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
     pzs_supervision supervision;

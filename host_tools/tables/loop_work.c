@@ -133,6 +133,16 @@ double loop_work_modal_gains(const block_counts *of, const loop_processor *on)
     return on->other * 120;
 }
 
+/*
+ * Upper bound of the instructions of the block of free functions, which only tells the supervisor
+ * to take them out of shapes.
+ */
+double loop_work_free_functions(const block_counts *of, const loop_processor *on)
+{
+    (void)of;
+    return on->other * 120;
+}
+
 double loop_work_vibration(const block_counts *of, const loop_processor *on)
 {
     const size_t modes = of->modes, sensors = of->readings;
@@ -141,7 +151,8 @@ double loop_work_vibration(const block_counts *of, const loop_processor *on)
                                  product(on, of->outputs, modes) + loops(of, on, 12, 0, 0)
                            : 0;
     const double predicted = LOOP_WORK_MISSED + 1 + (double)of->damper_delay * 2;
-    return 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
+    const double weighed = of->free_functions > 0 ? on->other * 8 * (double)sensors : 0;
+    return weighed + 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
            4 * product(on, modes, modes) + few + second_prediction(of, on) +
            on->other * (66 * (double)sensors + 60 * (double)modes +
                         predicted * (22 * (double)modes + 80) + 600);
@@ -251,8 +262,20 @@ double loop_work_pulse_detector(const block_counts *of, const loop_processor *on
                         20 * (double)of->outputs + effects + 3000);
 }
 
+/*
+ * Number of instructions with which the supervisor takes the free functions of the target out of
+ * the shapes that it compares.
+ */
+static double free_functions_work(const block_counts *of, const loop_processor *on)
+{
+    const double functions = (double)of->free_functions;
+    const double each = 2 * product(on, of->free_functions, of->outputs) +
+                        loops(of, on, 12, 0, 60 + 60 * functions);
+    return of->free_functions > 0 ? PZS_FREE_SHAPES * each : 0;
+}
+
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
-    return of->is_damped ? loops(of, on, 14, 45, 830) + second_prediction(of, on)
-                         : loops(of, on, 45, 60, 1200) + second_prediction(of, on);
+    const double both = second_prediction(of, on) + free_functions_work(of, on);
+    return of->is_damped ? loops(of, on, 14, 45, 830) + both : loops(of, on, 45, 60, 1200) + both;
 }

@@ -33,7 +33,8 @@ typedef struct block_counts {
                           */
     bool has_other_leak; /* whether the voltages outside the span of these modes have a leak, which
                             takes a product with the Hessian in each tick */
-    size_t blocks;       /* number of blocks (stages) of a control tick */
+    size_t free_functions; /* number of free functions of the target (shapes that cost nothing) */
+    size_t blocks;         /* number of blocks (stages) of a control tick */
     size_t delay, damper_delay; /* delay: age of the sensor readings that the scene file states
                                    (ticks); damper_delay: age that the stage of the tick that damps
                                    vibration assumes (ticks) */
@@ -86,9 +87,9 @@ extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
  */
 typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
 loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,
-    loop_work_governor, loop_work_modal_gains, loop_work_estimator, loop_work_vibration,
-    loop_work_effect, loop_work_step, loop_work_row_step, loop_work_inverse, loop_work_curve,
-    loop_work_curve_inverse, loop_work_amplifier, loop_work_detector, loop_work_pulse_detector,
-    loop_work_supervisor;
+    loop_work_governor, loop_work_modal_gains, loop_work_free_functions, loop_work_estimator,
+    loop_work_vibration, loop_work_effect, loop_work_step, loop_work_row_step, loop_work_inverse,
+    loop_work_curve, loop_work_curve_inverse, loop_work_amplifier, loop_work_detector,
+    loop_work_pulse_detector, loop_work_supervisor;
 
 #endif

@@ -103,6 +103,22 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
     pzs_monitor_place(monitor, memory, outputs);
 }
 
+/* Places for shapes without the free functions of the target (pzs_loop_signals.without_free). */
+#define DISTURBANCE_PLACE 0u
+#define PREDICTED_PLACE 1u
+#define WANTED_PLACE 2u
+
+/*
+ * Return a shape as the divergence monitor compares it: without the free functions of the target,
+ * along which the structure may move without a prediction of the model.
+ *   shape [outputs] in
+ */
+static const pzs_real *compared(const pzs_loop_signals *signals, const pzs_real *shape,
+                                uint32_t place)
+{
+    return signals->without_free != NULL ? signals->without_free(signals, shape, place) : shape;
+}
+
 /*
  * Results of the comparison of the measured and the predicted shape by the divergence monitor in
  * one tick: means over all outputs of squares or products of displacements (m2).
@@ -138,13 +154,13 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
  * (measured minus predicted shape) as the last ones. This is done in the first tick, and when a
  * voltage is fixed or released, which makes the predicted shape jump.
  */
-static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
+static void store_shapes(pzs_monitor_state *monitor, const pzs_real *disturbance,
+                         const pzs_real *predicted, uint32_t outputs)
 {
-    const pzs_control_info *info = &signals->control->info;
-    for (uint32_t i = 0; i < signals->control->state.problem->outputs; i++) {
-        monitor->slow[i] = info->disturbance[i];
-        monitor->disturbance[i] = info->disturbance[i];
-        monitor->predicted[i] = info->predicted[i];
+    for (uint32_t i = 0; i < outputs; i++) {
+        monitor->slow[i] = disturbance[i];
+        monitor->disturbance[i] = disturbance[i];
+        monitor->predicted[i] = predicted[i];
         monitor->move[i] = 0;
     }
 }
@@ -157,9 +173,11 @@ static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *sig
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, bool has_modes)
 {
     const uint32_t outputs = signals->control->state.problem->outputs;
-    const pzs_real part = 1 / (pzs_real)outputs, *wanted = signals->wanted;
-    const pzs_real *predicted = signals->control->info.predicted,
-                   *disturbance = signals->control->info.disturbance;
+    const pzs_control_info *info = &signals->control->info;
+    const pzs_real *wanted = compared(signals, signals->wanted, WANTED_PLACE),
+                   *predicted = compared(signals, info->predicted, PREDICTED_PLACE),
+                   *disturbance = compared(signals, info->disturbance, DISTURBANCE_PLACE);
+    const pzs_real part = 1 / (pzs_real)outputs;
     pzs_real square = 0;
     for (uint32_t i = 0; i < outputs; i++) {
         const pzs_real missed = wanted[i] - predicted[i] - disturbance[i];
@@ -167,7 +185,7 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
         monitor->wanted[i] = wanted[i];
     }
     if (!has_modes)
-        store_shapes(monitor, signals);
+        store_shapes(monitor, disturbance, predicted, outputs);
     monitor->amplitude = 0;
     monitor->envelope = PZS_SQRT(square);
     monitor->moved = 0;
@@ -192,12 +210,15 @@ static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signa
 {
     const uint32_t outputs = signals->control->state.problem->outputs;
     const pzs_control_info *info = &signals->control->info;
+    const pzs_real *wanted = compared(signals, signals->wanted, WANTED_PLACE),
+                   *predicted = compared(signals, info->predicted, PREDICTED_PLACE),
+                   *disturbance = compared(signals, info->disturbance, DISTURBANCE_PLACE);
     const pzs_real part = 1 / (pzs_real)outputs;
     squares sum = {0, 0, 0, 0};
     for (uint32_t i = 0; i < outputs; i++) {
-        const pzs_real fast = info->disturbance[i] - monitor->slow[i];
-        const pzs_real target = signals->wanted[i] - monitor->wanted[i];
-        const pzs_real change = info->disturbance[i] - monitor->disturbance[i];
+        const pzs_real fast = disturbance[i] - monitor->slow[i];
+        const pzs_real target = wanted[i] - monitor->wanted[i];
+        const pzs_real change = disturbance[i] - monitor->disturbance[i];
         const pzs_real move = monitor->move[i];
         sum.deviation += part * fast * fast;
         sum.target += part * target * target;
@@ -207,20 +228,22 @@ static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signa
         // one tick earlier.
         sum.answered += part * move * (move + change);
         monitor->slow[i] += SLOW * fast;
-        monitor->disturbance[i] = info->disturbance[i];
-        monitor->wanted[i] = signals->wanted[i];
-        monitor->move[i] = info->predicted[i] - monitor->predicted[i];
-        monitor->predicted[i] = info->predicted[i];
+        monitor->disturbance[i] = disturbance[i];
+        monitor->wanted[i] = wanted[i];
+        monitor->move[i] = predicted[i] - monitor->predicted[i];
+        monitor->predicted[i] = predicted[i];
     }
     return sum;
 }
 
-/* Return the root mean square of the change of the target shape in this tick (m). */
-static pzs_real change_of_target(const pzs_monitor_state *monitor, const pzs_loop_signals *signals)
+/*
+ * Return the root mean square of the change of the target shape in this tick (m).
+ *   wanted [outputs] in  present target shape (m)
+ */
+static pzs_real change_of_target(const pzs_monitor_state *monitor, const pzs_real *wanted,
+                                 uint32_t outputs)
 {
-    const uint32_t outputs = signals->control->state.problem->outputs;
-    const pzs_real part = 1 / (pzs_real)outputs, *wanted = signals->wanted,
-                   *before = monitor->wanted;
+    const pzs_real part = 1 / (pzs_real)outputs, *before = monitor->wanted;
     pzs_real sum = 0;
     for (uint32_t i = 0; i < outputs; i++) {
         const pzs_real target = wanted[i] - before[i];
@@ -232,17 +255,17 @@ static pzs_real change_of_target(const pzs_monitor_state *monitor, const pzs_loo
 /*
  * Store the target shape of this tick, which has changed. After a jump the polarity monitor judges
  * the motion of the structure along it. Returns whether the target has jumped.
- *   change in  root mean square of the change (m)
+ *   wanted [outputs] in  present target shape (m)
+ *   change           in  root mean square of the change (m)
  */
 static bool store_target(pzs_monitor_state *monitor, const pzs_supervision *tables,
-                         const pzs_loop_signals *signals, pzs_real change)
+                         const pzs_real *wanted, uint32_t outputs, pzs_real change)
 {
-    const uint32_t outputs = signals->control->state.problem->outputs;
     const bool has_jumped = change > pzs_polarity_least(tables);
     if (has_jumped)
-        pzs_polarity_begin(&monitor->polarity, tables, signals->wanted, monitor->wanted, outputs,
+        pzs_polarity_begin(&monitor->polarity, tables, wanted, monitor->wanted, outputs,
                            monitor->envelope);
-    memcpy(monitor->wanted, signals->wanted, outputs * sizeof *monitor->wanted);
+    memcpy(monitor->wanted, wanted, outputs * sizeof *monitor->wanted);
     return has_jumped;
 }
 
@@ -255,10 +278,12 @@ static bool store_target(pzs_monitor_state *monitor, const pzs_supervision *tabl
 static bool follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
                          const pzs_loop_signals *signals)
 {
+    const uint32_t outputs = signals->control->state.problem->outputs;
     const pzs_real now = signals->deviation, faded = PEAK_FADING * monitor->amplitude;
+    const pzs_real *wanted = compared(signals, signals->wanted, WANTED_PLACE);
     monitor->amplitude = now > faded ? now : faded;
-    const pzs_real change = change_of_target(monitor, signals);
-    const bool has_jumped = change > 0 && store_target(monitor, tables, signals, change);
+    const pzs_real change = change_of_target(monitor, wanted, outputs);
+    const bool has_jumped = change > 0 && store_target(monitor, tables, wanted, outputs, change);
     monitor->envelope = tables->fading * monitor->envelope + change;
     return has_jumped;
 }
@@ -381,7 +406,8 @@ static bool moves_against(pzs_monitor_state *monitor, const pzs_supervision *tab
         return false;
     if (!is_first)
         return pzs_polarity_is_opposed(&monitor->polarity, predicted, signals->measured, outputs);
-    pzs_polarity_begin(&monitor->polarity, tables, signals->wanted, predicted, outputs, 0);
+    pzs_polarity_begin(&monitor->polarity, tables, compared(signals, signals->wanted, WANTED_PLACE),
+                       compared(signals, predicted, PREDICTED_PLACE), outputs, 0);
     return false;
 }
 

@@ -80,6 +80,10 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
         loop 'gains and leaks of modes' plate-50-patches $limits \
             --set 'control={modal_gains: {modes: 20, gain: 0.5, leak: 0.01, other_gain: 0.2, other_leak: 0.02}}'
         # shellcheck disable=SC2086
+        loop 'free functions' plate-50-patches $limits --set 'control={rate: 800, clock: 168 MHz}' --set 'target.free=[piston, tip, tilt]'
+        # shellcheck disable=SC2086
+        loop 'free functions, without a damper' plate-50-patches $limits --set 'safety={}' --set 'target.free=[piston]'
+        # shellcheck disable=SC2086
         loop 'without supervisor' plate-50-patches $limits --set 'control={rate: 1000, clock: 168 MHz}' --set safety=none
         # shellcheck disable=SC2086
         loop 'hysteresis' plate-50-patches $limits --set 'control={rate: 500, clock: 168 MHz}' --set \

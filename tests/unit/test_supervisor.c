@@ -18,7 +18,7 @@
 #define LONG_TICKS 20000
 #endif
 
-enum { N = 6, M = 20, MODES = 2, TIMEOUT = 25, RAMP = 10, ALARM = 20, LATEST = 250 };
+enum { N = 6, M = 20, MODES = 2, TIMEOUT = 25, RAMP = 10, ALARM = 20, LATEST = 250, FREE = 2 };
 enum { MOST_INPUTS = N, MOST_OUTPUTS = M };
 
 #include "../rigs/problem_rig.h"
@@ -121,7 +121,10 @@ typedef struct rig {
     pzs_supervision supervision;
     pzs_real park[N];
     pzs_real target[M], wanted[M], measured[M], given[N];
-    pzs_block block[3];
+    pzs_real free_value[FREE * M];
+    pzs_free_functions free_functions;
+    pzs_block block[4];
+    size_t blocks;
     pzs_loop loop;
     pzs_supervisor *supervisor;
     double work[4000];
@@ -130,7 +133,8 @@ typedef struct rig {
 
 static pzs_status init(rig *r)
 {
-    const pzs_status status = pzs_loop_init(&r->loop, r->block, 3, NULL, r->work, sizeof r->work);
+    const pzs_status status =
+        pzs_loop_init(&r->loop, r->block, r->blocks, NULL, r->work, sizeof r->work);
     r->supervisor = pzs_loop_find(&r->loop, &pzs_supervisor_block);
     if (status == PZS_OK)
         memcpy(r->given, r->loop.info.voltage, sizeof r->given);
@@ -196,6 +200,7 @@ static void open_rig(rig *r, unsigned seed, bool waits)
     r->block[0] = (pzs_block){&failing_block, &r->failure};
     r->block[1] = (pzs_block){&pzs_step_block, &r->problem.tables};
     r->block[2] = (pzs_block){&pzs_supervisor_block, &r->supervision};
+    r->blocks = 3;
     assert_int_equal(init(r), PZS_OK);
 }
 
@@ -642,6 +647,124 @@ static void test_unstable(void **state)
     }
 }
 
+/* ---- free functions of the target --------------------------------------------------- */
+
+/* Take the free functions out of a shape whose entries are `stride` apart. */
+static void take_free(const rig *r, pzs_real *shape, size_t stride)
+{
+    for (int k = 0; k < FREE; k++) {
+        const pzs_real *value = r->free_value + k * M;
+        double product = 0;
+        for (size_t i = 0; i < M; i++)
+            product += (double)value[i] * (double)shape[i * stride];
+        for (size_t i = 0; i < M; i++)
+            shape[i * stride] -= (pzs_real)product * value[i];
+    }
+}
+
+/*
+ * A rig whose plant also moves as a whole and tilts, by thirty times its other displacements, which
+ * are free functions of the target: the influence matrix of the tables lacks them.
+ *   has_block in  whether the loop has the block of free functions
+ */
+static void open_free(rig *r, unsigned seed, bool has_block)
+{
+    open_rig(r, seed, false);
+    for (int i = 0; i < M; i++) {
+        const double x = (2.0 * i - (M - 1)) / (M - 1);
+        r->free_value[i] = (pzs_real)sqrt(1.0 / M);
+        r->free_value[M + i] = (pzs_real)(x * sqrt(3.0 * (M - 1) / (M * (M + 1.0))));
+    }
+    for (int j = 0; j < N; j++) {
+        const double rise = uniform(&r->seed, 0, 3e-5), tilt = uniform(&r->seed, -3e-5, 3e-5);
+        for (int i = 0; i < M; i++)
+            r->plant.rest[i][j] += rise + tilt * (2.0 * i - (M - 1)) / (M - 1);
+        take_free(r, r->problem.influence + j, N);
+    }
+    take_free(r, r->target, 1);
+    r->supervision.load = (pzs_real)(0.3 * rms(r->target));
+    r->free_functions =
+        (pzs_free_functions){.scene = SCENE, .outputs = M, .count = FREE, .value = r->free_value};
+    problem_seal(&r->problem);
+    assert_int_equal(pzs_supervision_seal(&r->supervision), PZS_OK);
+    assert_int_equal(pzs_free_functions_seal(&r->free_functions), PZS_OK);
+    if (has_block) {
+        memmove(r->block + 2, r->block + 1, 2 * sizeof *r->block);
+        r->block[1] = (pzs_block){&pzs_free_functions_block, &r->free_functions};
+        r->blocks = 4;
+    }
+    assert_int_equal(init(r), PZS_OK);
+}
+
+/* Jumps of the target, and loads of which half are free functions. Returns the tick of an alarm. */
+static int run_free(rig *r, int ticks)
+{
+    double factor = 1;
+    for (int t = 0; t < ticks; t++) {
+        if (t % 97 == 0)
+            factor = uniform(&r->seed, -1, 1);
+        if (t % 131 == 0) {
+            const double size = uniform(&r->seed, -1, 1) * (double)r->supervision.load / 2,
+                         rise = uniform(&r->seed, -1, 1) * 100 * (double)r->supervision.load;
+            for (int i = 0; i < M; i++)
+                r->plant.load[i] = size * cos(0.3 * i) + rise;
+        }
+        const pzs_status status = tick(r, factor, t % 53 != 7);
+        if (PZS_IS_ERROR(status) || status == PZS_W_RAMP)
+            return t;
+    }
+    return ticks;
+}
+
+/*
+ * Law: with the block of free functions no motion along them is an alarm, which it is without the
+ * block; reversed amplifiers raise the alarm as without free functions.
+ */
+static void test_free_functions(void **state)
+{
+    static const double gains[] = {1, 0.75, 1.33};
+    static rig r;
+    (void)state;
+    for (int gain = 0; gain < 3; gain++) {
+        open_free(&r, 12, true);
+        r.plant.gain = gains[gain];
+        assert_int_equal(run_free(&r, LONG_TICKS / 2), LONG_TICKS / 2);
+        open_free(&r, 12, false);
+        r.plant.gain = gains[gain];
+        assert_true(run_free(&r, LONG_TICKS / 2) < LONG_TICKS / 2);
+    }
+    open_free(&r, 12, true);
+    bring_to_control(&r);
+    r.plant.gain = -1;
+    for (int t = 0; t < 3; t++)
+        (void)tick(&r, t % 2 ? 1 : 0.9, true);
+    loses_control(&r);
+}
+
+/* Law: tables of free functions that are damaged, foreign or of another size are refused. */
+static void test_free_tables(void **state)
+{
+    static rig r;
+    (void)state;
+    open_free(&r, 13, true);
+    r.free_value[3] += 1;
+    assert_int_equal(init(&r), PZS_E_CRC);
+    r.free_value[3] = (pzs_real)NAN;
+    assert_int_equal(pzs_free_functions_seal(&r.free_functions), PZS_OK);
+    assert_int_equal(init(&r), PZS_E_NONFINITE);
+    r.free_value[3] = r.free_value[2];
+    r.free_functions.outputs--;
+    assert_int_equal(pzs_free_functions_seal(&r.free_functions), PZS_OK);
+    assert_int_equal(init(&r), PZS_E_ARGUMENT);
+    r.free_functions.outputs++;
+    r.free_functions.scene++;
+    assert_int_equal(pzs_free_functions_seal(&r.free_functions), PZS_OK);
+    assert_int_equal(init(&r), PZS_E_FORMAT);
+    r.free_functions.count = 0;
+    assert_int_equal(pzs_free_functions_seal(&r.free_functions), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_free_functions_seal(NULL), PZS_E_ARGUMENT);
+}
+
 /* ---- random faults ---------------------------------------------------------------- */
 
 /* Damage a frame: nothing, some NaN, all NaN, stuck, huge, or no frame at all (false). */
@@ -720,6 +843,8 @@ int main(void)
                                        cmocka_unit_test(test_falling_vibration),
                                        cmocka_unit_test(test_wrong_polarity),
                                        cmocka_unit_test(test_unstable),
+                                       cmocka_unit_test(test_free_functions),
+                                       cmocka_unit_test(test_free_tables),
                                        cmocka_unit_test(test_random_faults)};
     return cmocka_run_group_tests_name("supervisor", tests, NULL, NULL);
 }
