@@ -6,6 +6,8 @@
 #include <string.h>
 #include "print_matrix.h"
 #include "print_mesh_error.h"
+#include "../../lib/model/model.h"
+#include "../model/modal.h"
 #include "../text/words.h"
 
 /* ---- modes ------------------------------------------------------------ */
@@ -156,6 +158,40 @@ void print_vibration(const loaded_modes *modes)
     plausible_print(stdout, &modes->warnings);
 }
 
+/*
+ * Write the values of the scene's outputs in a mode whose largest displacement is one unit of
+ * length, for outputs that are linear functions of the displacement.
+ */
+static void json_outputs(json *json, const loaded_modes *modes, int mode)
+{
+    const analysis *analysis = &modes->analysis;
+    const design *design = &analysis->design;
+    const double *shape = modes->vibration.shape + (size_t)mode * (size_t)design->mesh.free_dof;
+    json_open(json, "observability", '{');
+    for (int k = 0; k < design->outputs; k++) {
+        if (!analysis_output_is_row(analysis, k))
+            continue;
+        json_open(json, design->output[k].name, '[');
+        for (int i = 0; i < analysis_outputs(analysis, k); i++)
+            json_number(json, NULL,
+                        pzs_model_observe_row(&design->structure, shape,
+                                              (uint32_t)(design->named_first[k] + i)) /
+                            modes->vibration.largest[mode]);
+        json_close(json, ']');
+    }
+    json_close(json, '}');
+}
+
+/* Write the damping ratio of each mode; null for rigid motions. */
+static void json_damping(json *json, const loaded_modes *modes)
+{
+    const vibration *vibration = &modes->vibration;
+    json_open(json, "damping", '[');
+    for (int i = 0; i < vibration->count; i++)
+        json_number(json, NULL, vibration_damping(vibration, &modes->analysis.design, i));
+    json_close(json, ']');
+}
+
 static void json_mode(json *json, const loaded_modes *modes, int mode)
 {
     const design *design = &modes->analysis.design;
@@ -169,6 +205,7 @@ static void json_mode(json *json, const loaded_modes *modes, int mode)
             json_number(json, design->amplifier_name[k], moved_by(design, vibration, mode, k));
         json_close(json, '}');
     }
+    json_outputs(json, modes, mode);
     json_close(json, '}');
 }
 
@@ -181,7 +218,7 @@ void print_vibration_json(const loaded_modes *modes)
     json_string(&json, "scene", design->name);
     json_number(&json, "mass", vibration->mass);
     json_number(&json, "rigid", vibration->rigid);
-    json_number(&json, "damping", design->dynamics.damping);
+    json_damping(&json, modes);
     json_string(&json, "damping_from", design->dynamics.damping_given ? "scene" : "assumed");
     json_number(&json, "linear_solves", vibration->solves);
     json_string(&json, "state", modes->is_loaded ? "loaded" : "reference");

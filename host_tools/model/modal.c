@@ -15,6 +15,13 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
     return dynamics->damping_of_mode[mode < dynamics->dampings ? mode : dynamics->dampings - 1];
 }
 
+double vibration_damping(const vibration *vibration, const design *design, int mode)
+{
+    if (mode < vibration->rigid)
+        return (double)NAN;
+    return modal_damping(&design->dynamics, mode - vibration->rigid, sqrt(vibration->square[mode]));
+}
+
 /*
  * Fill the data of one vibration mode: angular frequency, damping ratio, displacements of the
  * outputs, and static response to the inputs.

@@ -16,6 +16,9 @@
  */
 double modal_damping(const scene_dynamics *dynamics, int mode, double frequency);
 
+/* Return the damping ratio of a computed vibration mode; NAN for a rigid motion. */
+double vibration_damping(const vibration *vibration, const design *design, int mode);
+
 /*
  * Fill the modal description of a structure from its computed vibration modes. Rigid motions are
  * left out.
