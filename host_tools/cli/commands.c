@@ -88,8 +88,9 @@ const command_entry command_table[COMMANDS] = {
          "kinematics they are those about the equilibrium under the loads, otherwise those of the "
          "reference state. Electrodes of amplifiers are short-circuited, those of sensors as the "
          "scene says; --electrodes open or short changes that. For each mode: the mass that takes "
-         "part in a motion along x, y and z, and the input that moves it most; with --json what "
-         "each input moves by it.",
+         "part in a motion along x, y and z, and the input that moves it most; with --json its "
+         "damping ratio, what each input moves by it, and each output while its largest "
+         "displacement is one unit of length.",
          {"pzs modes plate-50-patches --number 5 --vtu modes.vtu",
           "pzs modes bimorph-sensor --set materials.PVDF.density=1780 --electrodes open", NULL}},
     [COMMAND_TABLES] =
@@ -262,11 +263,13 @@ const option_entry option_table[OPTIONS] = {
                        "follow the load path, leave it at its bifurcation N (1: the first) along "
                        "the mode of the bifurcation, and follow this branch; -N: against the mode"},
     [OPTION_REPORT] = {"--report", NULL, "FILE.html", ARGUMENT_FILE, NULL,
-                       BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
+                       BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES) |
+                           BIT(COMMAND_SIMULATE),
                        "pictures and tables in one page"},
-    [OPTION_SVG] = {"--svg", NULL, "FILE.svg", ARGUMENT_FILE, NULL,
-                    BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE),
-                    "the main picture alone, for a README or a paper"},
+    [OPTION_SVG] =
+        {"--svg", NULL, "FILE.svg", ARGUMENT_FILE, NULL,
+         BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES) | BIT(COMMAND_SIMULATE),
+         "the main picture alone, for a README or a paper; of modes the first six shapes"},
     [OPTION_VTU] = {"--vtu", NULL, "FILE.vtu", ARGUMENT_FILE, NULL,
                     BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES),
                     "deformed shape for ParaView; of modes the mode shapes"},

@@ -623,6 +623,11 @@ static int write_modes(const vibration *vibration, const design *design, const c
     return outfile_end(&output, vtk_write_modes(output.file, design, vibration));
 }
 
+static int write_vibration(const report_job *job, const void *result)
+{
+    return report_modes(job, result);
+}
+
 /* Estimate the discretisation error of the natural frequencies. Returns an exit code. */
 static int modes_error(const options *options, const scene *scene, const vibration *vibration,
                        const modes_request *request, mesh_error *result)
@@ -692,6 +697,8 @@ static int run_modes(const options *options)
         (options->as_json ? print_vibration_json : print_vibration)(&modes);
     if (status == 0 && options->vtu)
         status = write_modes(&modes.vibration, &modes.analysis.design, options->vtu);
+    if (status == 0)
+        status = write_reports(options, write_vibration, &modes);
     if (status == 0)
         status = export_modes(options, &modes);
     if (status == 0 && options->is_strict && modes.warnings.count > 0)

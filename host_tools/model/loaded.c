@@ -107,10 +107,17 @@ static int solve_loaded(loaded_modes *modes, const scene *scene, const modes_req
     return 0;
 }
 
-/* Compute the vibration modes about the reference state. Returns 0, or -1 with error filled. */
+/*
+ * Compute the vibration modes about the reference state. The stiffness matrix alone is not
+ * factored: its condition number and the residual of its solves are unknown, -1. Returns 0, or -1
+ * with error filled.
+ */
 static int solve_unloaded(loaded_modes *modes, const scene *scene, const modes_request *request,
                           char *error)
 {
+    modes->analysis.source = scene->influence.given ? &analysis_of_matrix : &analysis_of_structure;
+    modes->analysis.model.info.condition = -1;
+    modes->analysis.model.info.error_estimate = -1;
     if (design_build(&modes->analysis.design, scene, error) < 0)
         return -1;
     return analysis_vibration_of(&modes->analysis, request->circuit, &modes->vibration,

@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 #include <stdio.h>
+#include "../model/loaded.h"
 #include "../model/modes.h"
 #include "../model/stress_field.h"
 #include "../simulate/simulate_record.h"
@@ -33,6 +34,12 @@ typedef struct report_job {
  */
 int report_solve(const report_job *job, const analysis *analysis, const double *u,
                  const double *output, const stress_field *stress);
+
+/*
+ * Write the report of `pzs modes`: frequencies, damping and participating masses, and pictures of
+ * the mode shapes, of measured modes maps of the outputs.
+ */
+int report_modes(const report_job *job, const loaded_modes *modes);
 
 /*
  * Write the report of `pzs shape`: for each result the reached shape, the misfit (reached minus

@@ -105,6 +105,8 @@ if command -v bash >/dev/null; then
         [ "$(complete solve x --report "$dir/a.h")" = "$dir/a.html" ]
     check 'bash completes commands, options, choices, scenes and files' $?
 fi
+# Reports: laws of report_check.py on the files of this folder
+law() { file=$1; shift; /usr/bin/python3 tests/cli/report_check.py "$dir/$file" "$@" 2>"$dir/err"; }
 # Starting scenes: every choice of the help is a valid scene whose shape is found, with comments, not too long
 # (those without a structure are checked below).
 for kind in $("$PZS" help new | sed -n 's/^usage: pzs new \[\([^]]*\)\].*/\1/p' | tr '|' '\n' | grep -v -e measured -e poke); do
@@ -518,8 +520,6 @@ for bits in 32 64; do
     check "limits are rounded inwards, $bits bits" $?
 done
 
-# Reports: laws of report_check.py on the files of this folder
-law() { file=$1; shift; /usr/bin/python3 tests/cli/report_check.py "$dir/$file" "$@" 2>"$dir/err"; }
 for s in $("$PZS" list | cut -d' ' -f1); do
     run 0 solve "$s" --report "$dir/s.html" --svg "$dir/s.svg" && law s.html xml && law s.svg xml
     check "solve: pictures of $s are well-formed, without NaN" $?
@@ -788,6 +788,14 @@ run 0 modes plate-50-patches --set materials.G1195.permittivity=15.3e-9 --electr
     run 0 modes bimorph-sensor --set materials.PVDF.density=1780 --number 2 && grep -q 'coupling k2' "$dir/out" && grep -q '5 electrodes of sensors open' "$dir/out" &&
     run 0 modes bimorph-sensor --set materials.PVDF.density=1780 --number 2 --electrodes short && ! grep -q coupling "$dir/out" &&
     run 2 modes plate-50-patches --electrodes open && says 'has no capacitance' && run 2 modes plate-50-patches --electrodes shut && says 'open'; check 'modes --electrodes: short-circuit frequencies and coupling factors' $?
+for scene in plate-50-patches wing-panel tests/rigs/scenes/stretched-strip.yaml; do
+    run 0 modes "$scene" --number 4 --report "$dir/v.html" --svg "$dir/v.svg" && law v.html xml && law v.svg xml && grep -q 'Natural frequencies' "$dir/v.html" &&
+        [ "$(grep -c 'Mode shape in space' "$dir/v.html")" -ge 4 ] && grep -q '>mode 4, ' "$dir/v.svg"; check "modes: report and picture of ${scene##*/}" $?
+done
+"$PZS" new measured-matrix >"$dir/measured-matrix.csv" && "$PZS" new measured >"$dir/with-modes.yaml" &&
+    run 0 modes "$dir/with-modes.yaml" --set "influence.modes=[{frequency: 50, damping: 0.01, shape: [$(seq -s , 0 18)]}]" --report "$dir/v.html" --svg "$dir/v.svg" && law v.html xml && law v.svg xml; check 'modes: report and picture of measured modes' $?
+run 0 modes plate-50-patches --set supports=[] --number 7 --json && json "j['damping'][:6]==[None]*6 and j['damping'][6]==.005 and j['rigid']==6" &&
+    run 0 modes cantilever --set kinematics=linear --set materials.strip.density=1 --number 1 --json && json "abs(abs(j['modes'][0]['observability']['end up'][0])-1)<1e-6"; check 'modes --json: damping, outputs in a mode whose largest displacement is 1' $?
 run 2 modes scordelis-lo && says "no density in material 'concrete'"; check 'modes without a density: exit 2, with the cure' $?
 run 0 solve scordelis-lo --error --json && json "(lambda e: abs(e['extrapolated']/-.3013-1)<.007 and abs(e['value']+.29797)<1e-5 and abs(e['extrapolated']+.3013)<e['uncertainty'] and 1.5<e['order']<2.5)(j['discretisation']['results']['edge']) and j['discretisation']['meshes']==[[16,16],[8,8],[4,4]]"; check 'solve --error: the converged value lies inside' $?
 run 0 solve scordelis-lo --error && grep -q 'extrapolated' "$dir/out"; check 'solve --error: a table' $?
