@@ -80,7 +80,7 @@ part measured 'sh tests/bench/measured.sh --check'
 part scipy 'sh tests/oracle/boxls.sh'
 part scipy-curves "/usr/bin/python3 tests/oracle/curves.py $B/pzs"
 part integrators 'sh tests/oracle/modal_gains.sh'
-part open-electrodes 'sh tests/oracle/open_modes.sh'
+part exact-modes 'sh tests/oracle/exact_modes.sh'
 part gmsh 'sh tests/cli/gmsh.sh'
 part target-start 'sh tests/target/start.sh'
 part target-bound 'sh tests/target/bound.sh'
