@@ -38,7 +38,8 @@ struct pzs_sparse_calls;
  *   PZS_PRODUCT_WORK    product of the Hessian with a vector
  *   PZS_EXCHANGE_WORK   move of one input between the free set and the active set
  *   PZS_ITERATION_WORK  one iteration, with at most one such move
- *   PZS_ROUND_WORK      start of a round: iterations up to a gradient computed from the Hessian
+ *   PZS_ROUND_WORK      start of a round, before its first iteration; a round is a sequence of
+ *                       iterations that ends with a gradient computed from the Hessian
  */
 #define PZS_PRODUCT_WORK(inputs) ((uint64_t)(inputs)*PZS_CONTROL_WIDTH(inputs))
 #define PZS_EXCHANGE_WORK(inputs)                                                                  \

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Changes of a scene that make its unstable control loop stable (certify_trial.h). Each change is
- * made in a copy of the scene, and the loop of this copy passes through all tests from the mesh on,
- * so that a change is only named if the changed scene file passes them, too.
+ * made in a copy of the scene. For this copy everything is computed and tested anew, from the mesh
+ * on, so that a change is only named if the changed scene file passes all tests, too.
  */
 #include <string.h>
 #include "../model/certificate_make.h"

@@ -103,7 +103,8 @@ typedef struct storm_rig {
 
 /*
  * Prepare the data that all storms (simulations with fast target jumps) of an analysis share.
- *   analysis  in  analysis whose influence matrix is computed, with a target and all densities
+ *   analysis  in  analysis whose influence matrix is computed; its scene has a target, and the
+ *                 densities of all materials
  *   estimator in  NULL: every target row (controlled displacement) is measured
  * Returns 0, or -1 with error filled; call storm_close in either case.
  */

@@ -132,9 +132,9 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 bool loop_blocks_read_entries(const loop_blocks *blocks);
 
 /*
- * Return the memory of a control loop with given blocks (stages of a tick) (bytes),
- * PREFIX_LOOP_BYTES in the generated header. In single precision it is an upper bound: pointers and
- * reals in structs count as on this computer.
+ * Return the memory (bytes) of a control loop with given blocks (stages of a tick),
+ * PREFIX_LOOP_BYTES in the generated header. In single precision it is an upper bound, because
+ * pointers and reals in structs are counted with their larger size on this computer.
  */
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
 

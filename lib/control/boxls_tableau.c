@@ -153,8 +153,8 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
     } else {
         read_row(optimiser, k, row);
     }
-    // Where another input was exchanged later, its entry of row k is set to zero: subtracting the
-    // update of that exchange then gives the new value of the entry.
+    // The entry of row k that belongs to another input is set to zero if this input was exchanged
+    // later: subtracting the update of its exchange then gives the new value of the entry.
     for (uint32_t later = j; later < optimiser->pending_count; later++)
         row[optimiser->exchange[later].input] = 0;
     for (; j < optimiser->pending_count; j += TOGETHER)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Functions for actuators that do not move in proportion to their voltages, because of hysteresis
- * or a curve. The optimiser then chooses effects: the quantities in proportion to which they move.
- * Here are the range of voltages that the limits allow in one tick, and the start of the optimiser
- * from the effects of the last tick.
+ * or a curve. The optimiser then chooses effects instead of voltages: the displacement of an
+ * actuator is proportional to its effect. The functions compute the range of voltages that the
+ * limits allow in one tick, and let the optimiser start from the effects of the last tick.
  */
 #ifndef PZS_LIB_EFFECT_RANGE_H
 #define PZS_LIB_EFFECT_RANGE_H

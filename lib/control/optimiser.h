@@ -20,8 +20,8 @@
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
-    // With wide vectors, the span is a multiple of PZS_TILE. The mask, which changes nothing, tells
-    // the compiler so; it then leaves out the code for a remainder of the loop.
+    // With wide vectors, `width` is a multiple of PZS_TILE already. The mask does not change it,
+    // but tells the compiler so, which then leaves out the code for a remainder of the loop.
     return IS_WIDE || PZS_TILE > 4 ? optimiser->width & ~(PZS_TILE - 1u) : optimiser->inputs;
 }
 
