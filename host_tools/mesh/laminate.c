@@ -377,21 +377,15 @@ static void base_change(const laminate_place *place, double middle, double chang
             change[entry / 2][entry % 2] += dual[entry / 2][i] * place->natural.slope[i][entry % 2];
 }
 
-void laminate_heights_of(const laminate *laminate, const scene_element *element,
-                         const laminate_place *place, laminate_heights *heights)
+/*
+ * Set the straight lines that replace the squared height in the strains of an element to those that
+ * come closest to it over the plies, weighted by their stiffness.
+ */
+static void fit_heights(const laminate *laminate, const scene_element *element,
+                        const laminate_place *place, laminate_heights *heights)
 {
     height_ply ply[LAMINATE_LAYERS];
-    double change[2][2];
     int plies = 0;
-    memset(heights, 0, sizeof *heights);
-    heights->middle = (laminate->z[0] + laminate->z[1]) / 2;
-    heights->thickness = laminate->thickness;
-    if (element->quadratic == SQUARES_OMITTED)
-        return;
-    for (int row = 0; row < HEIGHT_ROWS; row++)
-        heights->line[0][row] = laminate->thickness * laminate->thickness / 4;
-    if (element->quadratic == SQUARES_OF_FACES)
-        return;
     for (int layer = 0; layer < laminate->plies; layer++)
         if (place->present_plies >> layer & 1u) {
             memcpy(ply[plies].z, laminate->ply[layer].z, sizeof ply[plies].z);
@@ -402,7 +396,21 @@ void laminate_heights_of(const laminate *laminate, const scene_element *element,
             plies++;
         }
     height_fit_lines(ply, plies, heights);
-    if (!element->metric)
+}
+
+void laminate_heights_of(const laminate *laminate, const scene_element *element,
+                         const laminate_place *place, laminate_heights *heights)
+{
+    const double square = laminate->thickness * laminate->thickness;
+    double change[2][2];
+    memset(heights, 0, sizeof *heights);
+    heights->middle = (laminate->z[0] + laminate->z[1]) / 2;
+    heights->thickness = laminate->thickness;
+    for (int row = 0; row < HEIGHT_ROWS && element->quadratic != SQUARES_OMITTED; row++)
+        heights->line[0][row] = square / 4;
+    if (element->quadratic == SQUARES_FITTED)
+        fit_heights(laminate, element, place, heights);
+    if (!element->metric || element->quadratic == SQUARES_OF_FACES)
         return;
     base_change(place, heights->middle, change);
     height_quadratic_part(change, heights);

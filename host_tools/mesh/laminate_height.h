@@ -6,7 +6,9 @@
  *   on       least deviation from z^2, weighted with the stiffness of the plies: resultants are
  *       integrals of the stresses; one ply: a = thickness^2/12, b = 0
  *   off      a = thickness^2/4 and b = 0, exact at the faces
- *   omitted  a = b = 0: the strains are e + z k
+ *   omitted  a = b = 0: products of displacements have no part in m. The part of m that the
+ *       curvature of the undeformed shell causes follows from e and k; z^2 times this part enters
+ *       stiffness and prescribed stresses with `on`, too, less the line
  */
 #ifndef LAMINATE_HEIGHT_H
 #define LAMINATE_HEIGHT_H

@@ -62,7 +62,7 @@ static void name_compression(const load_path_point *point, int index, const mesh
     const face_strain *strongest = &point->compression;
     const char *advice = mesh->formulation.quadratic == SQUARES_OMITTED
                              ? ""
-                             : "; in-plane strains linear in the height (element: {quadratic: "
+                             : "; large strains linear in the height (element: {quadratic: "
                                "omitted}) soften later in bending";
     snprintf(text, PATH_CAUSE_BYTES,
              "at point %d the %s face is compressed by a Green strain of %.3g within an element "

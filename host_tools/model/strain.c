@@ -42,7 +42,8 @@ static const int in_plane_mean[HEIGHT_ROWS] = {0, 2, 6};
  * Compute the strains of an element, nonlinear in the displacement. An in-plane strain at height z
  * contains a term m z^2. The element adds it to the mean of the strain over both faces as a m, with
  * a constant a (pzs_element_type.height_squared). The strains are therefore computed twice, with
- * two values of a; m is the difference of the mean strains divided by that of a.
+ * two values of a; m is the difference of the mean strains divided by that of a. With the element
+ * option `quadratic: omitted` the caller replaces m by the part that follows from the strains.
  */
 static void nonlinear_strains(const pzs_element_type *type, unsigned dof_per_node,
                               const double *displacement, double strain[STRAIN_COUNT])
@@ -94,6 +95,10 @@ void strain_of_element(const mesh *mesh, int element, const double *displacement
         largest = fmax(largest, fabs(displacement[i]));
     if (is_nonlinear || !(largest > 0)) {
         nonlinear_strains(type, mesh->dof_per_node, displacement, strain);
+        if (mesh->formulation.quadratic == SQUARES_OMITTED) {
+            heights_of(mesh, element, &heights);
+            linear_quadratic_part(&heights, strain);
+        }
         return;
     }
     const double factor = 1e-6 * fmin(1, type->thickness) / largest;
@@ -119,7 +124,7 @@ void strain_at_height(const mesh *mesh, int element, const double strain[STRAIN_
     for (int i = 0; i < 6; i++) {
         if (mean[i] >= 0)
             natural[i] = strain[mean[i]] + height / heights.thickness * strain[mean[i] + 1];
-        if (quadratic[i] >= 0 && mesh->formulation.quadratic == SQUARES_FITTED)
+        if (quadratic[i] >= 0 && mesh->formulation.quadratic != SQUARES_OF_FACES)
             natural[i] += laminate_height_excess(&heights, height, quadratic[i]) *
                           strain[STRAIN_QUADRATIC + quadratic[i]];
     }

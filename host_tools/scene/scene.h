@@ -103,8 +103,8 @@ typedef enum scene_squares {
                          the two faces of the shell */
     SQUARES_FITTED, /* the squared height is replaced by the straight line that deviates least from
                        it, with the stiffness of the plies as weight */
-    SQUARES_OMITTED /* the squared height is replaced by zero: in-plane strains are linear in the
-                       height */
+    SQUARES_OMITTED /* the squared height is replaced by zero in products of displacements, and
+                       counts in the part that the curvature of the undeformed shell causes */
 } scene_squares;
 
 /*

@@ -65,7 +65,7 @@ static const field element_fields[] = {
     {"quadratic", read_choice, offsetof(scene_element, quadratic), squares,
      .help = "Average the part of the in-plane strains that is quadratic in the height over the "
              "stiffness of the plies (true), take it at the two faces (false), or leave it out "
-             "(omitted), as elements whose strains are linear in the height do."},
+             "of products of displacements (omitted), for folds as sharp as the thickness."},
     {.key = NULL}};
 
 static const form element_map_form = {.type = FORM_MAP, .fields = element_fields};

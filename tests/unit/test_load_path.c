@@ -312,8 +312,9 @@ static double crown_at_full_load(const char *changes)
 }
 
 /*
- * With strains linear in the height the half cylinders of cross plies are followed to their full
- * load, without limit point and bifurcation. A finer mesh moves the end by less than 0.2 %.
+ * Without squared heights in products of displacements the half cylinders of cross plies are
+ * followed to their full load, without limit point and bifurcation. A finer mesh moves the end by
+ * less than 0.2 %.
  */
 static void test_half_cylinder_crossply(void **state)
 {
