@@ -77,6 +77,7 @@ part packages 'sh tests/cli/packages.sh'
 part fmu 'sh tests/cli/fmu.sh'
 part install 'sh tests/cli/install.sh'
 part measured 'sh tests/bench/measured.sh --check'
+part figures 'sh tests/bench/figures.sh'
 part scipy 'sh tests/oracle/boxls.sh'
 part scipy-curves "/usr/bin/python3 tests/oracle/curves.py $B/pzs"
 part integrators 'sh tests/oracle/modal_gains.sh'
