@@ -2,6 +2,7 @@
 /* Functions that draw diagrams, axes and colour scales of reports as SVG. */
 #include "report_draw.h"
 #include <math.h>
+#include <string.h>
 
 void draw_begin(FILE *file, draw_type type, double width, double height, const char *title,
                 const char *description)
@@ -29,21 +30,26 @@ void draw_path(FILE *file, const char *style)
     put(file, "<path class=\"%s\" d=\"", style);
 }
 
-void draw_step(FILE *file, bool *is_drawing, const double at[2])
+void draw_line(FILE *file, const double (*at)[2], int count)
 {
-    if (is_place(at))
-        put(file, *is_drawing ? "L%f %f" : "M%f %f", at[0], at[1]);
-    *is_drawing = is_place(at);
+    int first = 0; /* index of the first point of the part that is being drawn */
+    for (int k = 0; k < count; k++) {
+        const bool is_last = k + 1 == count || !is_place(at[k + 1]);
+        if (!is_place(at[k]))
+            first = k + 1;
+        else if (is_last && k > first + 1 && memcmp(at[k], at[first], sizeof *at) == 0)
+            fputs("z", file);
+        else
+            put(file, "%s%f %f", k > first ? "L" : "M", at[k][0], at[k][1]);
+    }
 }
 
 void draw_polygon(FILE *file, const double (*at)[2], int count)
 {
-    bool is_drawing = false;
     for (int k = 0; k < count; k++)
         if (!is_place(at[k]))
             return;
-    for (int k = 0; k < count; k++)
-        draw_step(file, &is_drawing, at[k]);
+    draw_line(file, at, count);
     fputs(count > 2 ? "z" : "", file);
 }
 
@@ -57,16 +63,6 @@ void draw_disc(FILE *file, const char *style, const double at[2], double radius)
     if (is_place(at))
         put(file, "<circle class=\"%s\" cx=\"%f\" cy=\"%f\" r=\"%f\"/>\n", style, at[0], at[1],
             radius);
-}
-
-void draw_text(FILE *file, const char *style, double x, double y, const char *format, ...)
-{
-    va_list more;
-    va_start(more, format);
-    put(file, "<text class=\"%s\" x=\"%f\" y=\"%f\">", style, x, y);
-    put_list(file, format, NULL, &more);
-    fputs("</text>\n", file);
-    va_end(more);
 }
 
 void draw_name(FILE *file, double x, double top, double height, const char *name)
@@ -88,64 +84,43 @@ draw_scale draw_scale_of(bool is_signed, const char *unit, const double *value, 
     return scale;
 }
 
-int draw_level(const draw_scale *scale, double value)
+/* Return the index of the colour of a finite value on a scale. */
+static int level_of(const draw_scale *scale, double value)
 {
-    if (!isfinite(value))
-        return -1;
-    double share = scale->most > 0 ? value / scale->most : 0;
-    if (scale->is_signed)
-        share = (share + 1) / 2;
-    return (int)lround(fmin(fmax(share, 0), 1) * (DRAW_LEVELS - 1));
+    const double share = scale->most > 0 ? value / scale->most : 0;
+    const double place = scale->is_signed ? (share + 1) / 2 : share;
+    return (int)lround(fmin(fmax(place, 0), 1) * (DRAW_LEVELS - 1));
 }
 
-const char *draw_class(const draw_scale *scale, int level)
+const char *draw_colour(const draw_scale *scale, double value)
 {
     static char name[2][DRAW_LEVELS][16];
-    if (level < 0)
+    if (!isfinite(value))
         return "none";
+    const int level = level_of(scale, value);
     char *text = name[scale->is_signed][level];
     snprintf(text, sizeof name[0][0], "%c%d", scale->is_signed ? 's' : 'v', level);
     return text;
 }
 
-const char *draw_colour(const draw_scale *scale, double value)
-{
-    return draw_class(scale, draw_level(scale, value));
-}
-
 const char *draw_tone(const draw_scale *scale, double value)
 {
     const double middle = (DRAW_LEVELS - 1) / 2.0;
-    return fabs(draw_level(scale, value) - middle) > 0.53 * middle ? "strong" : "mild";
+    return fabs(level_of(scale, value) - middle) > 0.53 * middle ? "strong" : "mild";
 }
 
-void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y)
+void draw_legend(FILE *file, const draw_scale *scale, double x, double y)
 {
     const double width = DRAW_LEGEND_WIDTH, bar = width / DRAW_LEVELS, most = scale->most;
-    const double low = scale->is_signed ? -most : 0;
+    const double low = scale->is_signed ? -most : 0, first = scale->is_signed ? -1 : 0;
+    const draw_scale unit = {scale->is_signed, 1, ""};
     put(file, "<g transform=\"translate(%f %f)\"><g class=\"flat\">", x, y);
     for (int i = 0; i < DRAW_LEVELS; i++)
-        put(file, "<path class=\"%s\" d=\"M%f 2h%fv10h-%fz\"/>", draw_class(scale, i), i * bar, bar,
-            bar);
-    fputs("</g>\n", file);
-    draw_text(file, "", 0, 26, "%a", low, most, scale->unit);
-    draw_text(file, "value", width / 2, 26, "%a", low / 2 + most / 2, most, scale->unit);
-    draw_text(file, "end", width, 26, "%q", most, scale->unit);
-    fputs("</g>\n", file);
-}
-
-void draw_legend(FILE *file, const draw_scale *scale)
-{
-    if (!(scale->most > 0) || !isfinite(scale->most)) {
-        fputs("<p class=\"keys\">Zero everywhere.</p>\n", file);
-        return;
-    }
-    fputs("<div class=\"scale\">", file);
-    draw_begin(file, DRAW_IMAGE, DRAW_LEGEND_WIDTH, 32, "Colour scale",
-               "Colours of the values of the picture");
-    draw_legend_at(file, scale, 0, 0);
-    draw_end(file, DRAW_IMAGE);
-    fputs("</div>\n", file);
+        put(file, "<path class=\"%s\" d=\"M%f 2h%fv10h-%fz\"/>",
+            draw_colour(&unit, first + (1 - first) * i / (DRAW_LEVELS - 1)), i * bar, bar, bar);
+    put(file, "</g>\n" PUT_TEXT("%a") PUT_TEXT("%a") PUT_TEXT("%q") "</g>\n", "", 0.0, 26.0, low,
+        most, scale->unit, "value", width / 2, 26.0, low / 2 + most / 2, most, scale->unit, "end",
+        width, 26.0, most, scale->unit);
 }
 
 double draw_on(const draw_axis *axis, double value)
@@ -165,17 +140,52 @@ void draw_widen(draw_axis *axis, const double *value, int count)
         }
 }
 
-void draw_curve(FILE *file, const draw_axis *x, const draw_axis *y, const draw_series *series)
+void draw_fit(draw_diagram *diagram)
 {
+    for (int k = 0; k < diagram->count; k++) {
+        const draw_series *series = &diagram->series[k];
+        draw_widen(&diagram->x, series->along, series->along ? series->count : 0);
+        draw_widen(&diagram->y, series->value, series->count);
+    }
+}
+
+void draw_curve(FILE *file, const draw_diagram *diagram, const draw_series *series)
+{
+    const draw_axis *x = &diagram->x, *y = &diagram->y;
     const double part = (x->high - x->low) / series->count;
-    bool is_drawing = false;
+    const char *step = "M";
     draw_path(file, series->style);
     for (int i = 0; i < series->count; i++) {
         const double along = series->along ? series->along[i] : x->low + (i + 0.5) * part;
         const double at[2] = {draw_on(x, along), draw_on(y, series->value[i])};
-        draw_step(file, &is_drawing, at);
+        if (is_place(at))
+            put(file, "%s%f %f", step, at[0], at[1]);
+        step = is_place(at) ? "L" : "M";
     }
     draw_path_end(file);
+    if (series->name)
+        put(file, PUT_TEXT("%t"), "tag", draw_on(x, series->along[series->named]) + 4,
+            draw_on(y, series->value[series->named]) + 4, series->name);
+}
+
+/* Draw a marked point, with its name to the side on which the diagram has more room. */
+static void draw_marked(FILE *file, const draw_diagram *diagram, const draw_mark *mark)
+{
+    const draw_axis *x = &diagram->x;
+    const double at[2] = {draw_on(x, mark->along), draw_on(&diagram->y, mark->value)};
+    const bool is_right = at[0] > (x->from + x->to) / 2;
+    draw_disc(file, "dot", at, 4);
+    if (is_place(at))
+        put(file, PUT_TEXT("%s %n"), is_right ? "tag end" : "tag", at[0] + (is_right ? -7 : 7),
+            at[1] - 5, mark->name, mark->value);
+}
+
+void draw_curves(FILE *file, const draw_diagram *diagram)
+{
+    for (int k = 0; k < diagram->count; k++)
+        draw_curve(file, diagram, &diagram->series[k]);
+    for (int k = 0; k < diagram->marks; k++)
+        draw_marked(file, diagram, &diagram->mark[k]);
 }
 
 double draw_round(double value)
@@ -186,21 +196,6 @@ double draw_round(double value)
     while (k < 3 && value / power > sqrt(number[k] * number[k + 1]))
         k++;
     return number[k] * power;
-}
-
-/* Draw a grid line of a diagram at a value of the axis x (is_x) or y, with its number. */
-static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x, double value)
-{
-    const draw_axis *axis = is_x ? x : y;
-    const double at = draw_on(axis, value);
-    if (is_x)
-        put(file, "<path class=\"grid\" d=\"M%f %fV%f\"/>", at, y->to, y->from);
-    else
-        put(file, "<path class=\"grid\" d=\"M%f %fH%f\"/>", x->from, at, x->to);
-    if (is_x)
-        draw_text(file, "value", at, y->from + 15, axis->format, value * axis->unit.factor);
-    else
-        draw_text(file, "end", x->from - 6, at + 4, axis->format, value * axis->unit.factor);
 }
 
 /*
@@ -219,15 +214,22 @@ static double tick_value(const draw_axis *axis, int index)
     return (ceil(axis->low / step - 1e-9) + index) * step;
 }
 
-void draw_grid(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x)
+void draw_grid(FILE *file, const draw_diagram *diagram, bool is_x)
 {
     enum { MOST_TICKS = 60 };
-    const draw_axis *axis = is_x ? x : y;
+    const draw_axis *x = &diagram->x, *y = &diagram->y, *axis = is_x ? x : y;
     const double rounding = 1e-9 * (axis->high - axis->low);
     double value = axis->low;
     for (int k = 0; k < MOST_TICKS && value <= axis->high + rounding; k++) {
         value = tick_value(axis, k);
-        if (value >= axis->low - rounding && value <= axis->high + rounding)
-            draw_tick(file, x, y, is_x, value);
+        if (value < axis->low - rounding || value > axis->high + rounding)
+            continue;
+        const double at = draw_on(axis, value), number = value * axis->unit.factor;
+        if (is_x)
+            put(file, "<path class=\"grid\" d=\"M%f %fV%f\"/>" PUT_TEXT("%n"), at, y->to, y->from,
+                "value", at, y->from + 15, number);
+        else
+            put(file, "<path class=\"grid\" d=\"M%f %fH%f\"/>" PUT_TEXT("%n%u"), x->from, at, x->to,
+                "end", x->from - 6, at + 4, number, y->is_log ? "%" : "");
     }
 }

@@ -6,7 +6,6 @@
 #define REPORT_DRAW_H
 
 #include <stdbool.h>
-#include <stdio.h>
 #include "report_put.h"
 
 /*
@@ -25,108 +24,109 @@ void draw_begin(FILE *file, draw_type type, double width, double height, const c
 void draw_end(FILE *file, draw_type type);
 
 /* Write the light and dark style sheet of an HTML page, or of an SVG picture in its own file. */
-void draw_page_style(FILE *file);
-void draw_picture_style(FILE *file);
+void draw_style(FILE *file, bool is_page);
 
 /*
  * SVG path:
  *   draw_path      begins a path with a style class
- *   draw_step      appends a point to a line
- *   draw_polygon   appends a polygon, or a straight line through 2 points
+ *   draw_line      appends a line, which points that are not finite interrupt. A part of the line
+ *       that ends where it begins is a closed polygon
+ *   draw_polygon   appends a polygon, or a straight line through 2 points; nothing if a point is
+ *       not finite
  *   draw_path_end  ends the path
- * Points that are not finite are left out, with the polygon they belong to.
  */
 void draw_path(FILE *file, const char *style);
-void draw_step(FILE *file, bool *is_drawing, const double at[2]);
+void draw_line(FILE *file, const double (*at)[2], int count);
 void draw_polygon(FILE *file, const double (*at)[2], int count);
 void draw_path_end(FILE *file);
 
 /* Draw a disc with a centre and a radius in pixels, unless the centre is not finite. */
 void draw_disc(FILE *file, const char *style, const double at[2], double radius);
 
-/*
- * draw_text writes a text with the directives of the function put at x, y in pixels. draw_name
- * writes the name of a row of a diagram to the left of x, in a font that fits the row's height.
- */
-void draw_text(FILE *file, const char *style, double x, double y, const char *format, ...);
+/* Write the name of a row of a diagram to the left of x, in a font that fits the row's height. */
 void draw_name(FILE *file, double x, double top, double height, const char *name);
 
 /*
- * Number of colours of a scale, and width of its legend in pixels. Style classes of the colours are
- * s0 to s32 on a signed scale (blue, neutral, orange), v0 to v32 on a scale from zero (viridis).
+ * A colour scale for values from -most to most (is_signed), or from 0 to most, in a unit. Style
+ * classes of its DRAW_LEVELS colours are s0, s1 and so on on a signed scale (blue, neutral,
+ * orange), v0, v1 and so on on a scale from zero (viridis).
  */
-enum { DRAW_LEVELS = 33, DRAW_LEGEND_WIDTH = 330 };
-
-/* A colour scale for values from -most to most (is_signed), or from 0 to most, in a unit. */
 typedef struct draw_scale {
     bool is_signed;
     double most;
     const char *unit;
 } draw_scale;
+enum { DRAW_LEVELS = 33, DRAW_LEGEND_WIDTH = 330 }; /* width in pixels */
 
 /*
- * draw_scale_of returns a colour scale whose range contains `count` values; draw_extend extends the
- * range of a scale so that it contains `count` values.
+ * Colour scales:
+ *   draw_scale_of  returns a colour scale whose range contains `count` values
+ *   draw_extend    extends the range of a scale so that it contains `count` values
+ *   draw_colour    returns the style class of the colour of a value, "none" if it is not finite;
+ *       the same pointer for the same colour
+ *   draw_tone      returns the style class of a text on the colour of a value: "strong" on dark or
+ *       saturated colours near the ends of the scale, "mild" on others
+ *   draw_legend    draws the legend of a scale with its numbers at x, y (pixels), 30 pixels high
  */
 draw_scale draw_scale_of(bool is_signed, const char *unit, const double *value, int count);
 void draw_extend(draw_scale *scale, const double *value, int count);
-
-/*
- * Colours on a scale:
- *   draw_level   index of the colour of a value, -1 if the value is not finite
- *   draw_class   style class of the colour with an index
- *   draw_colour  style class of the colour of a value
- *   draw_tone    style class of a text on the colour of a value: "strong" on dark or saturated
- *       colours near the ends of the scale, "mild" on others
- */
-int draw_level(const draw_scale *scale, double value);
-const char *draw_class(const draw_scale *scale, int level);
 const char *draw_colour(const draw_scale *scale, double value);
 const char *draw_tone(const draw_scale *scale, double value);
+void draw_legend(FILE *file, const draw_scale *scale, double x, double y);
 
 /*
- * Draw the legend of a colour scale with its numbers, 30 pixels high. draw_legend_at draws it
- * inside a picture at x, y (pixels); draw_legend makes a picture of it.
- */
-void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y);
-void draw_legend(FILE *file, const draw_scale *scale);
-
-/*
- * An axis of a diagram: values (low, high) and pixel coordinates (from, to) of its two ends,
- * whether it is logarithmic, and the format and unit of its numbers.
+ * An axis of a diagram: values (low, high) and pixel coordinates (from, to) of its two ends, and
+ * the unit of its numbers: on a logarithmic axis percent, {100, "%"}.
  */
 typedef struct draw_axis {
     double low, high, from, to;
     bool is_log;
-    const char *format; /* format of the numbers at the axis, with a directive of the function put
-                         */
     put_unit unit;
 } draw_axis;
 
 /*
- * draw_on returns the pixel coordinate of a value on an axis. draw_widen widens the range of an
- * axis so that it contains values, on a logarithmic axis those that are positive.
- */
-double draw_on(const draw_axis *axis, double value);
-void draw_widen(draw_axis *axis, const double *value, int count);
-
-/*
- * Draw a curve through `count` points: along [count] are their values on axis x, value [count]
- * those on axis y. If along is NULL, the points are the middles of equal parts of axis x.
+ * A curve through `count` points: along [count] are their values on axis x, value [count] those on
+ * axis y. If along is NULL, the points are the middles of equal parts of axis x.
  */
 typedef struct draw_series {
     const char *style;
     const double *along, *value;
     int count;
+    const char *name; /* name of the curve, written beside the point `named`; NULL: none */
+    int named;
 } draw_series;
-void draw_curve(FILE *file, const draw_axis *x, const draw_axis *y, const draw_series *series);
+
+/* A point of a diagram that is marked with a disc, a name, and its value on axis y. */
+typedef struct draw_mark {
+    double along, value;
+    const char *name;
+} draw_mark;
+
+/* A diagram: axes, curves, and marked points. */
+typedef struct draw_diagram {
+    draw_axis x, y;
+    const draw_series *series;
+    const draw_mark *mark;
+    int count, marks; /* number of curves and of marked points */
+} draw_diagram;
 
 /*
- * Draw the grid lines of a diagram, with their numbers, for values of x (is_x) or of y. They lie at
- * multiples of a round step (1, 2 or 5 times a power of ten), on a logarithmic axis at such
- * numbers themselves.
+ * Diagrams:
+ *   draw_on      returns the pixel coordinate of a value on an axis
+ *   draw_widen   widens the range of an axis so that it contains values, on a logarithmic axis
+ *       those that are positive
+ *   draw_fit     widens the axes of a diagram so that they contain its curves
+ *   draw_grid    draws grid lines with their numbers for values of x (is_x) or y, at multiples of a
+ *       round step (1, 2 or 5 times a power of ten), on a logarithmic axis at such numbers
+ *   draw_curve   draws one curve
+ *   draw_curves  draws all curves and marked points of a diagram
  */
-void draw_grid(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x);
+double draw_on(const draw_axis *axis, double value);
+void draw_widen(draw_axis *axis, const double *value, int count);
+void draw_fit(draw_diagram *diagram);
+void draw_grid(FILE *file, const draw_diagram *diagram, bool is_x);
+void draw_curve(FILE *file, const draw_diagram *diagram, const draw_series *series);
+void draw_curves(FILE *file, const draw_diagram *diagram);
 
 /* Round a positive value to the nearest of the numbers 1, 2, 5 or 10 times a power of ten. */
 double draw_round(double value);

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../data/polygon.h"
 #include "../mesh/mesh_spot.h"
-#include "../scene/outline_pieces.h"
 #include "report_shell.h"
 
 /* Height of the lines of text below a map, in pixels. */
@@ -20,9 +20,10 @@ static void write_ranges(const shell *map)
                                             {"θ₁ downwards", "θ₂ to the right"}};
     const bool has_parameters = view_has_parameters(map->mesh);
     const double *normal = map->view.axis[2], foot = map->view.height + 5;
+    const double middle = SHELL_MAP_WIDTH / 2.0;
     if (map->mesh->quads)
-        draw_text(map->file, "value", SHELL_MAP_WIDTH / 2, foot, "seen along (%n, %n, %n)",
-                  normal[0], normal[1], normal[2]);
+        put(map->file, PUT_TEXT("seen along (%n, %n, %n)"), "value", middle, foot, normal[0],
+            normal[1], normal[2]);
     for (int a = 0; a < 2 && !map->mesh->quads; a++) {
         const scene_line *line = &map->mesh->line[a];
         const bool is_angle = has_parameters && map->mesh->is_angle[a];
@@ -30,8 +31,8 @@ static void write_ranges(const shell *map)
         const double high = has_parameters ? line->point[line->elements] : map->view.high[a];
         const put_unit unit =
             put_unit_of(fmax(fabs(low), fabs(high)), is_angle ? "rad" : map->design->units.length);
-        draw_text(map->file, "value", SHELL_MAP_WIDTH / 2, foot + 14 * a, "%s from %n to %n%u",
-                  names[has_parameters][a], low * unit.factor, high * unit.factor, unit.name);
+        put(map->file, PUT_TEXT("%s from %n to %n%u"), "value", middle, foot + 14 * a,
+            names[has_parameters][a], low * unit.factor, high * unit.factor, unit.name);
     }
 }
 
@@ -85,217 +86,184 @@ typedef struct text_room {
     double middle[2], width, height;
 } text_room;
 
-/*
- * An electrode that is drawn on a map: a patch of whole elements, or an electrode of arbitrary
- * outline.
- */
+/* Lines of a picture in pixels, with a point NAN after each; a polygon ends where it begins. */
+typedef struct trace {
+    double (*at)[2];
+    int count, room; /* number of points, and number for which there is memory */
+} trace;
+
+/* An electrode that is drawn on a map: a patch of whole elements, or one of arbitrary outline. */
 typedef struct electrode {
-    shell part; /* picture of the elements that the electrode covers; for an electrode of arbitrary
-                   outline, of the whole mesh */
-    const scene_patches *patches;
-    int index; /* index of the electrode in its grid of patches or in its list of outlines */
-    double low[2], high[2], area; /* bounding box (low, high) and area of the electrode in pixels */
-    bool is_hollow;   /* whether the middle of the bounding box lies outside the electrode, as of a
-                         ring */
-    int sides;        /* number of outer sides of a hollow patch of whole elements */
-    int pieces;       /* number of the electrode's parts, each of which lies in one element */
-    int tried;        /* number of parts that the search for the space of a text has passed */
-    double place[2];  /* a point of the picture (pixels) */
-    double clearance; /* its distance from the border of the electrode (pixels) */
-    double radius;    /* largest of these distances so far (pixels) */
+    const shell *map;
+    trace area, border; /* polygons of its parts in the elements, and lines of its border */
+    polygon_box box;
+    bool is_hollow; /* whether the middle of the box lies outside the electrode, as of a ring */
     text_room room;
 } electrode;
 
-/*
- * Function that does something with the part of an electrode that lies in one element.
- *   natural [count][2]  in  corners of the part in natural coordinates of the element, -1 to 1; two
- *                           are a line
- */
-typedef void piece_function(void *context, int element, const double (*natural)[2], size_t count);
-
-/* Compute the pixel coordinates of a corner of the part of an electrode in one element. */
-static void corner_at(const electrode *electrode, int element, const double natural[2],
-                      double at[2])
+/* Append a point to lines of a picture, which fails where memory runs out. */
+static void add_point(const shell *map, trace *trace, const double at[2])
 {
-    const double share[2] = {(natural[0] + 1) / 2, (natural[1] + 1) / 2};
-    shell_inside(&electrode->part, element, share, at);
-}
-
-/* Draw the part of an electrode that lies in one element, as an area or as a line. */
-static void draw_piece(void *context, int element, const double (*natural)[2], size_t count)
-{
-    const electrode *electrode = context;
-    bool is_drawing = false;
-    for (size_t k = 0; k < count; k++) {
-        double at[2];
-        corner_at(electrode, element, natural[k], at);
-        draw_step(electrode->part.file, &is_drawing, at);
-    }
-    fputs(count > 2 ? "z" : "", electrode->part.file);
-}
-
-/* Add the part of an electrode that lies in one element to its bounding box and area. */
-static void measure_piece(void *context, int element, const double (*natural)[2], size_t count)
-{
-    electrode *electrode = context;
-    double before[2] = {0, 0}, at[2], twice = 0;
-    for (size_t k = 0; k <= count; k++) {
-        corner_at(electrode, element, natural[k % count], at);
-        twice += k > 0 ? before[0] * at[1] - before[1] * at[0] : 0;
-        for (int i = 0; i < 2; i++) {
-            electrode->low[i] = fmin(electrode->low[i], at[i]);
-            electrode->high[i] = fmax(electrode->high[i], at[i]);
-            before[i] = at[i];
+    if (trace->count == trace->room) {
+        const size_t room = 2 * (size_t)trace->room + 64;
+        double(*point)[2] = realloc(trace->at, room * sizeof *point);
+        if (!point) {
+            *map->has_failed = true;
+            return;
         }
+        trace->at = point;
+        trace->room = (int)room;
     }
-    electrode->area += fabs(twice) / 2;
-    electrode->pieces++;
+    memcpy(trace->at[trace->count++], at, sizeof *trace->at);
 }
 
-/* Call a function for all parts of an electrode, or of its border (is_border). */
-static void each_piece(electrode *electrode, bool is_border, piece_function *function)
+/* Append the part of an electrode in one element to its area, or a line to its border. */
+static void add_piece(void *context, int element, const double (*natural)[2], size_t count)
+{
+    static const double end[2] = {(double)NAN, (double)NAN};
+    electrode *electrode = context;
+    trace *trace = count > 2 ? &electrode->area : &electrode->border;
+    for (size_t k = 0; k < (count > 2 ? count + 1 : count); k++) {
+        const double *corner = natural[k % count];
+        const double share[2] = {(corner[0] + 1) / 2, (corner[1] + 1) / 2};
+        double at[2];
+        shell_inside(electrode->map, element, share, at);
+        add_point(electrode->map, trace, at);
+    }
+    add_point(electrode->map, trace, end);
+}
+
+/* Find the parts of an electrode of whole elements, and its border. */
+static void add_elements(electrode *electrode, const scene_patches *patches, int index)
 {
     static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    const shell *part = &electrode->part;
-    for (int k = 0; k < part->cells; k++)
-        if (electrode->patches->outlines)
-            design_pieces(part->design, electrode->patches, electrode->index, k, is_border,
-                          function, electrode);
-        else
-            function(electrode, k, square, 4);
+    static const double end[2] = {(double)NAN, (double)NAN};
+    const shell *map = electrode->map;
+    shell part = *map;
+    design_part found;
+    part.cell = map->cell + map->cells;
+    part.cells = 0;
+    for (int e = 0; e < map->cells; e++)
+        if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index) {
+            memcpy(part.cell[part.cells++], map->cell[e], sizeof *map->cell);
+            add_piece(electrode, e, square, 4);
+        }
+    const int sides = shell_outer_sides(&part);
+    for (int k = 0; k < sides; k++) {
+        double ends[2][2];
+        shell_outer_side(&part, k, ends);
+        add_point(map, &electrode->border, ends[0]);
+        add_point(map, &electrode->border, ends[1]);
+        add_point(map, &electrode->border, end);
+    }
 }
 
-/* Note that an electrode is not hollow if its part in one element contains the point `place`. */
-static void find_inside(void *context, int element, const double (*natural)[2], size_t count)
+/* Return the sum of the areas of polygons in square pixels. */
+static double area_of(const trace *area)
 {
-    electrode *electrode = context;
-    const double *place = electrode->place;
-    bool is_inside = false;
-    for (size_t k = 0; k < count; k++) {
-        double from[2], to[2];
-        corner_at(electrode, element, natural[k], from);
-        corner_at(electrode, element, natural[(k + 1) % count], to);
-        const double rise = to[1] - from[1], run = to[0] - from[0];
+    double sum = 0, twice = 0;
+    for (int k = 0; k + 1 < area->count; k++) {
+        const double *from = area->at[k], *to = area->at[k + 1];
+        const double part = from[0] * to[1] - from[1] * to[0];
+        sum += isnan(part) ? fabs(twice) / 2 : 0;
+        twice = isnan(part) ? 0 : twice + part;
+    }
+    return sum;
+}
+
+/* Return whether a point lies in one of some polygons that do not overlap. */
+static bool is_inside(const trace *area, const double place[2])
+{
+    bool is_in = false;
+    for (int k = 0; k + 1 < area->count; k++) {
+        const double *from = area->at[k], *to = area->at[k + 1];
+        const double share = (place[1] - from[1]) / (to[1] - from[1]);
         if ((from[1] > place[1]) != (to[1] > place[1]) &&
-            place[0] - from[0] < (place[1] - from[1]) * run / rise)
-            is_inside = !is_inside;
+            place[0] < from[0] + share * (to[0] - from[0]))
+            is_in = !is_in;
     }
-    electrode->is_hollow = electrode->is_hollow && !is_inside;
+    return is_in;
 }
 
-/* Lower the clearance of an electrode to the distance of `place` from a part of its border. */
-static void approach(electrode *electrode, const double from[2], const double to[2])
+/* Return the distance of a point from the border of an electrode in pixels. */
+static double clearance_of(const trace *border, const double place[2])
 {
-    const double along[2] = {to[0] - from[0], to[1] - from[1]};
-    const double reach[2] = {electrode->place[0] - from[0], electrode->place[1] - from[1]};
-    const double square = along[0] * along[0] + along[1] * along[1];
-    const double dot = reach[0] * along[0] + reach[1] * along[1];
-    const double share = square > 0 ? fmin(fmax(dot / square, 0), 1) : 0;
-    electrode->clearance =
-        fmin(electrode->clearance, hypot(reach[0] - share * along[0], reach[1] - share * along[1]));
-}
-
-/* Lower the clearance of an electrode to the distance of `place` from its border in an element. */
-static void approach_piece(void *context, int element, const double (*natural)[2], size_t count)
-{
-    double from[2], to[2];
-    for (size_t k = 0; k + 1 < count; k++) {
-        corner_at(context, element, natural[k], from);
-        corner_at(context, element, natural[k + 1], to);
-        approach(context, from, to);
+    double least = HUGE_VAL;
+    for (int k = 0; k + 1 < border->count; k++) {
+        const double *from = border->at[k], *to = border->at[k + 1];
+        const double along[2] = {to[0] - from[0], to[1] - from[1]};
+        const double reach[2] = {place[0] - from[0], place[1] - from[1]};
+        const double square = along[0] * along[0] + along[1] * along[1];
+        const double dot = reach[0] * along[0] + reach[1] * along[1];
+        const double share = square > 0 ? fmin(fmax(dot / square, 0), 1) : square;
+        least = fmin(least, hypot(reach[0] - share * along[0], reach[1] - share * along[1]));
     }
+    return least;
 }
 
 /*
- * Make the circle around a point the space for the text of an electrode, if no circle inside the
- * electrode was larger so far.
+ * Make the circle around a point the space for the text of an electrode, if it is larger than the
+ * space so far. A text of five digits, whose width is three times its font size, fits into it.
  */
-static void try_place(electrode *electrode, int element, const double natural[2])
+static void try_place(electrode *electrode, const double place[2])
 {
-    corner_at(electrode, element, natural, electrode->place);
-    electrode->clearance = HUGE_VAL;
-    for (int k = 0; k < electrode->sides; k++) {
-        double end[2][2];
-        shell_outer_side(&electrode->part, k, end);
-        approach(electrode, end[0], end[1]);
-    }
-    if (electrode->patches->outlines)
-        each_piece(electrode, true, approach_piece);
-    const double radius = electrode->clearance;
-    if (!isfinite(radius) || radius <= electrode->radius)
-        return;
-    electrode->radius = radius;
-    /* A text of five digits, whose width is three times its font size, fits into the circle. */
-    electrode->room = (text_room){
-        {electrode->place[0], electrode->place[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
-}
-
-/* Try the middle and the first corner of one of some parts of an electrode (try_place). */
-static void try_piece(void *context, int element, const double (*natural)[2], size_t count)
-{
-    enum { PLACES = 100 };
-    electrode *electrode = context;
-    double middle[2] = {0, 0};
-    if (electrode->tried++ % (1 + electrode->pieces / PLACES) != 0)
-        return;
-    for (size_t k = 0; k < 2 * count; k++)
-        middle[k % 2] += natural[k / 2][k % 2] / (double)count;
-    try_place(electrode, element, middle);
-    try_place(electrode, element, natural[0]);
+    const double radius = clearance_of(&electrode->border, place);
+    if (isfinite(radius) && 2 * 0.63 * radius > electrode->room.height)
+        electrode->room =
+            (text_room){{place[0], place[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
 }
 
 /*
  * Find the space for text in an electrode: its mean width and height, around the middle of its
- * bounding box. In a hollow electrode, such as a ring, the space is the largest circle, around the
- * middle or a corner of the electrode's part in an element, that its border does not cross.
+ * bounding box. In a hollow electrode, such as a ring, the space is the largest circle, around a
+ * corner or the middle of a diagonal of its parts, that its border does not cross.
  */
 static void find_room(electrode *electrode)
 {
-    const double *low = electrode->low, *high = electrode->high;
-    for (int i = 0; i < 2; i++)
-        electrode->place[i] = electrode->room.middle[i] = (low[i] + high[i]) / 2;
-    electrode->room.width = electrode->area / (high[1] - low[1]);
-    electrode->room.height = electrode->area / (high[0] - low[0]);
-    electrode->is_hollow = true;
-    each_piece(electrode, false, find_inside);
+    enum { PLACES = 500 };
+    const trace *area = &electrode->area;
+    const double *low = electrode->box.low, *high = electrode->box.high, sum = area_of(area);
+    const double middle[2] = {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2};
+    const double beside[2] = {middle[0] + 0.01, middle[1] + 0.017}; /* the middle itself may lie on
+                                                                       a side of a polygon */
+    electrode->is_hollow = !is_inside(area, beside);
     if (!electrode->is_hollow)
-        return;
-    electrode->sides = electrode->patches->outlines ? 0 : shell_outer_sides(&electrode->part);
-    each_piece(electrode, false, try_piece);
+        electrode->room =
+            (text_room){{middle[0], middle[1]}, sum / (high[1] - low[1]), sum / (high[0] - low[0])};
+    for (int k = 0; electrode->is_hollow && k + 2 < area->count; k += 1 + area->count / PLACES) {
+        const double *corner = area->at[k], *other = area->at[k + 2];
+        try_place(electrode, corner);
+        try_place(electrode,
+                  (const double[2]){(corner[0] + other[0]) / 2, (corner[1] + other[1]) / 2});
+    }
 }
 
-/* Prepare the drawing of an electrode: find its elements, bounding box, and space for text. */
+/* Find the parts of an electrode, its border, and the space for text. */
 static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
 {
-    electrode electrode = {.part = *map,
-                           .patches = patches,
-                           .index = index,
-                           .low = {HUGE_VAL, HUGE_VAL},
-                           .high = {-HUGE_VAL, -HUGE_VAL}};
-    design_part found;
-    if (!patches->outlines) {
-        electrode.part.cell = map->cell + map->cells;
-        electrode.part.cells = 0;
-        for (int e = 0; e < map->cells; e++)
-            if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index)
-                memcpy(electrode.part.cell[electrode.part.cells++], map->cell[e],
-                       sizeof *map->cell);
-    }
-    each_piece(&electrode, false, measure_piece);
+    electrode electrode = {.map = map};
+    for (int k = 0; patches->outlines && k < 2 * map->cells; k++)
+        if (design_pieces(map->design, patches, index, k / 2, k % 2, add_piece, &electrode) < 0)
+            *map->has_failed = true;
+    if (!patches->outlines)
+        add_elements(&electrode, patches, index);
+    electrode.box =
+        polygon_box_of((const double(*)[2])electrode.area.at, (size_t)electrode.area.count);
     find_room(&electrode);
     return electrode;
 }
 
-/* Draw the border (is_border) or the area of an electrode on a map, with an SVG style class. */
-static void draw_pieces(electrode *electrode, bool is_border, const char *style)
+static void close_electrode(electrode *electrode)
 {
-    if (is_border && !electrode->patches->outlines) {
-        shell_edges(&electrode->part, style);
-        return;
-    }
-    draw_path(electrode->part.file, style);
-    each_piece(electrode, is_border, draw_piece);
-    draw_path_end(electrode->part.file);
+    free(electrode->area.at);
+    free(electrode->border.at);
+}
+
+static void draw_trace(FILE *file, const char *style, const trace *trace)
+{
+    draw_path(file, style);
+    draw_line(file, (const double(*)[2])trace->at, trace->count);
+    draw_path_end(file);
 }
 
 void shell_extend(draw_scale *scale, const design *design, const double *value)
@@ -372,19 +340,20 @@ static void write_voltage(const drawn *drawn, const text_room *room)
     fputs("</text>\n", drawn->file);
 }
 
-static void draw_electrode(electrode *electrode, const drawn *drawn)
+static void draw_electrode(const electrode *electrode, const drawn *drawn, const char *frame)
 {
     FILE *file = drawn->file;
     const double shrink = electrode->is_hollow ? 1 : 0.86, rest = (1 - shrink) / 2;
+    const polygon_box *box = &electrode->box;
     fputs("<g>", file);
     put_title(drawn);
-    draw_pieces(electrode, false, drawn->colour);
-    draw_pieces(electrode, true, electrode->patches->outlines ? "frame" : "patch");
+    draw_trace(file, drawn->colour, &electrode->area);
+    draw_trace(file, frame, &electrode->border);
     if (drawn->is_marked) {
         put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(%n)\">", drawn->outline,
-            draw_tone(drawn->scale, drawn->value), rest * (electrode->low[0] + electrode->high[0]),
-            rest * (electrode->low[1] + electrode->high[1]), shrink);
-        draw_pieces(electrode, true, "");
+            draw_tone(drawn->scale, drawn->value), rest * (box->low[0] + box->high[0]),
+            rest * (box->low[1] + box->high[1]), shrink);
+        draw_trace(file, "", &electrode->border);
         fputs("</g>", file);
     }
     fputs("</g>\n", file);
@@ -396,13 +365,14 @@ static void draw_actuator(const shell *map, const scene_actuator *actuator,
 {
     const int count = actuator->grid[0] * actuator->grid[1];
     for (int k = actuator->drives * count - 1; k >= 0; k--) {
-        const scene_drive *drive = &actuator->drive[k / count];
-        electrode electrode = open_electrode(map, &map->design->patches[drive->patches], k % count);
+        const scene_patches *patches = &map->design->patches[actuator->drive[k / count].patches];
+        electrode electrode = open_electrode(map, patches, k % count);
         const drawn drawn = drawn_of(map->file, map->design, set, actuator->first + k % count);
         if (is_text)
             write_voltage(&drawn, &electrode.room);
         else
-            draw_electrode(&electrode, &drawn);
+            draw_electrode(&electrode, &drawn, patches->outlines ? "frame" : "patch");
+        close_electrode(&electrode);
     }
 }
 

@@ -57,8 +57,8 @@ void shell_outputs(const shell *shell)
         draw_disc(shell->file, "dot", at, 3.5);
         const bool is_left = at[0] > shell->view.width * 0.65;
         const double shift = is_left ? -8 : 8;
-        draw_text(shell->file, is_left ? "tag end" : "tag", at[0] + shift,
-                  at[1] + 14 + 13 * (k % 3), "%t", design->output[k].name);
+        put(shell->file, PUT_TEXT("%t"), is_left ? "tag end" : "tag", at[0] + shift,
+            at[1] + 14 + 13 * (k % 3), design->output[k].name);
     }
 }
 
@@ -69,8 +69,8 @@ void shell_directions(const shell *shell)
     for (int i = 0; i < 3; i++) {
         const double right = length * shell->view.axis[0][i];
         const double down = -length * shell->view.axis[1][i];
-        put(shell->file, "<path class=\"axis\" d=\"M%f %fl%f %f\"/>", x, y, right, down);
-        draw_text(shell->file, "value", x + 1.4 * right, y + 1.4 * down + 4, "%s", name[i]);
+        put(shell->file, "<path class=\"axis\" d=\"M%f %fl%f %f\"/>" PUT_TEXT("%s"), x, y, right,
+            down, "value", x + 1.4 * right, y + 1.4 * down + 4, name[i]);
     }
 }
 

@@ -13,7 +13,10 @@
 int page_open(page *page, const report_job *job, const analysis *analysis)
 {
     const design *design = &analysis->design;
-    const size_t nodes = (size_t)design->mesh.nodes;
+    const size_t nodes = (size_t)design->mesh.nodes, targets = (size_t)design->targets;
+    size_t values = 0;
+    for (int k = 0; k < design->outputs; k++)
+        values += (size_t)analysis_outputs(analysis, k);
     *page = (struct page){.job = job,
                           .file = job->file,
                           .analysis = analysis,
@@ -21,15 +24,18 @@ int page_open(page *page, const report_job *job, const analysis *analysis)
                           .design = design,
                           .inputs = design_inputs_of(design)};
     words_unit(&design->units, QUANTITY_PRESSURE, page->pressure);
-    page->vector = calloc(7 * nodes + (size_t)design->targets, sizeof *page->vector);
+    page->vector = calloc(7 * nodes + targets + 2 * values, sizeof *page->vector);
+    page->series = calloc((size_t)design->outputs + 1, sizeof *page->series);
     if (shell_open(&page->space, job->file, design, false) < 0 ||
-        shell_open(&page->map, job->file, design, true) < 0 || !page->vector)
+        shell_open(&page->map, job->file, design, true) < 0 || !page->vector || !page->series)
         return -1;
     page->wanted = page->vector + 3 * nodes;
     page->value = page->wanted + 3 * nodes;
     page->row = page->value + nodes;
+    page->curve = page->row + targets;
     page->space.vector = page->vector;
     page->space.factor = 1;
+    page->space.has_failed = page->map.has_failed = &page->has_failed;
     return 0;
 }
 
@@ -38,7 +44,8 @@ int page_close(page *page, bool has_failed)
     shell_close(&page->space);
     shell_close(&page->map);
     free(page->vector);
-    return has_failed || ferror(page->file) ? -1 : 0;
+    free(page->series);
+    return has_failed || page->has_failed || ferror(page->file) ? -1 : 0;
 }
 
 /* Write the command line, with quotes around words that are special to the shell. */
@@ -121,7 +128,7 @@ void page_begin(const page *page, const char *kind, double residual)
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta "
         "name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>%t</title>\n",
         design->name);
-    draw_page_style(page->file);
+    draw_style(page->file, true);
     const char *units = words_unitless(&design->units)
                             ? "The scene names no units: its numbers are "
                               "in any consistent ones, angles in rad."
@@ -159,29 +166,31 @@ void page_begin_picture(const page *page, const char *title, double width, doubl
         wide, tall, -EDGE, -HEAD, wide, tall, design->name, title, about, target);
     write_command(page->job);
     fputs("</desc>\n", page->file);
-    draw_picture_style(page->file);
+    draw_style(page->file, false);
     put(page->file,
         "<rect class=\"back\" x=\"%f\" y=\"%f\" width=\"%f\" height=\"%f\" rx=\"8\"/>\n",
         0.5 - EDGE, 0.5 - HEAD, wide - 1, tall - 1);
-    draw_text(page->file, "title", 0, 26 - HEAD, "%t", design->name);
-    draw_text(page->file, "", 0, 43 - HEAD, "%t", title);
+    put(page->file, PUT_TEXT("%t") PUT_TEXT("%t"), "title", 0.0, 26.0 - HEAD, design->name, "", 0.0,
+        43.0 - HEAD, title);
 }
 
 void page_end_picture(const page *page, double width, double height)
 {
-    draw_text(page->file, "end", width, height + FOOT - 9, PROGRAM);
-    fputs("</svg>\n", page->file);
+    put(page->file, PUT_TEXT(PROGRAM) "</svg>\n", "end", width, height + FOOT - 9);
 }
 
-void page_caption(const page *page, const draw_scale *scale, const char *format, ...)
+void page_legend(const page *page, const draw_scale *scale)
 {
-    va_list more;
-    fputs("<figcaption>", page->file);
-    va_start(more, format);
-    put_list(page->file, format, NULL, &more);
-    va_end(more);
-    if (scale)
-        draw_legend(page->file, scale);
+    if (scale->most > 0 && isfinite(scale->most)) {
+        fputs("<div class=\"scale\">", page->file);
+        draw_begin(page->file, DRAW_IMAGE, DRAW_LEGEND_WIDTH, 32, "Colour scale",
+                   "Colours of the values of the picture");
+        draw_legend(page->file, scale, 0, 0);
+        draw_end(page->file, DRAW_IMAGE);
+        fputs("</div>\n", page->file);
+    } else {
+        fputs("<p class=\"keys\">Zero everywhere.</p>\n", page->file);
+    }
     fputs("</figcaption></figure>\n", page->file);
 }
 
@@ -191,7 +200,28 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
     const draw_scale own = draw_scale_of(true, scale->unit, value, page->mesh->nodes);
     fputs("<figure class=\"map\">\n", page->file);
     shell_map(&page->map, value, scale, title);
-    page_caption(page, scale, "<b>%t</b>: largest %q%s", title, own.most, scale->unit, note);
+    put(page->file, "<figcaption><b>%t</b>: largest %q%s", title, own.most, scale->unit, note);
+    page_legend(page, scale);
+}
+
+bool page_diagram(const page *page, draw_diagram *diagram, const char *heading, const char *title,
+                  const char *x_unit, const char *y_unit)
+{
+    draw_axis *x = &diagram->x, *y = &diagram->y;
+    draw_fit(diagram);
+    if (!(x->high > x->low && y->high > y->low))
+        return false;
+    x->from = 84, x->to = 604;
+    y->from = 240, y->to = 6;
+    x->unit = put_unit_of(fmax(-x->low, x->high), x_unit);
+    y->unit = put_unit_of(fmax(-y->low, y->high), y_unit);
+    put(page->file, "%s<figure class=\"chart\">\n", heading);
+    draw_begin(page->file, DRAW_CHART, 720, 274, title, "A curve for each output");
+    draw_grid(page->file, diagram, true);
+    draw_grid(page->file, diagram, false);
+    draw_curves(page->file, diagram);
+    draw_end(page->file, DRAW_CHART);
+    return true;
 }
 
 void page_displace(page *page, const double *u)

@@ -29,6 +29,9 @@ typedef struct page {
     double *value;  /* [nodes] values shown in colours; for a reached shape its misfit,
                        reached minus target value, NAN outside the target */
     double *row;    /* [targets] misfit of each target row; work memory for `value` */
+    double *curve;  /* [2][values of all outputs] points of curves over outputs */
+    draw_series *series; /* [outputs] curves over outputs */
+    bool has_failed;     /* whether memory has run out while the page was written */
     double largest; /* largest displacement of any node in the drawn shape, without magnification */
 } page;
 
@@ -57,17 +60,23 @@ void page_begin_picture(const page *page, const char *title, double width, doubl
 void page_end_picture(const page *page, double width, double height);
 
 /*
- * End a figure of a report page with a caption, whose format has directives of the function put,
- * and with the legend of a colour scale unless it is NULL.
- */
-void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
-
-/*
  * Write a figure with a map of values [nodes] in colours. Its caption has the title, the largest
  * value and the markup `note`.
  */
 void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
               const char *note);
+
+/* Write the legend of a figure, and end the figure, whose caption has been begun. */
+void page_legend(const page *page, const draw_scale *scale);
+
+/*
+ * Begin a figure with a diagram whose linear axes contain all its curves and whose quantities have
+ * the units x_unit and y_unit, below the markup `heading`; PAGE_CAPTION, a format of the function
+ * put, ends the figure. Returns false, without heading and figure, if an axis has no extent.
+ */
+bool page_diagram(const page *page, draw_diagram *diagram, const char *heading, const char *title,
+                  const char *x_unit, const char *y_unit);
+#define PAGE_CAPTION(text) "<figcaption>" text "</figcaption></figure>\n"
 
 /*
  * Parts of report pages:

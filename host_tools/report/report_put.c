@@ -3,6 +3,7 @@
 #include "report_put.h"
 #include <math.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,21 +20,22 @@ static int character_bytes(const unsigned char *text)
     return (bytes == 1 && *text >= 0x80) || *text > 0xf4 ? 0 : bytes;
 }
 
-static const char *const raised[10] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-
 /*
  * Write text, which may come from the user: escaped for XML, without control characters, and with
- * its digits as superscripts if raises_digits is true.
+ * numbers as superscripts if is_raised is true.
  */
-static void put_text(FILE *file, const char *text, bool raises_digits)
+static void put_text(FILE *file, const char *text, bool is_raised)
 {
     static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",
                                           ['"'] = "&quot;", ['\''] = "&#39;", ['\n'] = "\n"};
+    static const char *const raised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
     while (*text) {
         const unsigned char first = (unsigned char)*text;
         const int bytes = character_bytes((const unsigned char *)text);
-        if (raises_digits && first >= '0' && first <= '9')
+        if (is_raised && first >= '0' && first <= '9')
             fputs(raised[first - '0'], file);
+        else if (is_raised && first == '-')
+            fputs("⁻", file);
         else if (first < sizeof escaped / sizeof *escaped && escaped[first])
             fputs(escaped[first], file);
         else if (bytes == 0)
@@ -48,21 +50,19 @@ static void put_number(FILE *file, double value, int digits)
 {
     const double size = fabs(value);
     const int power = size > 0 && isfinite(size) ? (int)floor(log10(size)) : 0;
+    const char *sign = value < 0 ? "−" : "";
     char text[40];
     if (!isfinite(value)) {
-        const char *infinity = value < 0 ? "−∞" : "∞";
-        put(file, "%s", isnan(value) ? "–" : infinity);
+        put(file, "%s%s", sign, isnan(value) ? "–" : "∞");
         return;
     }
     snprintf(text, sizeof text, "%.*g", power == digits ? digits + 1 : digits, size);
-    const char *exponent = strchr(text, 'e');
-    const int written = exponent ? atoi(exponent + 1) : 0;
-    text[strcspn(text, "e")] = '\0';
-    put(file, "%s%s", value < 0 ? "−" : "", text);
-    if (!exponent)
+    const int mantissa = (int)strcspn(text, "e");
+    fprintf(file, "%s%.*s", sign, mantissa, text);
+    if (text[mantissa] != 'e')
         return;
-    fputs(written < 0 ? "×10⁻" : "×10", file);
-    snprintf(text, sizeof text, "%d", abs(written));
+    fputs("×10", file);
+    snprintf(text, sizeof text, "%d", atoi(text + mantissa + 1));
     put_text(file, text, true);
 }
 
@@ -111,110 +111,58 @@ static void put_limits(FILE *file, const double limit[2], const char *unit)
         put(file, "%n to %q", limit[0], limit[1], unit);
 }
 
-/*
- * Write one number in the way that a directive of the function put demands: %n as a plain number,
- * %q with its unit, %b with a bar.
- */
-static void put_value(FILE *file, char directive, double value, va_list *more)
-{
-    const bool has_most = directive == 'a' || directive == 'b';
-    const double most = has_most ? va_arg(*more, double) : value;
-    switch (directive) {
-    case 'a':
-    case 'q': put_quantity(file, value, most, va_arg(*more, const char *)); break;
-    case 'b':
-        put(file, "%p<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%f%%\"></i></span>",
-            value, fmin(100 * value / most, 100));
-        break;
-    case 'f': fprintf(file, "%.1f", isfinite(value) ? value : 0); break;
-    case 'n': put_number(file, value, 4); break;
-    case 'r': put_number(file, value < 0 ? (double)NAN : value, 2); break;
-    default: put_number(file, 100 * value, 3); fputs(isnan(value) ? "" : "\xc2\xa0%", file);
-    }
-}
-
 static void put_directive(FILE *file, char directive, va_list *more)
 {
-    const double *limit = directive == 'l' ? va_arg(*more, const double *) : NULL;
+    const bool has_limits = directive == 'l', has_value = strchr("fnrpbqa", directive) != NULL;
+    const double *limit = has_limits ? va_arg(*more, const double *) : NULL;
+    const double value = has_value ? va_arg(*more, double) : 0;
+    const bool has_most = directive == 'a' || directive == 'b';
+    const double most = has_most ? va_arg(*more, double) : value;
     switch (directive) {
     case 't': put_text(file, va_arg(*more, const char *), false); break;
     case 's': fputs(va_arg(*more, const char *), file); break;
     case 'd': fprintf(file, "%d", va_arg(*more, int)); break;
-    case 'l': put_limits(file, limit, va_arg(*more, const char *)); break;
+    case 'f': fprintf(file, "%.1f", isfinite(value) ? value : 0); break;
+    case 'n': put_number(file, value, 4); break;
+    case 'r': put_number(file, value < 0 ? (double)NAN : value, 2); break;
+    case 'p':
+        put_number(file, 100 * value, 3);
+        fputs(isnan(value) ? "" : "\xc2\xa0%", file);
+        break;
+    case 'b':
+        put(file, "%p<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%f%%\"></i></span>",
+            value, fmin(100 * value / most, 100));
+        break;
+    case 'q':
+    case 'a': put_quantity(file, value, most, va_arg(*more, const char *)); break;
     case 'u': put_unit_name(file, va_arg(*more, const char *)); break;
-    case '%': fputc('%', file); break;
-    default: put_value(file, directive, va_arg(*more, double), more);
+    case 'l': put_limits(file, limit, va_arg(*more, const char *)); break;
+    default: fputc(directive, file);
     }
 }
 
-/*
- * Write the opening tag of a cell of an HTML table. Returns the text of the cell, without the first
- * character if that stands for the alignment of the cell.
- */
-static const char *open_cell(FILE *file, const char *tag, const char *at)
+/* Begin a cell of a table. Returns whether its text begins with a mark of its alignment. */
+static bool begin_cell(FILE *file, bool is_heading, char mark)
 {
-    static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};
-    const int aligned = *at == '~' ? 2 : *at == '<';
-    fprintf(file, "<%s%s>", tag, style[aligned]);
-    return at + (aligned > 0);
-}
-
-/*
- * HTML tag of the cells in the heading row of a table, where all cells have this tag. In any other
- * row the first cell has the tag that is given, and the following cells have td.
- */
-static const char *const head_cell = "th scope=\"col\"";
-
-void put_list(FILE *file, const char *format, const char *cell, va_list *more)
-{
-    while (*format) {
-        const char c = *format++;
-        if (c == '%') {
-            put_directive(file, *format++, more);
-        } else if (c == '|' && cell) {
-            fprintf(file, "</%.2s>", cell);
-            cell = strcmp(cell, head_cell) == 0 ? head_cell : "td";
-            format = open_cell(file, cell, format);
-        } else {
-            fputc(c, file);
-        }
-    }
+    fputs(is_heading ? "<th scope=\"col\"" : "<td", file);
+    if (mark == '<')
+        fputs(" class=\"word\"", file);
+    else if (mark == '~')
+        fputs(" class=\"note\"", file);
+    fputc('>', file);
+    return mark == '<' || mark == '~';
 }
 
 void put(FILE *file, const char *format, ...)
 {
     va_list more;
     va_start(more, format);
-    put_list(file, format, NULL, &more);
+    for (; *format; format++)
+        if (*format == '%')
+            put_directive(file, *++format, &more);
+        else if (*format == '|' || *format == '^')
+            format += begin_cell(file, *format == '^', format[1]);
+        else
+            fputc(*format, file);
     va_end(more);
-}
-
-void put_row(FILE *file, const char *format, ...)
-{
-    va_list more;
-    fputs("<tr><th scope=\"row\">", file);
-    va_start(more, format);
-    put_list(file, format, "th", &more);
-    va_end(more);
-    fputs("</td></tr>\n", file);
-}
-
-void put_table(FILE *file, const char *caption, const char *head, ...)
-{
-    va_list more;
-    va_start(more, head);
-    fputs("<figure class=\"table\"><figcaption>", file);
-    put_list(file, caption, NULL, &more);
-    fputs("</figcaption><div class=\"wide\" tabindex=\"0\"><table><thead><tr>", file);
-    if (*head) {
-        put_list(file, open_cell(file, head_cell, head), head_cell, &more);
-        fputs("</th>", file);
-    }
-    va_end(more);
-    fputs("</tr></thead><tbody>\n", file);
-}
-
-void put_table_end(FILE *file)
-{
-    fputs("</tbody></table></div></figure>\n", file);
 }

@@ -3,8 +3,6 @@
 #ifndef REPORT_PUT_H
 #define REPORT_PUT_H
 
-#include <stdarg.h>
-#include <stdbool.h>
 #include <stdio.h>
 
 /*
@@ -24,29 +22,25 @@
  *       written unit), unit
  *   %u  const char *                  unit
  *   %l  const double *, const char *  lower and upper limit [2], unit; a dash for no limits
+ *   |   begins a cell of a table row, and ^ a cell of its heading. A cell that begins with '<' is
+ *       aligned to the left, and one that begins with '~' may wrap
  */
 void put(FILE *file, const char *format, ...);
 
 /*
- * Write a format like the function put. In a row of a table '|' separates the cells.
- *   cell  in  HTML tag of the first cell, which the caller has opened; further cells have the tag
- *       td, in a heading row (tag th scope="col") the same. NULL: the text is no row of a table
+ * Formats for the function put:
+ *   PUT_TABLE      beginning of a table with a caption and heading cells; PUT_HEAD without cells
+ *   PUT_ROW        row of a table; its first cell begins without '|'
+ *   PUT_TABLE_END  end of a table. On a narrow page the table can be scrolled on its own
+ *   PUT_TEXT       text in a picture, after a style class, x and y in pixels
  */
-void put_list(FILE *file, const char *format, const char *cell, va_list *more);
-
-/*
- * Write a row of a table. In the format, '|' separates the cells; a cell that begins with '<' is
- * aligned to the left, and one that begins with '~' may wrap.
- */
-void put_row(FILE *file, const char *format, ...);
-
-/*
- * put_table begins an HTML table, and put_table_end ends it. On a narrow page the table can be
- * scrolled on its own. The caption and the heading cells, separated by '|' ("" for no heading), are
- * formats; the values of their directives follow.
- */
-void put_table(FILE *file, const char *caption, const char *head, ...);
-void put_table_end(FILE *file);
+#define PUT_TABLE(caption, head) PUT_HEAD(caption) head "<tbody>\n"
+#define PUT_HEAD(caption)                                                                          \
+    "<figure class=\"table\"><figcaption>" caption                                                 \
+    "</figcaption><div class=\"wide\" tabindex=\"0\"><table><thead><tr>"
+#define PUT_ROW(cells) "<tr><th scope=\"row\">" cells "\n"
+#define PUT_TABLE_END "</table></div></figure>\n"
+#define PUT_TEXT(text) "<text class=\"%s\" x=\"%f\" y=\"%f\">" text "</text>\n"
 
 /*
  * The unit in which a quantity is most readable, and the factor that converts into it: nm, um, mm

@@ -72,11 +72,10 @@ static void write_row(const shape_page *shape, const voltages *result, double wo
     for (int k = 0; k < result->amplifiers; k++)
         beyond += shell_is_beyond(shape->page.design, result, k);
     const double active = is_limited(result) ? result->active_limits : (double)NAN;
-    const char *form = beyond ? "%t|%l|%b|%q|%q|%n|%a|<b>%d</b>|%r" : "%t|%l|%b|%q|%q|%n|%a|%d|%r";
-    put_row(shape->page.file, form, result->name, result->limit, shape->voltage.unit, result->error,
-            worst, result->rms, length, result->valley, length, active,
-            largest_voltage(shape, result), shape->voltage.most, shape->voltage.unit, beyond,
-            result->optimality);
+    put(shape->page.file, PUT_ROW("%t|%l|%b|%q|%q|%n|%a|%s%d%s|%r"), result->name, result->limit,
+        shape->voltage.unit, result->error, worst, result->rms, length, result->valley, length,
+        active, largest_voltage(shape, result), shape->voltage.most, shape->voltage.unit,
+        beyond ? "<b>" : "", beyond, beyond ? "</b>" : "", result->optimality);
 }
 
 static void write_table(const shape_page *shape)
@@ -85,18 +84,19 @@ static void write_table(const shape_page *shape)
     double worst = 0;
     for (int k = 0; k < shape->results; k++)
         worst = fmax(worst, shape->result[k].error);
-    put_table(shape->page.file,
-              "Relative RMS error: root of the weighted squares of the misfit over those "
-              "of what is wanted (target less the shape without %ss). PV: peak to valley. Clipped "
-              "least squares: %ss without limits, cut to the limits. Regularised, then clipped: "
-              "the same with the one parameter that leaves the smallest error, chosen knowing the "
-              "answer. KKT violation: largest violated optimality condition, relative.",
-              "%ss|Limits|Relative RMS error|Misfit, RMS|Misfit, PV|Limit active|Largest %s|"
-              "Beyond the<br>scene’s limits|KKT violation",
-              input, input, shape->page.inputs.title, input);
+    put(shape->page.file,
+        PUT_TABLE("Relative RMS error: root of the weighted squares of the misfit over those of "
+                  "what is wanted (target less the shape without %ss). PV: peak to valley. Clipped "
+                  "least squares: %ss without limits, cut to the limits. Regularised, then "
+                  "clipped: the same with the one parameter that leaves the smallest error, chosen "
+                  "knowing the answer. KKT violation: largest violated optimality condition, "
+                  "relative.",
+                  "^%ss^Limits^Relative RMS error^Misfit, RMS^Misfit, PV^Limit active^Largest %s"
+                  "^Beyond the<br>scene’s limits^KKT violation"),
+        input, input, shape->page.inputs.title, input);
     for (int k = 0; k < shape->results; k++)
         write_row(shape, &shape->result[k], worst);
-    put_table_end(shape->page.file);
+    put(shape->page.file, PUT_TABLE_END);
 }
 
 static void draw_levels(const page *page, const voltages *result)
@@ -119,9 +119,10 @@ static void draw_voltages(const shape_page *shape, const voltages *result)
         if (scene_heats_all(&design->actuator[k]))
             put(shape->page.file, "<p class=\"keys\">%t: %q</p>\n", design->actuator[k].name,
                 result->voltage[design->actuator[k].first], design->units.temperature);
-    page_caption(&shape->page, &shape->voltage,
-                 "%ss: largest <b>%q</b>. One scale for all results:", shape->page.inputs.title,
-                 largest_voltage(shape, result), shape->voltage.unit);
+    put(shape->page.file,
+        "<figcaption>%ss: largest <b>%q</b>. One scale for all results:", shape->page.inputs.title,
+        largest_voltage(shape, result), shape->voltage.unit);
+    page_legend(&shape->page, &shape->voltage);
 }
 
 static void draw_result(shape_page *shape, const voltages *result)
@@ -136,10 +137,11 @@ static void draw_result(shape_page *shape, const voltages *result)
     if (page->analysis->source->has_structure) {
         fputs("<figure>\n", page->file);
         page_draw_shape(page, &page->scale);
-        page_caption(page, &page->scale,
-                     "Reached shape and <b>target</b> as lines, displacement <b>× %n</b>. Misfit "
-                     "on one scale for all results:",
-                     page->space.factor);
+        put(page->file,
+            "<figcaption>Reached shape and <b>target</b> as lines, displacement <b>× %n</b>. "
+            "Misfit on one scale for all results:",
+            page->space.factor);
+        page_legend(page, &page->scale);
     } else {
         draw_levels(page, result);
     }
@@ -191,8 +193,8 @@ static void write_picture(shape_page *shape)
     fputs("</svg>\n<svg x=\"436\" width=\"320\" height=\"350\">", page->file);
     shell_voltages(&page->map, 0, &(shell_voltage_set){result, &shape->voltage});
     fputs("</svg>\n", page->file);
-    draw_legend_at(page->file, &own, 0, height - 32);
-    draw_legend_at(page->file, &shape->voltage, 430, height - 32);
+    draw_legend(page->file, &own, 0, height - 32);
+    draw_legend(page->file, &shape->voltage, 430, height - 32);
     page_end_picture(page, width, height);
 }
 

@@ -251,14 +251,14 @@ static bool paint_cell(const shell *shell, int cell, const double *value, const 
     for (int k = 0, end; k < parts * parts; k = end) {
         const int i = k % parts, j = k / parts;
         double middle[2] = {(i + 0.5) * size, (j + 0.5) * size};
-        const int level = draw_level(scale, interpolate(own, middle));
+        const char *colour = draw_colour(scale, interpolate(own, middle));
         for (end = k + 1; end % parts; end++) {
             middle[0] = (end % parts + 0.5) * size;
-            if (draw_level(scale, interpolate(own, middle)) != level)
+            if (draw_colour(scale, interpolate(own, middle)) != colour)
                 break;
         }
         const double from[2] = {i * size, j * size}, to[2] = {(i + end - k) * size, (j + 1) * size};
-        draw_path(shell->file, draw_class(scale, level));
+        draw_path(shell->file, colour);
         draw_part(shell, cell, from, to);
         fputs("\"/>", shell->file);
     }

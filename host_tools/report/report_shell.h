@@ -78,6 +78,7 @@ typedef struct shell {
     const double *vector; /* [nodes][3] displacements of the nodes along x, y and z; NULL: the mesh
                              is drawn without displacement */
     double factor;        /* factor by which the drawn displacement is magnified */
+    bool *has_failed;     /* set where memory runs out while the picture is drawn */
 } shell;
 
 /*

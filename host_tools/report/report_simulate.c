@@ -8,7 +8,6 @@ typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    draw_axis time; /* horizontal axis of the diagrams: time in ticks of the control loop */
 } simulate_page;
 
 static void write_verdict(const simulate_page *self)
@@ -36,40 +35,41 @@ static void write_phases(const simulate_page *self)
 {
     char text[SIMULATE_TEXT];
     simulate_words_columns(self->simulation, text);
-    put_table(self->page.file, "Relative RMS errors; %t",
-              "Tick|~Events|Optimum|Steady|Vibration|Clipped|Regularised,<br/>clipped|Worst|Settled"
-              "|Step limit",
-              text);
+    put(self->page.file,
+        PUT_TABLE("Relative RMS errors; %t",
+                  "^Tick^~Events^Optimum^Steady^Vibration^Clipped^Regularised,<br/>clipped^Worst"
+                  "^Settled^Step limit"),
+        text);
     for (int k = 0; k < self->simulation->phases; k++) {
         const simulate_phase *phase = &self->simulation->phase[k];
         const simulate_course *course = phase->course;
         simulate_words_phase(self->simulation, phase, text);
-        put_row(self->page.file, "%d|~%t|%p|%p|%p|%p|%p|%p|%n|%d", phase->from, text,
-                phase->optimum, course[LAW_CONTROLLER].steady, course[LAW_CONTROLLER].vibration,
-                course[LAW_CLAMP].steady, course[LAW_REGULARISED].steady,
-                course[LAW_CONTROLLER].worst, course->settled < 0 ? (double)NAN : course->settled,
-                course->step_limit_ticks);
+        put(self->page.file, PUT_ROW("%d|~%t|%p|%p|%p|%p|%p|%p|%n|%d"), phase->from, text,
+            phase->optimum, course[LAW_CONTROLLER].steady, course[LAW_CONTROLLER].vibration,
+            course[LAW_CLAMP].steady, course[LAW_REGULARISED].steady, course[LAW_CONTROLLER].worst,
+            course->settled < 0 ? (double)NAN : course->settled, course->step_limit_ticks);
     }
-    put_table_end(self->page.file);
+    put(self->page.file, PUT_TABLE_END);
 }
 
 static void write_counts(const simulate_page *self)
 {
     static const char *const law_name[LAWS] = {"Controller", "Clipped least squares",
                                                "Regularised, then clipped"};
-    put_table(self->page.file, "Ticks of all laws",
-              "Law|%ss beyond limit or step limit|Limits between amplifiers violated|Not "
-              "finite|Missed ticks|Held|A sensor rejected|Out of iterations|Most iterations",
-              self->page.inputs.title);
+    put(self->page.file,
+        PUT_TABLE("Ticks of all laws",
+                  "^Law^%ss beyond limit or step limit^Limits between amplifiers violated^Not "
+                  "finite^Missed ticks^Held^A sensor rejected^Out of iterations^Most iterations"),
+        self->page.inputs.title);
     for (int law = 0; law < LAWS; law++) {
         const simulate_count *count = &self->simulation->count[law];
-        put_row(self->page.file, "%s|%d|%d|%d|%d|%d|%d|%d|%d", law_name[law],
-                (int)count->beyond_limits, (int)count->beyond_rows, (int)count->not_finite,
-                (int)count->missed_ticks, (int)count->status[PZS_W_HELD],
-                (int)count->status[PZS_W_SENSOR], (int)count->status[PZS_W_ITERATIONS],
-                count->iterations_most);
+        put(self->page.file, PUT_ROW("%s|%d|%d|%d|%d|%d|%d|%d|%d"), law_name[law],
+            (int)count->beyond_limits, (int)count->beyond_rows, (int)count->not_finite,
+            (int)count->missed_ticks, (int)count->status[PZS_W_HELD],
+            (int)count->status[PZS_W_SENSOR], (int)count->status[PZS_W_ITERATIONS],
+            count->iterations_most);
     }
-    put_table_end(self->page.file);
+    put(self->page.file, PUT_TABLE_END);
 }
 
 static void write_plant(const simulate_page *self)
@@ -97,19 +97,28 @@ static void write_plant(const simulate_page *self)
  */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
-static void draw_time(const simulate_page *self, double bottom)
+/* Draw the frame of a diagram over time, the beginnings of the phases, and the words of the axis.
+ */
+static void draw_time(const simulate_page *self, const draw_diagram *diagram)
 {
     FILE *file = self->page.file;
-    const draw_axis y = {.from = bottom, .to = TOP};
+    const double bottom = diagram->y.from;
     put(file, "<rect class=\"frame\" x=\"%d\" y=\"%d\" width=\"%d\" height=\"%f\"/>\n", LEFT, TOP,
         RIGHT - LEFT, bottom - TOP);
-    draw_grid(file, &self->time, &y, true);
+    draw_grid(file, diagram, true);
     draw_path(file, "rest ghost");
     for (int k = 1; k < self->simulation->phases; k++)
-        put(file, "M%f %dV%f", draw_on(&self->time, self->simulation->phase[k].from), TOP, bottom);
+        put(file, "M%f %dV%f", draw_on(&diagram->x, self->simulation->phase[k].from), TOP, bottom);
     draw_path_end(file);
-    draw_text(file, "end", RIGHT, bottom + 28, "tick, of %q in all",
-              self->record->ticks / self->page.design->control.rate, "s");
+    put(file, PUT_TEXT("tick, of %q in all"), "end", (double)RIGHT, bottom + 28,
+        self->record->ticks / self->page.design->control.rate, "s");
+}
+
+/* Return the diagram over time whose rectangle ends at y = bottom (pixels). */
+static draw_diagram diagram_of(const simulate_page *self, double bottom)
+{
+    return (draw_diagram){.x = {0, self->record->ticks, LEFT, RIGHT, false, {1, ""}},
+                          .y = {HUGE_VAL, 0, bottom, TOP, true, {100, "%"}}};
 }
 
 static void draw_errors(const simulate_page *self)
@@ -119,26 +128,28 @@ static void draw_errors(const simulate_page *self)
     const simulate_record *record = self->record;
     const int estimated = simulation->estimates ? record->bins : 0;
     const int vibrating = simulation->plant.has_inertia ? record->bins : 0;
-    const draw_series curve[] = {{"rest bold", NULL, record->error[LAW_CLAMP], record->bins},
-                                 {"wire bold", NULL, record->error[LAW_CONTROLLER], record->bins},
-                                 {"wire", NULL, record->measurement_error, estimated},
-                                 {"rest", NULL, record->vibration, vibrating}};
-    draw_axis axis = {HUGE_VAL, 0, BOTTOM, TOP, true, "%p", {1, ""}};
-    for (int k = 0; k < 4; k++)
-        draw_widen(&axis, curve[k].value, curve[k].count);
+    const draw_series curve[4] = {
+        {"rest bold", NULL, record->error[LAW_CLAMP], record->bins, NULL, 0},
+        {"wire bold", NULL, record->error[LAW_CONTROLLER], record->bins, NULL, 0},
+        {"wire", NULL, record->measurement_error, estimated, NULL, 0},
+        {"rest", NULL, record->vibration, vibrating, NULL, 0}};
+    draw_diagram diagram = diagram_of(self, BOTTOM);
+    draw_axis *axis = &diagram.y;
+    diagram.series = curve;
+    diagram.count = 4;
+    draw_fit(&diagram);
     for (int k = 0; k < simulation->phases; k++)
-        draw_widen(&axis, &simulation->phase[k].optimum, 1);
-    axis.high = axis.high > 0 ? axis.high : 1;
-    axis.low = 0.8 * fmin(fmax(axis.low, 1e-6 * axis.high), axis.high / 2);
-    draw_grid(file, &self->time, &axis, false);
-    draw_time(self, BOTTOM);
-    for (int k = 0; k < 4; k++)
-        draw_curve(file, &self->time, &axis, &curve[k]);
+        draw_widen(axis, &simulation->phase[k].optimum, 1);
+    axis->high = axis->high > 0 ? axis->high : 1;
+    axis->low = 0.8 * fmin(fmax(axis->low, 1e-6 * axis->high), axis->high / 2);
+    draw_grid(file, &diagram, false);
+    draw_time(self, &diagram);
+    draw_curves(file, &diagram);
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
         const double ends[2] = {phase->from, phase->until};
         const double optimum[2] = {phase->optimum, phase->optimum};
-        draw_curve(file, &self->time, &axis, &(draw_series){"outline", ends, optimum, 2});
+        draw_curve(file, &diagram, &(draw_series){"outline", ends, optimum, 2, NULL, 0});
     }
 }
 
@@ -151,11 +162,11 @@ static void write_errors(const simulate_page *self)
                "Of the controller and of clipped least squares, with the optimum of each phase");
     draw_errors(self);
     draw_end(self->page.file, DRAW_CHART);
-    page_caption(
-        &self->page, NULL,
-        "<span class=\"keys\">%s</span> Relative RMS error, logarithmic, the largest of every %d "
-        "ticks; thin: error of the estimate; thin grey: vibration, the distance from the "
-        "equilibrium.",
+    put(self->page.file,
+        PAGE_CAPTION(
+            "<span class=\"keys\">%s</span> Relative RMS error, logarithmic, the largest of "
+            "every %d ticks; thin: error of the estimate; thin grey: vibration, the "
+            "distance from the equilibrium."),
         PAGE_KEY("line", "controller") PAGE_KEY("gone", "clipped")
             PAGE_KEY("dash", "optimum of the plant"),
         (record->ticks + record->bins - 1) / record->bins);
@@ -168,22 +179,23 @@ static bool is_active(const simulate_record *record, int amplifier, int bin)
     return voltage <= record->lower[amplifier] || voltage >= record->upper[amplifier];
 }
 
-static void draw_row(const simulate_page *self, int amplifier, const draw_scale *scale, double y,
-                     double height)
+/* Draw the voltage of an amplifier over time as a row of colours, height pixels high. */
+static void draw_row(const simulate_page *self, int amplifier, const draw_axis *time,
+                     const draw_scale *scale, double y, double height)
 {
     const simulate_record *record = self->record;
     const double *voltage = record->voltage + amplifier;
+    const double part = (double)record->ticks / record->bins;
     for (int i = 0, end; i < record->bins; i = end) {
-        const int level = draw_level(scale, voltage[i * record->amplifiers]);
+        const char *colour = draw_colour(scale, voltage[i * record->amplifiers]);
         const bool has_line = is_active(record, amplifier, i);
         for (end = i + 1; end < record->bins; end++)
-            if (draw_level(scale, voltage[end * record->amplifiers]) != level ||
+            if (draw_colour(scale, voltage[end * record->amplifiers]) != colour ||
                 is_active(record, amplifier, end) != has_line)
                 break;
-        const double part = (double)record->ticks / record->bins;
-        const double from = draw_on(&self->time, i * part), to = draw_on(&self->time, end * part);
-        put(self->page.file, "<path class=\"%s\" d=\"M%f %fH%fv%fH%fz\"/>",
-            draw_class(scale, level), from, y, to, height, from);
+        const double from = draw_on(time, i * part), to = draw_on(time, end * part);
+        put(self->page.file, "<path class=\"%s\" d=\"M%f %fH%fv%fH%fz\"/>", colour, from, y, to,
+            height, from);
         if (has_line)
             put(self->page.file, "<path class=\"at\" d=\"M%f %fH%f\"/>", from, y + height / 2, to);
     }
@@ -194,6 +206,7 @@ static void write_voltages(const simulate_page *self)
     FILE *file = self->page.file;
     const int rows = self->record->amplifiers;
     const double height = fmax(4, fmin(14, 420.0 / rows)), bottom = TOP + height * rows;
+    const draw_diagram diagram = diagram_of(self, bottom);
     draw_scale scale = {true, 0, self->page.inputs.unit};
     for (int k = 0; k < self->record->bins; k++)
         shell_extend(&scale, self->page.design, self->record->voltage + k * rows);
@@ -204,16 +217,17 @@ static void write_voltages(const simulate_page *self)
                "A row for each amplifier, with a line where a limit is active");
     fputs("<g class=\"flat\">\n", file);
     for (int k = 0; k < rows; k++) {
-        draw_row(self, k, &scale, TOP + height * k, height);
+        draw_row(self, k, &diagram.x, &scale, TOP + height * k, height);
         draw_name(file, LEFT - 6, TOP + height * k, height, self->page.design->amplifier_name[k]);
     }
     fputs("</g>\n", file);
-    draw_time(self, bottom);
+    draw_time(self, &diagram);
     draw_end(file, DRAW_CHART);
-    page_caption(&self->page, &scale,
-                 "%ss of the amplifiers under the controller, a row each; the line within "
-                 "marks active limits.",
-                 self->page.inputs.title);
+    put(file,
+        "<figcaption>%ss of the amplifiers under the controller, a row each; the line within marks "
+        "active limits.",
+        self->page.inputs.title);
+    page_legend(&self->page, &scale);
 }
 
 static void write_shape(page *page, const simulate_phase *last, const voltages *result)
@@ -225,10 +239,11 @@ static void write_shape(page *page, const simulate_phase *last, const voltages *
     page_keys(page, "");
     fputs("<figure class=\"chart\">\n", page->file);
     page_draw_shape(page, &page->scale);
-    page_caption(page, &page->scale,
-                 "Reached shape and <b>target</b> at the last tick, displacement <b>× %n</b>, "
-                 "relative RMS error <b>%p</b>. Misfit, reached minus target:",
-                 page->space.factor, last->course[LAW_CONTROLLER].steady);
+    put(page->file,
+        "<figcaption>Reached shape and <b>target</b> at the last tick, displacement <b>× %n</b>, "
+        "relative RMS error <b>%p</b>. Misfit, reached minus target:",
+        page->space.factor, last->course[LAW_CONTROLLER].steady);
+    page_legend(page, &page->scale);
 }
 
 static void write_page(simulate_page *self)
@@ -268,9 +283,7 @@ static void write_picture(simulate_page *self)
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record)
 {
-    simulate_page self = {.simulation = simulation,
-                          .record = record,
-                          .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}}};
+    simulate_page self = {.simulation = simulation, .record = record};
     const bool failed = page_open(&self.page, job, simulation->nominal) < 0;
     if (!failed)
         (job->is_svg ? write_picture : write_page)(&self);

@@ -34,51 +34,47 @@ static void write_output(const solve_page *solve, int k)
     }
     const double most = fmax(fmax(-low, high), isfinite(reference) ? fabs(reference) : 0);
     words_unit(&page->design->units, words_of_output(output), unit);
-    if (count == 1)
-        put_row(page->file, "%t|%a|%a|%n", output->name, mean, most, unit, reference, most, unit,
-                first / reference);
-    else
-        put_row(page->file, "%t|%a to %a<br><span class=\"soft\">%d values, mean %a</span>|%a|%n",
-                output->name, low, most, unit, high, most, unit, count, mean, most, unit, reference,
-                most, unit, first / reference);
+    put(page->file, PUT_ROW("%t|%a"), output->name, low, most, unit);
+    if (count > 1)
+        put(page->file, " to %a<br><span class=\"soft\">%d values, mean %a</span>", high, most,
+            unit, count, mean, most, unit);
+    put(page->file, "|%a|%n\n", reference, most, unit, first / reference);
 }
 
 static void write_outputs(const solve_page *solve)
 {
-    put_table(
-        solve->page.file,
-        "Outputs; the ratio is value over reference, of the first value where there are more. "
-        "--json gives all values.",
-        "Output|Value|Reference|Ratio");
+    put(solve->page.file,
+        PUT_TABLE("Outputs; the ratio is value over reference, of the first value where there are "
+                  "more. --json gives all values.",
+                  "^Output^Value^Reference^Ratio"));
     for (int k = 0; k < solve->page.design->outputs; k++)
         write_output(solve, k);
-    put_table_end(solve->page.file);
+    put(solve->page.file, PUT_TABLE_END);
 }
 
 /*
- * List the values of displacement output k along one mesh line in the direction of the surface
- * coordinate theta1 (along = 0) or theta2 (along = 1).
- *   theta, value [nodes] out  surface coordinate of each node along the line, and displacement
- *       there
- * Returns the number of values, 0 for other outputs.
+ * Make the curve of displacement output k along one mesh line in the direction of the surface
+ * coordinate theta1 (along = 0) or theta2 (along = 1), or a curve without points for other outputs.
+ *   point [2 nodes of the output] out  surface coordinates of its nodes, then the displacements
  */
-static int list_values(const solve_page *solve, int k, int along, double *theta, double *value)
+static draw_series curve_of(const solve_page *solve, int k, int along, double *point)
 {
     const analysis *analysis = solve->page.analysis;
     const scene_output *output = &solve->page.design->output[k];
     const int count = analysis_outputs(analysis, k);
-    const double *first = NULL;
+    const double *first = solve->page.mesh->theta[0];
     if (words_of_output(output) != QUANTITY_LENGTH || count < 2)
-        return 0;
+        return (draw_series){.style = "wire"};
     for (int i = 0; i < count; i++) {
         const double *place = solve->page.mesh->theta[analysis_output_node(analysis, k, i)];
         first = i == 0 ? place : first;
         if (place[1 - along] != first[1 - along])
-            return 0;
-        theta[i] = place[along];
-        value[i] = value_of(solve, k, i);
+            return (draw_series){.style = "wire"};
+        point[i] = place[along];
+        point[count + i] = value_of(solve, k, i);
     }
-    return count;
+    return (draw_series){"wire", point,        point + count,
+                         count,  output->name, (4 - k % 4) * (count - 1) / 4};
 }
 
 /*
@@ -88,34 +84,22 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
 static void draw_lines(const solve_page *solve, int along)
 {
     const page *page = &solve->page;
-    const design *design = page->design;
-    const scene_line *line = &design->mesh.line[along];
-    draw_axis x = {line->point[0], line->point[line->elements], 84, 604, false, "%n", {1, ""}};
-    draw_axis y = {0, 0, 240, 6, false, "%n", {1, ""}};
-    for (int k = 0; k < design->outputs; k++)
-        draw_widen(&y, page->value, list_values(solve, k, along, page->wanted, page->value));
-    if (!(y.high > y.low))
-        return;
-    x.unit = put_unit_of(fmax(fabs(x.low), fabs(x.high)),
-                         page->mesh->is_angle[along] ? "rad" : design->units.length);
-    y.unit = put_unit_of(fmax(-y.low, y.high), design->units.length);
-    put(page->file, "<h2>Along lines of %s</h2>\n<figure class=\"chart\">\n", along ? "θ₂" : "θ₁");
-    draw_begin(page->file, DRAW_CHART, 720, 274, "Outputs along lines of the mesh",
-               "A curve for each output");
-    draw_grid(page->file, &x, &y, true);
-    draw_grid(page->file, &x, &y, false);
-    for (int k = 0; k < design->outputs; k++) {
-        const int count = list_values(solve, k, along, page->wanted, page->value);
-        const int named = (4 - k % 4) * (count - 1) / 4; /* index of the point of the curve at which
-                                                            the name of the output is written */
-        draw_curve(page->file, &x, &y, &(draw_series){"wire", page->wanted, page->value, count});
-        if (count > 0)
-            draw_text(page->file, "tag", draw_on(&x, page->wanted[named]) + 4,
-                      draw_on(&y, page->value[named]) + 4, "%t", design->output[k].name);
+    const char *length = page->design->units.length;
+    const scene_line *line = &page->mesh->line[along];
+    double *point = page->curve;
+    for (int k = 0; k < page->design->outputs; k++) {
+        page->series[k] = curve_of(solve, k, along, point);
+        point += 2 * page->series[k].count;
     }
-    draw_end(page->file, DRAW_CHART);
-    page_caption(page, NULL, "Displacement (%t) over the parameter (%t).", y.unit.name,
-                 x.unit.name);
+    draw_diagram diagram = {.x = {line->point[0], line->point[line->elements]},
+                            .series = page->series,
+                            .count = page->design->outputs};
+    if (page_diagram(page, &diagram,
+                     along ? "<h2>Along lines of θ₂</h2>\n" : "<h2>Along lines of θ₁</h2>\n",
+                     "Outputs along lines of the mesh",
+                     page->mesh->is_angle[along] ? "rad" : length, length))
+        put(page->file, PAGE_CAPTION("Displacement (%t) over the parameter (%t)."),
+            diagram.y.unit.name, diagram.x.unit.name);
 }
 
 /*
@@ -160,8 +144,9 @@ static void write_deformed(const solve_page *solve)
     put(page->file, "<p class=\"keys\">%s%s</p>",
         PAGE_KEY("gone", "undeformed") PAGE_KEY("pins", "support") PAGE_KEY("load", "point load"),
         solve->body.is_given ? PAGE_KEY("solid", "rigid body, the part near the shell") : "");
-    page_caption(page, &page->scale, "Size of the displacement, drawn <b>× %n</b>; largest %q",
-                 page->space.factor, page->scale.most, page->scale.unit);
+    put(page->file, "<figcaption>Size of the displacement, drawn <b>× %n</b>; largest %q",
+        page->space.factor, page->scale.most, page->scale.unit);
+    page_legend(page, &page->scale);
 }
 
 static void write_components(const page *page)
@@ -214,6 +199,12 @@ static void write_potentials(const page *page)
     fputs("</div>\n", page->file);
 }
 
+static void write_force(FILE *file, const char *name, const total_force *total)
+{
+    put(file, PUT_ROW("%t|%n|%n|%n|%n|%n|%n"), name, total->force[0], total->force[1],
+        total->force[2], total->moment[0], total->moment[1], total->moment[2]);
+}
+
 /*
  * Write the table of the reactions of the supports on the report page, with the sums of reactions,
  * loads, spring forces and contact forces, which are in equilibrium with each other.
@@ -221,30 +212,21 @@ static void write_potentials(const page *page)
 static void write_reactions(const page *page)
 {
     const reactions *all = &page->analysis->reactions;
-    const struct {
-        const char *name;
-        const total_force *total;
-    } sum[] = {{"all supports", &all->held},
-               {"loads", &all->load},
-               {"springs", &all->spring},
-               {"contact", &all->contact},
-               {"sum", &all->sum}};
     if (all->supports == 0)
         return;
-    put_table(
-        page->file,
-        "Forces of the supports on the shell; moments about the mean position of their nodes. "
-        "Below: all forces, with moments about the origin; their sum vanishes at equilibrium.",
-        "Support|Force x|y|z|Moment x|y|z");
-    for (int k = 0; k < all->supports + 5; k++) {
-        const int other = k - all->supports;
-        const total_force *total = other < 0 ? &all->support[k].total : sum[other].total;
-        put_row(page->file, "%t|%n|%n|%n|%n|%n|%n",
-                other < 0 ? all->support[k].name : sum[other].name, total->force[0],
-                total->force[1], total->force[2], total->moment[0], total->moment[1],
-                total->moment[2]);
-    }
-    put_table_end(page->file);
+    put(page->file,
+        PUT_TABLE("Forces of the supports on the shell; moments about the mean position of their "
+                  "nodes. Below: all forces, with moments about the origin; their sum vanishes at "
+                  "equilibrium.",
+                  "^Support^Force x^y^z^Moment x^y^z"));
+    for (int k = 0; k < all->supports; k++)
+        write_force(page->file, all->support[k].name, &all->support[k].total);
+    write_force(page->file, "all supports", &all->held);
+    write_force(page->file, "loads", &all->load);
+    write_force(page->file, "springs", &all->spring);
+    write_force(page->file, "contact", &all->contact);
+    write_force(page->file, "sum", &all->sum);
+    put(page->file, PUT_TABLE_END);
 }
 
 static void write_page(const solve_page *solve)
@@ -283,8 +265,8 @@ static void write_picture(const solve_page *solve)
     const double width = page->space.view.width, height = page->space.view.height;
     page_begin_picture(page, "size of the displacement", width, height + 44);
     draw_deformed(solve);
-    draw_legend_at(page->file, &page->scale, 0, height + 12);
-    draw_text(page->file, "end", width, height + 38, "displacement × %n", page->space.factor);
+    draw_legend(page->file, &page->scale, 0, height + 12);
+    put(page->file, PUT_TEXT("displacement × %n"), "end", width, height + 38, page->space.factor);
     page_end_picture(page, width, height + 44);
 }
 

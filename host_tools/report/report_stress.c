@@ -45,10 +45,10 @@ static void write_load(const page *page, const stress_field *field)
 
 static void write_components(const page *page, const stress_summary *summary)
 {
-    put_table(page->file,
-              "Largest stresses and strains at element centres (larger at clamps and under "
-              "point loads), in the axes of the materials",
-              "Component|Value|<Layer, face|<Place");
+    put(page->file,
+        PUT_TABLE("Largest stresses and strains at element centres (larger at clamps and under "
+                  "point loads), in the axes of the materials",
+                  "^Component^Value^<Layer, face^<Place"));
     for (int k = 0; k < 2 * STRESS_COMPONENTS; k++) {
         const bool is_strain = k >= STRESS_COMPONENTS;
         const int i = k % STRESS_COMPONENTS;
@@ -56,12 +56,12 @@ static void write_components(const page *page, const stress_summary *summary)
         if (found->element < 0)
             continue;
         const char *unit = is_strain ? "" : page->pressure;
-        put_row(page->file, "%s %t|%q|<%d %t, %t|<%t", is_strain ? "Strain" : "Stress",
-                stress_component_name[i], found->value, unit, found->layer + 1,
-                page->design->layer[found->layer].name, stress_height_name[found->height],
-                mesh_element_text(page->mesh, found->element).text);
+        put(page->file, PUT_ROW("%s %t|%q|<%d %t, %t|<%t"), is_strain ? "Strain" : "Stress",
+            stress_component_name[i], found->value, unit, found->layer + 1,
+            page->design->layer[found->layer].name, stress_height_name[found->height],
+            mesh_element_text(page->mesh, found->element).text);
     }
-    put_table_end(page->file);
+    put(page->file, PUT_TABLE_END);
 }
 
 static double value_of(const stress_extreme *found)
@@ -71,14 +71,15 @@ static double value_of(const stress_extreme *found)
 
 static void write_layers(const page *page, const stress_summary *summary)
 {
-    put_table(page->file, "Layers: largest von Mises stress, least reserve factors",
-              "Layer|<Material|Von Mises|Reserve, strength|Reserve, depolarisation");
+    put(page->file,
+        PUT_TABLE("Layers: largest von Mises stress, least reserve factors",
+                  "^Layer^<Material^Von Mises^Reserve, strength^Reserve, depolarisation"));
     for (int layer = 0; layer < page->design->layers; layer++)
-        put_row(page->file, "%d %t|<%t|%q|%n|%n", layer + 1, page->design->layer[layer].name,
-                page->design->material[page->design->layer[layer].material].name,
-                value_of(&summary->mises[layer]), page->pressure,
-                value_of(&summary->reserve[layer]), value_of(&summary->field_reserve[layer]));
-    put_table_end(page->file);
+        put(page->file, PUT_ROW("%d %t|<%t|%q|%n|%n"), layer + 1, page->design->layer[layer].name,
+            page->design->material[page->design->layer[layer].material].name,
+            value_of(&summary->mises[layer]), page->pressure, value_of(&summary->reserve[layer]),
+            value_of(&summary->field_reserve[layer]));
+    put(page->file, PUT_TABLE_END);
 }
 
 void page_stress(const page *page, const stress_field *field)

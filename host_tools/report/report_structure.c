@@ -28,16 +28,16 @@ static void write_cuts(const page *page, int layer)
 static void write_layers(const page *page)
 {
     const design *design = page->design;
-    put_table(page->file, "Layers from the inner face to the outer face",
-              "Layer|<Material|Thickness|Angle|<Where");
+    put(page->file, PUT_TABLE("Layers from the inner face to the outer face",
+                              "^Layer^<Material^Thickness^Angle^<Where"));
     for (int k = 0; k < design->layers; k++) {
         const scene_layer *layer = &design->layer[k];
         const char *place = layer->present ? "in its sets" : "everywhere";
-        put_row(page->file, "%d %t|<%t|%q|%n°|<%s", k + 1, layer->name,
-                design->material[layer->material].name, layer->thickness, design->units.length,
-                layer->angle, layer->patched ? "in patches" : place);
+        put(page->file, PUT_ROW("%d %t|<%t|%q|%n°|<%s"), k + 1, layer->name,
+            design->material[layer->material].name, layer->thickness, design->units.length,
+            layer->angle, layer->patched ? "in patches" : place);
     }
-    put_table_end(page->file);
+    put(page->file, PUT_TABLE_END);
     for (int k = 0; k < design->layers; k++)
         write_cuts(page, k);
 }
@@ -49,16 +49,16 @@ static void write_layers(const page *page)
 static void write_materials(const page *page)
 {
     const design *design = page->design;
-    put_table(page->file, "Materials", "Material|E₁|E₂|ν₁₂|G₁₂|d₃₁|e₃₁");
+    put(page->file, PUT_TABLE("Materials", "^Material^E₁^E₂^ν₁₂^G₁₂^d₃₁^e₃₁"));
     for (int k = 0; k < design->materials; k++) {
         const scene_material *material = &design->material[k];
         const double d31 = material->has_d ? material->d31 : (double)NAN;
         const double e31 = material->has_e ? material->piezo_e[0] : (double)NAN;
-        put_row(page->file, "%t|%q|%q|%n|%q|%n|%n", material->name, material->e[0], page->pressure,
-                material->e[1], page->pressure, material->nu12, material->g12, page->pressure, d31,
-                e31);
+        put(page->file, PUT_ROW("%t|%q|%q|%n|%q|%n|%n"), material->name, material->e[0],
+            page->pressure, material->e[1], page->pressure, material->nu12, material->g12,
+            page->pressure, d31, e31);
     }
-    put_table_end(page->file);
+    put(page->file, PUT_TABLE_END);
 }
 
 /* Write the text of the scene file on the report page, unless the file can no longer be read. */
@@ -91,19 +91,17 @@ void page_voltages(const page *page, const voltages *result, int results)
 {
     if (page->design->amplifiers == 0)
         return;
-    put(page->file, "<details><summary>%ss by amplifier</summary>\n", page->inputs.title);
-    put_table(page->file, "", "");
-    fputs("<tr><th scope=\"row\">Amplifier</th>", page->file);
+    put(page->file, "<details><summary>%ss by amplifier</summary>\n" PUT_HEAD("") "^Amplifier",
+        page->inputs.title);
     for (int i = 0; i < results; i++)
-        put(page->file, "<th scope=\"col\">%t</th>", result[i].name);
+        put(page->file, "^%t", result[i].name);
+    fputs("<tbody>\n", page->file);
     for (int k = 0; k < page->design->amplifiers; k++) {
-        put(page->file, "</tr>\n<tr><th scope=\"row\">%t</th>", page->design->amplifier_name[k]);
+        put(page->file, PUT_ROW("%t"), page->design->amplifier_name[k]);
         for (int i = 0; i < results; i++)
-            put(page->file, "<td>%q</td>", result[i].voltage[k], design_unit(page->design, k));
+            put(page->file, "|%q", result[i].voltage[k], design_unit(page->design, k));
     }
-    fputs("</tr>\n", page->file);
-    put_table_end(page->file);
-    fputs("</details>\n", page->file);
+    put(page->file, PUT_TABLE_END "</details>\n");
 }
 
 /*
@@ -114,20 +112,22 @@ static void write_modes(const page *page, const modes *modes, int limits)
 {
     put(page->file, "<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,
         page->inputs.unit);
-    put_table(page->file,
-              "Relative RMS error of each mode of the target alone. At 100\xc2\xa0%% nothing is "
-              "gained.",
-              "Mode|Target, RMS|Unconstrained|Largest %s,<br>unconstrained|Clipped least "
-              "squares|Optimum within limits|Limit active",
-              page->inputs.name);
+    put(page->file,
+        PUT_TABLE(
+            "Relative RMS error of each mode of the target alone. At 100\xc2\xa0%% nothing is "
+            "gained.",
+            "^Mode^Target, RMS^Unconstrained^Largest %s,<br>unconstrained^Clipped least "
+            "squares^Optimum within limits^Limit active"),
+        page->inputs.name);
     for (int k = 0; k < modes->count; k++) {
         const mode *mode = &modes->mode[k];
         const mode_left *left = &modes->left[k * modes->limits + limits];
-        put_row(page->file, "%t|%q|%p|%q|%p|%b|%d", page->design->goal.mode[k].name, mode->size,
-                page->design->units.length, mode->unconstrained_error, mode->largest_voltage,
-                page->inputs.unit, left->clipped, left->optimum, 1.0, left->active_limits);
+        put(page->file, PUT_ROW("%t|%q|%p|%q|%p|%b|%d"), page->design->goal.mode[k].name,
+            mode->size, page->design->units.length, mode->unconstrained_error,
+            mode->largest_voltage, page->inputs.unit, left->clipped, left->optimum, 1.0,
+            left->active_limits);
     }
-    put_table_end(page->file);
+    put(page->file, PUT_TABLE_END);
 }
 
 void page_modes(const page *page, const modes *modes)

@@ -9,10 +9,9 @@
  * scale, and neighbours have equal distances in the colour space OKLab.
  */
 enum { STOPS = 9 };
-static const unsigned signed_light[STOPS] = {0x113f77, 0x286db0, 0x4f9fe2, 0x9ccdf3, 0xf3f3f3,
-                                             0xf4c598, 0xe79044, 0xbe621b, 0x8c3e0f};
-static const unsigned signed_dark[STOPS] = {0x9beaff, 0x63b5e9, 0x3381bc, 0x2f5377, 0x2b2b2b,
-                                            0x714223, 0xb1651a, 0xdd9b53, 0xffd48f};
+static const unsigned signed_stops[2][STOPS] = {
+    {0x113f77, 0x286db0, 0x4f9fe2, 0x9ccdf3, 0xf3f3f3, 0xf4c598, 0xe79044, 0xbe621b, 0x8c3e0f},
+    {0x9beaff, 0x63b5e9, 0x3381bc, 0x2f5377, 0x2b2b2b, 0x714223, 0xb1651a, 0xdd9b53, 0xffd48f}};
 static const unsigned viridis[STOPS] = {0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c,
                                         0x28ae80, 0x5ec962, 0xaddc30, 0xfde725};
 
@@ -131,26 +130,20 @@ static void write_expanded(FILE *file, const char *rule, int is_dark)
     fputs(rule, file);
 }
 
-void draw_page_style(FILE *file)
+void draw_style(FILE *file, bool is_page)
 {
-    fputs("<style>\n:root{color-scheme:light dark}", file);
-    write_variables(file, 0);
+    fputs(is_page ? "<style>\n:root{color-scheme:light dark}" : "<style>\n", file);
     write_levels(file, 'v', viridis);
-    write_levels(file, 's', signed_light);
-    fputs("@media screen and (prefers-color-scheme:dark){", file);
-    write_variables(file, 1);
-    write_levels(file, 's', signed_dark);
-    fprintf(file, "}\n%s%s</style>\n", page_style, picture_style);
-}
-
-void draw_picture_style(FILE *file)
-{
-    fputs("<style>\n", file);
-    write_levels(file, 'v', viridis);
-    write_levels(file, 's', signed_light);
-    write_expanded(file, picture_style, 0);
-    fputs("@media (prefers-color-scheme:dark){", file);
-    write_levels(file, 's', signed_dark);
-    write_expanded(file, picture_style, 1);
-    fputs("}\n</style>\n", file);
+    for (int is_dark = 0; is_dark < 2; is_dark++) {
+        fputs(is_dark ? "@media screen and (prefers-color-scheme:dark){" : "", file);
+        write_levels(file, 's', signed_stops[is_dark]);
+        if (is_page)
+            write_variables(file, is_dark);
+        else
+            write_expanded(file, picture_style, is_dark);
+        fputs(is_dark ? "}\n" : "", file);
+    }
+    if (is_page)
+        fprintf(file, "%s%s", page_style, picture_style);
+    fputs("</style>\n", file);
 }

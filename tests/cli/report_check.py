@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Laws of a report of pzs, read as a page: report_check.py FILE.html|FILE.svg LAW [ARGUMENT...]
 
-  xml            every SVG of the file is well-formed XML with a title and a description, and holds no NaN or infinity
+  xml            every SVG of the file is well-formed XML with a title and a description, and holds no NaN or infinity; no
+                 tag of the page is cut in two
   text WORD...   the page's text holds each word, after its markup is read
   ring NAME      the elements of the patch of the amplifier NAME cover the area between two circles, its voltage is inside
   over           voltages in a picture are written over the patches, never under them
@@ -53,6 +54,7 @@ def law_xml(page):
         for element in root.iter():
             numbers_of(element)
     words = re.sub(r'<style>.*?</style>|<[^>]*>', ' ', page, flags=re.S)
+    assert '>' not in words, 'half a tag in the text: ' + words[max(0, words.find('>') - 40):words.find('>') + 20]
     assert not re.search(r'(?<![a-z])-?(nan|inf)(?![a-z])', words.lower().replace('nan,', '')), 'nan or inf in the text'
 
 
