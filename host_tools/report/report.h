@@ -14,15 +14,12 @@
 #include "../model/stress_field.h"
 #include "../simulate/simulate_record.h"
 
-/*
- * One report of results: the open file, its format (an HTML page, or an SVG picture) and the
- * command line that the report shows.
- */
+/* One report: the open file, its format, and the command line, which the report shows. */
 typedef struct report_job {
     FILE *file;
-    bool is_svg;
+    bool is_svg; /* an SVG picture in place of an HTML page */
     int words;
-    char *const *word; /* [words] words of the command line, which the report shows */
+    char *const *word; /* [words] words of the command line */
 } report_job;
 
 /*
@@ -43,18 +40,14 @@ int report_modes(const report_job *job, const loaded_modes *modes);
 
 /*
  * Write the report of `pzs shape`: for each result the reached shape, the misfit (reached minus
- * target values), the voltages and the shape error; for a target that is a list of shapes, also the
- * error of each shape.
- *   result [results] in  voltages of all amplifiers: the optimum without limits, the optimum within
- *       the first pair of limits, which the summary and the picture show, and others
+ * target values), the voltages and the shape error; of a target that is a list of modes also
+ * theirs. result [results] in  voltages of all amplifiers: the optimum without limits, the optimum
+ * within the first pair of limits, which the summary and the picture show, and others
  */
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes);
 
-/*
- * Write the report of `pzs simulate`: shape errors and voltages over time, and the last shape that
- * the controller has reached.
- */
+/* Write the report of `pzs simulate`: errors and voltages over time, and the shape at the end. */
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record);
 

@@ -25,11 +25,6 @@ static bool is_place(const double at[2])
     return isfinite(at[0]) && isfinite(at[1]);
 }
 
-void draw_path(FILE *file, const char *style)
-{
-    put(file, "<path class=\"%s\" d=\"", style);
-}
-
 void draw_line(FILE *file, const double (*at)[2], int count)
 {
     int first = 0; /* index of the first point of the part that is being drawn */
@@ -51,11 +46,6 @@ void draw_polygon(FILE *file, const double (*at)[2], int count)
             return;
     draw_line(file, at, count);
     fputs(count > 2 ? "z" : "", file);
-}
-
-void draw_path_end(FILE *file)
-{
-    fputs("\"/>\n", file);
 }
 
 void draw_disc(FILE *file, const char *style, const double at[2], double radius)
@@ -154,7 +144,7 @@ void draw_curve(FILE *file, const draw_diagram *diagram, const draw_series *seri
     const draw_axis *x = &diagram->x, *y = &diagram->y;
     const double part = (x->high - x->low) / series->count;
     const char *step = "M";
-    draw_path(file, series->style);
+    put(file, DRAW_PATH, series->style);
     for (int i = 0; i < series->count; i++) {
         const double along = series->along ? series->along[i] : x->low + (i + 0.5) * part;
         const double at[2] = {draw_on(x, along), draw_on(y, series->value[i])};
@@ -162,30 +152,26 @@ void draw_curve(FILE *file, const draw_diagram *diagram, const draw_series *seri
             put(file, "%s%f %f", step, at[0], at[1]);
         step = is_place(at) ? "L" : "M";
     }
-    draw_path_end(file);
+    put(file, DRAW_PATH_END);
     if (series->name)
         put(file, PUT_TEXT("%t"), "tag", draw_on(x, series->along[series->named]) + 4,
             draw_on(y, series->value[series->named]) + 4, series->name);
 }
 
-/* Draw a marked point, with its name to the side on which the diagram has more room. */
-static void draw_marked(FILE *file, const draw_diagram *diagram, const draw_mark *mark)
-{
-    const draw_axis *x = &diagram->x;
-    const double at[2] = {draw_on(x, mark->along), draw_on(&diagram->y, mark->value)};
-    const bool is_right = at[0] > (x->from + x->to) / 2;
-    draw_disc(file, "dot", at, 4);
-    if (is_place(at))
-        put(file, PUT_TEXT("%s %n"), is_right ? "tag end" : "tag", at[0] + (is_right ? -7 : 7),
-            at[1] - 5, mark->name, mark->value);
-}
-
 void draw_curves(FILE *file, const draw_diagram *diagram)
 {
+    const draw_axis *x = &diagram->x;
     for (int k = 0; k < diagram->count; k++)
         draw_curve(file, diagram, &diagram->series[k]);
-    for (int k = 0; k < diagram->marks; k++)
-        draw_marked(file, diagram, &diagram->mark[k]);
+    for (int k = 0; k < diagram->marks; k++) {
+        const draw_mark *mark = &diagram->mark[k];
+        const double at[2] = {draw_on(x, mark->along), draw_on(&diagram->y, mark->value)};
+        const bool is_right = at[0] > (x->from + x->to) / 2;
+        draw_disc(file, "dot", at, 4);
+        if (is_place(at))
+            put(file, PUT_TEXT("%s %n"), is_right ? "tag end" : "tag", at[0] + (is_right ? -7 : 7),
+                at[1] - 5, mark->name, mark->value);
+    }
 }
 
 double draw_round(double value)
@@ -198,10 +184,7 @@ double draw_round(double value)
     return number[k] * power;
 }
 
-/*
- * Return the value at which the axis of a diagram has its tick mark number `index`; the first marks
- * may lie below the range of the axis.
- */
+/* Return the value of tick mark `index` of an axis; the first marks may lie below its range. */
 static double tick_value(const draw_axis *axis, int index)
 {
     static const double number[3] = {1, 2, 5};

@@ -28,17 +28,17 @@ void draw_style(FILE *file, bool is_page);
 
 /*
  * SVG path:
- *   draw_path      begins a path with a style class
+ *   DRAW_PATH      format of the function put that begins a path, with its style class
  *   draw_line      appends a line, which points that are not finite interrupt. A part of the line
  *       that ends where it begins is a closed polygon
  *   draw_polygon   appends a polygon, or a straight line through 2 points; nothing if a point is
  *       not finite
- *   draw_path_end  ends the path
+ *   DRAW_PATH_END  format that ends the path
  */
-void draw_path(FILE *file, const char *style);
+#define DRAW_PATH "<path class=\"%s\" d=\""
+#define DRAW_PATH_END "\"/>\n"
 void draw_line(FILE *file, const double (*at)[2], int count);
 void draw_polygon(FILE *file, const double (*at)[2], int count);
-void draw_path_end(FILE *file);
 
 /* Draw a disc with a centre and a radius in pixels, unless the centre is not finite. */
 void draw_disc(FILE *file, const char *style, const double at[2], double radius);
@@ -74,10 +74,7 @@ const char *draw_colour(const draw_scale *scale, double value);
 const char *draw_tone(const draw_scale *scale, double value);
 void draw_legend(FILE *file, const draw_scale *scale, double x, double y);
 
-/*
- * An axis of a diagram: values (low, high) and pixel coordinates (from, to) of its two ends, and
- * the unit of its numbers: on a logarithmic axis percent, {100, "%"}.
- */
+/* An axis: values (low, high) and pixels (from, to) of its ends; a logarithmic one in percent. */
 typedef struct draw_axis {
     double low, high, from, to;
     bool is_log;
@@ -102,12 +99,12 @@ typedef struct draw_mark {
     const char *name;
 } draw_mark;
 
-/* A diagram: axes, curves, and marked points. */
+/* A diagram: axes, curves [count], and marked points [marks]. */
 typedef struct draw_diagram {
     draw_axis x, y;
     const draw_series *series;
     const draw_mark *mark;
-    int count, marks; /* number of curves and of marked points */
+    int count, marks;
 } draw_diagram;
 
 /*

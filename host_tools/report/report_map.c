@@ -10,10 +10,7 @@
 /* Height of the lines of text below a map, in pixels. */
 enum { FOOT = 25 };
 
-/*
- * Write the ranges of both coordinates below a map; on a map that is a view from one direction,
- * write this direction.
- */
+/* Write below a map the ranges of its coordinates, or the direction from which it is seen. */
 static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
@@ -47,10 +44,7 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
     draw_end(map->file, DRAW_IMAGE);
 }
 
-/*
- * Return whether patches of two actuators may overlap on a map of the surface: an actuator has a
- * patch on another layer than a patch of the other actuator, or both drive the same patch.
- */
+/* Return whether two actuators have patches on different layers, or drive the same patch. */
 static bool do_overlap(const design *design, const scene_actuator *one, const scene_actuator *other)
 {
     for (int k = 0; k < one->drives * other->drives; k++) {
@@ -78,10 +72,8 @@ void shell_find_plans(shell *map)
     }
 }
 
-/* Margin on both sides of the text of a voltage, together, in pixels. */
+/* Space for the text of a voltage in a picture in pixels, with a margin of half of MARGIN. */
 enum { MARGIN = 6 };
-
-/* Space for the text of a voltage in the picture: middle, width and height in pixels. */
 typedef struct text_room {
     double middle[2], width, height;
 } text_room;
@@ -96,65 +88,45 @@ typedef struct trace {
 typedef struct electrode {
     const shell *map;
     trace area, border; /* polygons of its parts in the elements, and lines of its border */
-    polygon_box box;
-    bool is_hollow; /* whether the middle of the box lies outside the electrode, as of a ring */
+    const char *frame;  /* style class of the border */
+    double middle[2];   /* middle of the bounding box */
+    bool is_hollow;     /* whether the middle lies outside the electrode, as of a ring */
     text_room room;
 } electrode;
 
-/* Append a point to lines of a picture, which fails where memory runs out. */
-static void add_point(const shell *map, trace *trace, const double at[2])
+/*
+ * Append a line of `count` points to lines of a picture. Returns its points for the caller to fill
+ * in, or NULL, with the drawing marked as failed, where memory runs out.
+ */
+static double (*add_line(const shell *map, trace *trace, int count))[2]
 {
-    if (trace->count == trace->room) {
-        const size_t room = 2 * (size_t)trace->room + 64;
-        double(*point)[2] = realloc(trace->at, room * sizeof *point);
-        if (!point) {
+    const int total = trace->count + count + 1;
+    if (total > trace->room) {
+        double(*more)[2] = realloc(trace->at, 2 * (size_t)total * sizeof *more);
+        if (!more) {
             *map->has_failed = true;
-            return;
+            return NULL;
         }
-        trace->at = point;
-        trace->room = (int)room;
+        trace->at = more;
+        trace->room = 2 * total;
     }
-    memcpy(trace->at[trace->count++], at, sizeof *trace->at);
+    double(*line)[2] = trace->at + trace->count;
+    line[count][0] = line[count][1] = (double)NAN;
+    trace->count = total;
+    return line;
 }
 
 /* Append the part of an electrode in one element to its area, or a line to its border. */
 static void add_piece(void *context, int element, const double (*natural)[2], size_t count)
 {
-    static const double end[2] = {(double)NAN, (double)NAN};
     electrode *electrode = context;
-    trace *trace = count > 2 ? &electrode->area : &electrode->border;
-    for (size_t k = 0; k < (count > 2 ? count + 1 : count); k++) {
-        const double *corner = natural[k % count];
+    const int points = (int)(count > 2 ? count + 1 : count);
+    double(*line)[2] =
+        add_line(electrode->map, count > 2 ? &electrode->area : &electrode->border, points);
+    for (int k = 0; line && k < points; k++) {
+        const double *corner = natural[(size_t)k % count];
         const double share[2] = {(corner[0] + 1) / 2, (corner[1] + 1) / 2};
-        double at[2];
-        shell_inside(electrode->map, element, share, at);
-        add_point(electrode->map, trace, at);
-    }
-    add_point(electrode->map, trace, end);
-}
-
-/* Find the parts of an electrode of whole elements, and its border. */
-static void add_elements(electrode *electrode, const scene_patches *patches, int index)
-{
-    static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    static const double end[2] = {(double)NAN, (double)NAN};
-    const shell *map = electrode->map;
-    shell part = *map;
-    design_part found;
-    part.cell = map->cell + map->cells;
-    part.cells = 0;
-    for (int e = 0; e < map->cells; e++)
-        if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index) {
-            memcpy(part.cell[part.cells++], map->cell[e], sizeof *map->cell);
-            add_piece(electrode, e, square, 4);
-        }
-    const int sides = shell_outer_sides(&part);
-    for (int k = 0; k < sides; k++) {
-        double ends[2][2];
-        shell_outer_side(&part, k, ends);
-        add_point(map, &electrode->border, ends[0]);
-        add_point(map, &electrode->border, ends[1]);
-        add_point(map, &electrode->border, end);
+        shell_inside(electrode->map, element, share, line[k]);
     }
 }
 
@@ -171,24 +143,11 @@ static double area_of(const trace *area)
     return sum;
 }
 
-/* Return whether a point lies in one of some polygons that do not overlap. */
-static bool is_inside(const trace *area, const double place[2])
-{
-    bool is_in = false;
-    for (int k = 0; k + 1 < area->count; k++) {
-        const double *from = area->at[k], *to = area->at[k + 1];
-        const double share = (place[1] - from[1]) / (to[1] - from[1]);
-        if ((from[1] > place[1]) != (to[1] > place[1]) &&
-            place[0] < from[0] + share * (to[0] - from[0]))
-            is_in = !is_in;
-    }
-    return is_in;
-}
-
-/* Return the distance of a point from the border of an electrode in pixels. */
+/* Return the distance of a point from a border in pixels, negative if the point is outside it. */
 static double clearance_of(const trace *border, const double place[2])
 {
     double least = HUGE_VAL;
+    bool is_inside = false;
     for (int k = 0; k + 1 < border->count; k++) {
         const double *from = border->at[k], *to = border->at[k + 1];
         const double along[2] = {to[0] - from[0], to[1] - from[1]};
@@ -197,73 +156,112 @@ static double clearance_of(const trace *border, const double place[2])
         const double dot = reach[0] * along[0] + reach[1] * along[1];
         const double share = square > 0 ? fmin(fmax(dot / square, 0), 1) : square;
         least = fmin(least, hypot(reach[0] - share * along[0], reach[1] - share * along[1]));
+        if ((from[1] > place[1]) != (to[1] > place[1]) &&
+            reach[0] < reach[1] / along[1] * along[0] && !isnan(square))
+            is_inside = !is_inside;
     }
-    return least;
-}
-
-/*
- * Make the circle around a point the space for the text of an electrode, if it is larger than the
- * space so far. A text of five digits, whose width is three times its font size, fits into it.
- */
-static void try_place(electrode *electrode, const double place[2])
-{
-    const double radius = clearance_of(&electrode->border, place);
-    if (isfinite(radius) && 2 * 0.63 * radius > electrode->room.height)
-        electrode->room =
-            (text_room){{place[0], place[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
+    return is_inside ? least : -least;
 }
 
 /*
  * Find the space for text in an electrode: its mean width and height, around the middle of its
  * bounding box. In a hollow electrode, such as a ring, the space is the largest circle, around a
- * corner or the middle of a diagonal of its parts, that its border does not cross.
+ * corner or the middle of a diagonal of its parts, that its border does not cross. A text of five
+ * digits, whose width is three times its font size, fits into the circle.
  */
 static void find_room(electrode *electrode)
 {
     enum { PLACES = 500 };
     const trace *area = &electrode->area;
-    const double *low = electrode->box.low, *high = electrode->box.high, sum = area_of(area);
-    const double middle[2] = {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2};
-    const double beside[2] = {middle[0] + 0.01, middle[1] + 0.017}; /* the middle itself may lie on
-                                                                       a side of a polygon */
-    electrode->is_hollow = !is_inside(area, beside);
-    if (!electrode->is_hollow)
-        electrode->room =
-            (text_room){{middle[0], middle[1]}, sum / (high[1] - low[1]), sum / (high[0] - low[0])};
-    for (int k = 0; electrode->is_hollow && k + 2 < area->count; k += 1 + area->count / PLACES) {
-        const double *corner = area->at[k], *other = area->at[k + 2];
-        try_place(electrode, corner);
-        try_place(electrode,
-                  (const double[2]){(corner[0] + other[0]) / 2, (corner[1] + other[1]) / 2});
+    const polygon_box box = polygon_box_of((const double(*)[2])area->at, (size_t)area->count);
+    text_room *room = &electrode->room;
+    const double size[2] = {box.high[0] - box.low[0], box.high[1] - box.low[1]};
+    for (int i = 0; i < 2; i++)
+        electrode->middle[i] = room->middle[i] = (box.low[i] + box.high[i]) / 2;
+    /* The middle itself may lie on the level of a corner of the border. */
+    const double beside[2] = {room->middle[0] + 0.01, room->middle[1] + 0.017};
+    electrode->is_hollow = clearance_of(&electrode->border, beside) < 0;
+    room->width = electrode->is_hollow ? 0 : area_of(area) / size[1];
+    room->height = electrode->is_hollow ? 0 : area_of(area) / size[0];
+    const int points = electrode->is_hollow ? area->count - 2 : 0;
+    for (int k = 0; k < 2 * points; k += 1 + k % 2 * 2 * (points / PLACES)) {
+        const double *corner = area->at[k / 2], *other = area->at[k / 2 + k % 2 * 2];
+        const double place[2] = {(corner[0] + other[0]) / 2, (corner[1] + other[1]) / 2};
+        const double radius = clearance_of(&electrode->border, place);
+        if (isfinite(radius) && 2 * 0.63 * radius > room->height)
+            *room = (text_room){{place[0], place[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
     }
 }
 
-/* Find the parts of an electrode, its border, and the space for text. */
-static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
+/* Find the parts of a patch in the elements, and its border. */
+static void add_patch(electrode *electrode, const scene_patches *patches, int index)
 {
-    electrode electrode = {.map = map};
+    static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    const shell *map = electrode->map;
+    shell part = *map;
+    design_part found;
+    electrode->frame = patches->outlines ? "frame" : "patch";
     for (int k = 0; patches->outlines && k < 2 * map->cells; k++)
-        if (design_pieces(map->design, patches, index, k / 2, k % 2, add_piece, &electrode) < 0)
+        if (design_pieces(map->design, patches, index, k / 2, k % 2, add_piece, electrode) < 0)
             *map->has_failed = true;
-    if (!patches->outlines)
-        add_elements(&electrode, patches, index);
-    electrode.box =
-        polygon_box_of((const double(*)[2])electrode.area.at, (size_t)electrode.area.count);
-    find_room(&electrode);
-    return electrode;
+    part.cell = map->cell + map->cells;
+    part.cells = 0;
+    for (int e = 0; !patches->outlines && e < map->cells; e++)
+        if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index) {
+            memcpy(part.cell[part.cells++], map->cell[e], sizeof *map->cell);
+            add_piece(electrode, e, square, 4);
+        }
+    for (int k = 0, sides = shell_outer_sides(&part); k < sides; k++) {
+        double(*ends)[2] = add_line(map, &electrode->border, 2);
+        if (ends)
+            shell_outer_side(&part, k, ends);
+    }
+    find_room(electrode);
 }
 
-static void close_electrode(electrode *electrode)
+/* Compute the pixel coordinates of piezoelectric stack k of an actuator. */
+static void stack_at(const shell *map, const scene_actuator *actuator, int k, double at[2])
 {
-    free(electrode->area.at);
-    free(electrode->border.at);
+    mesh_spot spot;
+    double place[3] = {0, 0, 0};
+    at[0] = at[1] = (double)NAN;
+    if (mesh_spot_of_spring(map->mesh, actuator->stacks, k, &spot, place) < 0) {
+        *map->has_failed = true;
+        return;
+    }
+    if (!view_has_parameters(map->mesh))
+        mesh_spot_place(map->mesh, &spot, place);
+    view_project(&map->view, place, at);
+}
+
+/* Find the disc that stands for stack k of an actuator; no two discs touch. */
+static void add_stack(electrode *electrode, const scene_actuator *actuator, int k)
+{
+    enum { CORNERS = 36 };
+    const double largest = 16, share = 0.45, turn = 6.283185307179586 / CORNERS;
+    double radius = largest, middle[2], other[2];
+    stack_at(electrode->map, actuator, k, middle);
+    for (int i = 0; i < actuator->grid[0]; i++) {
+        stack_at(electrode->map, actuator, i, other);
+        if (i != k)
+            radius = fmin(radius, share * hypot(middle[0] - other[0], middle[1] - other[1]));
+    }
+    double(*area)[2] = add_line(electrode->map, &electrode->area, CORNERS + 1);
+    double(*border)[2] = add_line(electrode->map, &electrode->border, CORNERS + 1);
+    for (int i = 0; area && border && i <= CORNERS; i++) {
+        area[i][0] = border[i][0] = middle[0] + radius * cos(i % CORNERS * turn);
+        area[i][1] = border[i][1] = middle[1] + radius * sin(i % CORNERS * turn);
+    }
+    electrode->frame = "patch";
+    find_room(electrode);
+    electrode->room.width = electrode->room.height = 1.8 * radius;
 }
 
 static void draw_trace(FILE *file, const char *style, const trace *trace)
 {
-    draw_path(file, style);
+    put(file, DRAW_PATH, style);
     draw_line(file, (const double(*)[2])trace->at, trace->count);
-    draw_path_end(file);
+    put(file, DRAW_PATH_END);
 }
 
 void shell_extend(draw_scale *scale, const design *design, const double *value)
@@ -285,24 +283,24 @@ typedef struct drawn {
     const draw_scale *scale;
     const char *name, *unit; /* name of the amplifier, and unit of its value */
     double value;            /* voltage of the amplifier (V), or temperature of its heaters (K) */
-    const char *colour;  /* SVG style class of the colour that shows the value; "none" if the value
-                            has another unit than the colour scale */
-    const char *outline; /* SVG style class of the outline: "patch" for a voltage within its limits,
-                            "limit" at a limit, "beyond" for one beyond its limits */
+    const char *colour;      /* style class; "none" if the value has another unit than the scale */
+    const char *outline; /* style class: "limit" at a limit, "beyond" beyond one, else "patch" */
     const char *words;   /* remark in the title on a voltage at or beyond a limit, else empty */
-    bool is_marked; /* whether the voltage of the amplifier is at or beyond one of its limits */
+    bool is_marked;      /* whether the voltage is at or beyond one of its limits */
 } drawn;
 
-static drawn drawn_of(FILE *file, const design *design, const shell_voltage_set *set, int amplifier)
+static drawn drawn_of(const shell *map, const voltages *result, const draw_scale *scale,
+                      int amplifier)
 {
+    const design *design = map->design;
     static const char *const words[] = {"", ", limit active", ", beyond the limits of the scene"};
     static const char *const outline[] = {"patch", "limit", "beyond"};
-    const double value = set->result->voltage[amplifier];
+    const double value = result->voltage[amplifier];
     const char *unit = design_unit(design, amplifier);
-    const int beyond = shell_is_beyond(design, set->result, amplifier) ? 2 : 0;
-    const int mark = set->result->at_limit[amplifier] ? 1 : beyond;
-    const char *colour = unit == set->scale->unit ? draw_colour(set->scale, value) : "none";
-    return (drawn){file,          set->scale,  design->amplifier_name[amplifier],
+    const int beyond = shell_is_beyond(design, result, amplifier) ? 2 : 0;
+    const int mark = result->at_limit[amplifier] ? 1 : beyond;
+    const char *colour = unit == scale->unit ? draw_colour(scale, value) : "none";
+    return (drawn){map->file,     scale,       design->amplifier_name[amplifier],
                    unit,          value,       colour,
                    outline[mark], words[mark], mark > 0};
 }
@@ -314,11 +312,7 @@ static void put_title(const drawn *drawn)
         drawn->words);
 }
 
-/*
- * Write the voltage of an amplifier on the map in the largest font that fits into the electrode. A
- * voltage at a limit is written in any case, all other voltages only if the font is large enough to
- * be read.
- */
+/* Write a voltage in the largest font that fits, if it can be read or is at a limit. */
 static void write_voltage(const drawn *drawn, const text_room *room)
 {
     const double digit = 0.6; /* width of a digit as a fraction of the font size */
@@ -340,19 +334,18 @@ static void write_voltage(const drawn *drawn, const text_room *room)
     fputs("</text>\n", drawn->file);
 }
 
-static void draw_electrode(const electrode *electrode, const drawn *drawn, const char *frame)
+static void draw_electrode(const electrode *electrode, const drawn *drawn)
 {
     FILE *file = drawn->file;
-    const double shrink = electrode->is_hollow ? 1 : 0.86, rest = (1 - shrink) / 2;
-    const polygon_box *box = &electrode->box;
+    const double shrink = electrode->is_hollow ? 1 : 0.86, rest = 1 - shrink;
     fputs("<g>", file);
     put_title(drawn);
     draw_trace(file, drawn->colour, &electrode->area);
-    draw_trace(file, frame, &electrode->border);
+    draw_trace(file, electrode->frame, &electrode->border);
     if (drawn->is_marked) {
         put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(%n)\">", drawn->outline,
-            draw_tone(drawn->scale, drawn->value), rest * (box->low[0] + box->high[0]),
-            rest * (box->low[1] + box->high[1]), shrink);
+            draw_tone(drawn->scale, drawn->value), rest * electrode->middle[0],
+            rest * electrode->middle[1], shrink);
         draw_trace(file, "", &electrode->border);
         fputs("</g>", file);
     }
@@ -360,93 +353,52 @@ static void draw_electrode(const electrode *electrode, const drawn *drawn, const
 }
 
 /* Draw the electrodes of an actuator, or write their voltages (is_text). */
-static void draw_actuator(const shell *map, const scene_actuator *actuator,
-                          const shell_voltage_set *set, bool is_text)
+static void draw_actuator(const shell *map, const scene_actuator *actuator, const voltages *result,
+                          const draw_scale *scale, bool is_text)
 {
     const int count = actuator->grid[0] * actuator->grid[1];
-    for (int k = actuator->drives * count - 1; k >= 0; k--) {
-        const scene_patches *patches = &map->design->patches[actuator->drive[k / count].patches];
-        electrode electrode = open_electrode(map, patches, k % count);
-        const drawn drawn = drawn_of(map->file, map->design, set, actuator->first + k % count);
+    const int copies = actuator->stacks ? 1 : actuator->drives;
+    for (int k = copies * count - 1; k >= 0; k--) {
+        electrode electrode = {.map = map};
+        const drawn drawn = drawn_of(map, result, scale, actuator->first + k % count);
+        if (actuator->stacks)
+            add_stack(&electrode, actuator, k);
+        else
+            add_patch(&electrode, &map->design->patches[actuator->drive[k / count].patches],
+                      k % count);
         if (is_text)
             write_voltage(&drawn, &electrode.room);
         else
-            draw_electrode(&electrode, &drawn, patches->outlines ? "frame" : "patch");
-        close_electrode(&electrode);
-    }
-}
-
-/* Compute the pixel coordinates of piezoelectric stack k of an actuator; NAN if memory runs out. */
-static void stack_at(const shell *map, const scene_actuator *actuator, int k, double at[2])
-{
-    mesh_spot spot;
-    double place[3] = {0, 0, 0};
-    at[0] = at[1] = (double)NAN;
-    if (mesh_spot_of_spring(map->mesh, actuator->stacks, k, &spot, place) < 0)
-        return;
-    if (!view_has_parameters(map->mesh))
-        mesh_spot_place(map->mesh, &spot, place);
-    view_project(&map->view, place, at);
-}
-
-/* Radius at which the discs that stand for the stacks of an actuator do not touch (pixels). */
-static double stack_radius(const shell *map, const scene_actuator *actuator)
-{
-    const double largest = 16, share = 0.45;
-    double radius = largest, own[2], other[2];
-    for (int k = 0; k < actuator->grid[0]; k++)
-        for (int i = 0; i < k; i++) {
-            stack_at(map, actuator, k, own);
-            stack_at(map, actuator, i, other);
-            radius = fmin(radius, share * hypot(own[0] - other[0], own[1] - other[1]));
-        }
-    return radius;
-}
-
-/* Draw the stacks of an actuator as discs, or write their voltages (is_text). */
-static void draw_stacks(const shell *map, const scene_actuator *actuator,
-                        const shell_voltage_set *set, bool is_text)
-{
-    const double radius = stack_radius(map, actuator);
-    for (int k = 0; k < actuator->grid[0]; k++) {
-        text_room room = {.width = 1.8 * radius, .height = 1.8 * radius};
-        stack_at(map, actuator, k, room.middle);
-        const drawn drawn = drawn_of(map->file, map->design, set, actuator->first + k);
-        if (is_text) {
-            write_voltage(&drawn, &room);
-            continue;
-        }
-        fputs("<g>", map->file);
-        put_title(&drawn);
-        draw_disc(map->file, drawn.colour, room.middle, radius);
-        if (drawn.is_marked)
-            draw_disc(map->file, drawn.outline, room.middle, radius - 1);
-        fputs("</g>\n", map->file);
+            draw_electrode(&electrode, &drawn);
+        free(electrode.area.at);
+        free(electrode.border.at);
     }
 }
 
 /* Draw all patches and stacks of a map, then their voltages, so that none lies under a patch. */
-static void draw_patches(const shell *map, int which, const shell_voltage_set *set)
+static void draw_patches(const shell *map, int which, const voltages *result,
+                         const draw_scale *scale)
 {
     const int actuators = map->design->actuators;
     for (int k = 0; k < 2 * actuators; k++) {
-        const scene_actuator *actuator = &map->design->actuator[k % actuators];
+        const bool is_text = k >= actuators;
         if (map->plan[k % actuators] == which)
-            (actuator->stacks ? draw_stacks : draw_actuator)(map, actuator, set, k >= actuators);
+            draw_actuator(map, &map->design->actuator[k % actuators], result, scale, is_text);
         if (k == actuators - 1)
             shell_edges(map, "frame");
     }
     write_ranges(map);
 }
 
-static void draw_bars(const shell *map, double height, const shell_voltage_set *set)
+static void draw_bars(const shell *map, double height, const voltages *result,
+                      const draw_scale *scale)
 {
     enum { NAMES = 74 };
     const double half = (SHELL_MAP_WIDTH - NAMES) / 2.0, middle = NAMES + half;
     FILE *file = map->file;
     for (int k = 0; k < map->design->amplifiers; k++) {
-        const drawn drawn = drawn_of(file, map->design, set, k);
-        const double share = set->scale->most > 0 ? drawn.value / set->scale->most : 0;
+        const drawn drawn = drawn_of(map, result, scale, k);
+        const double share = scale->most > 0 ? drawn.value / scale->most : 0;
         const char *const style[2] = {drawn.colour, drawn.outline};
         fputs("<g>", file);
         put_title(&drawn);
@@ -459,7 +411,7 @@ static void draw_bars(const shell *map, double height, const shell_voltage_set *
     put(file, "<path class=\"grid\" d=\"M%f 0V%f\"/>", middle, height * map->design->amplifiers);
 }
 
-void shell_voltages(const shell *map, int which, const shell_voltage_set *set)
+void shell_voltages(const shell *map, int which, const voltages *result, const draw_scale *scale)
 {
     const int bars = map->plans > 0 ? 0 : map->design->amplifiers;
     const double bar = fmin(fmax(330.0 / bars, 2), 18);
@@ -473,8 +425,8 @@ void shell_voltages(const shell *map, int which, const shell_voltage_set *set)
              inputs.name);
     draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH, height, title, description);
     if (bars)
-        draw_bars(map, bar, set);
+        draw_bars(map, bar, result, scale);
     else
-        draw_patches(map, which, set);
+        draw_patches(map, which, result, scale);
     draw_end(map->file, DRAW_GROUP);
 }

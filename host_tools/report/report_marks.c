@@ -1,20 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Marks in a picture of the mesh in space: loads, outputs, directions of x, y and z, and the rigid
- * bodies that the shell may touch.
- */
+/* Marks in a picture of the mesh in space: loads, outputs, directions, bodies in contact. */
 #include <math.h>
 #include <string.h>
 #include "../mesh/springs.h"
 #include "../quads/vector.h"
 #include "report_shell.h"
-
-void shell_node(const shell *shell, int node, const char *style, double radius)
-{
-    double at[2];
-    shell_at(shell, node, at);
-    draw_disc(shell->file, style, at, radius);
-}
 
 /* Draw a point load as an arrow that ends at its node, or as a disc if it is seen end-on. */
 static void draw_load(const shell *shell, const scene_load *load)
@@ -38,16 +28,12 @@ static void draw_load(const shell *shell, const scene_load *load)
             tip[0], tip[1], atan2(-up, right) / degree, length * hypot(right, up));
 }
 
-void shell_loads(const shell *shell)
-{
-    for (int k = 0; k < shell->design->loads; k++)
-        if (shell->design->load[k].type == LOAD_POINT)
-            draw_load(shell, &shell->design->load[k]);
-}
-
-void shell_outputs(const shell *shell)
+void shell_marks(const shell *shell)
 {
     const design *design = shell->design;
+    for (int k = 0; k < design->loads; k++)
+        if (design->load[k].type == LOAD_POINT)
+            draw_load(shell, &design->load[k]);
     for (int k = 0; k < design->outputs; k++) {
         const scene_where *where = &design->output[k].where;
         double at[2];
@@ -75,9 +61,8 @@ void shell_directions(const shell *shell)
 }
 
 /*
- * Return the distance between a point in space and the rigid body of a contact, after the
- * displacement of the body at the present load factor; negative inside the body.
- *   normal [3] out  gradient of the distance at the point
+ * Return the distance of a point in space from the rigid body of a contact at the present load
+ * factor, negative inside the body, and compute its gradient, the normal.
  */
 static double gap_at(const equilibrium *equilibrium, const double place[3], double normal[3])
 {
@@ -88,11 +73,7 @@ static double gap_at(const equilibrium *equilibrium, const double place[3], doub
     return equilibrium->body.gap(&equilibrium->body, from, normal, hessian);
 }
 
-/*
- * Project a point onto the surface of the rigid body of a contact, in four steps along the gradient
- * of the distance.
- *   normal [3] out  outward normal of the body there
- */
+/* Project a point onto the surface of the rigid body, and compute its outward normal there. */
 static void pull_to_body(const equilibrium *equilibrium, double place[3], double normal[3])
 {
     for (int k = 0; k < 4; k++) {
@@ -143,7 +124,7 @@ void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_fron
     const bool is_hiding = vector_dot(body->normal, shell->view.axis[2]) < 0;
     if (!body->is_given || is_hiding != is_in_front)
         return;
-    draw_path(shell->file, "body");
+    put(shell->file, DRAW_PATH, "body");
     for (int i = 0; i + 1 < SHELL_NET; i++)
         for (int j = 0; j + 1 < SHELL_NET; j++) {
             double at[4][2];
@@ -152,5 +133,5 @@ void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_fron
                              at[r]);
             draw_polygon(shell->file, (const double(*)[2])at, 4);
         }
-    draw_path_end(shell->file);
+    put(shell->file, DRAW_PATH_END);
 }

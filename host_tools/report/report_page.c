@@ -10,19 +10,19 @@
 #define PROGRAM "piezoshape " PZS_VERSION_TEXT
 #define FACT(name, value) "<div><dt>" name "</dt><dd>" value "</dd></div>\n"
 
-int page_open(page *page, const report_job *job, const analysis *analysis)
+static int open_page(page *page, const report_job *job, const analysis *analysis)
 {
     const design *design = &analysis->design;
     const size_t nodes = (size_t)design->mesh.nodes, targets = (size_t)design->targets;
     size_t values = 0;
     for (int k = 0; k < design->outputs; k++)
         values += (size_t)analysis_outputs(analysis, k);
-    *page = (struct page){.job = job,
-                          .file = job->file,
-                          .analysis = analysis,
-                          .mesh = &design->mesh,
-                          .design = design,
-                          .inputs = design_inputs_of(design)};
+    page->file = job->file;
+    page->job = job;
+    page->analysis = analysis;
+    page->design = design;
+    page->mesh = &design->mesh;
+    page->inputs = design_inputs_of(design);
     words_unit(&design->units, QUANTITY_PRESSURE, page->pressure);
     page->vector = calloc(7 * nodes + targets + 2 * values, sizeof *page->vector);
     page->series = calloc((size_t)design->outputs + 1, sizeof *page->series);
@@ -37,15 +37,6 @@ int page_open(page *page, const report_job *job, const analysis *analysis)
     page->space.factor = 1;
     page->space.has_failed = page->map.has_failed = &page->has_failed;
     return 0;
-}
-
-int page_close(page *page, bool has_failed)
-{
-    shell_close(&page->space);
-    shell_close(&page->map);
-    free(page->vector);
-    free(page->series);
-    return has_failed || page->has_failed || ferror(page->file) ? -1 : 0;
 }
 
 /* Write the command line, with quotes around words that are special to the shell. */
@@ -142,7 +133,7 @@ void page_begin(const page *page, const char *kind, double residual)
     fputs("</header>\n", page->file);
 }
 
-void page_end(const page *page)
+static void end_page(const page *page)
 {
     page_structure(page);
     fputs("<footer>" PROGRAM ": <code>", page->file);
@@ -170,13 +161,8 @@ void page_begin_picture(const page *page, const char *title, double width, doubl
     put(page->file,
         "<rect class=\"back\" x=\"%f\" y=\"%f\" width=\"%f\" height=\"%f\" rx=\"8\"/>\n",
         0.5 - EDGE, 0.5 - HEAD, wide - 1, tall - 1);
-    put(page->file, PUT_TEXT("%t") PUT_TEXT("%t"), "title", 0.0, 26.0 - HEAD, design->name, "", 0.0,
-        43.0 - HEAD, title);
-}
-
-void page_end_picture(const page *page, double width, double height)
-{
-    put(page->file, PUT_TEXT(PROGRAM) "</svg>\n", "end", width, height + FOOT - 9);
+    put(page->file, PUT_TEXT("%t") PUT_TEXT("%t") PUT_TEXT(PROGRAM), "title", 0.0, 26.0 - HEAD,
+        design->name, "", 0.0, 43.0 - HEAD, title, "end", width, height + FOOT - 9);
 }
 
 void page_legend(const page *page, const draw_scale *scale)
@@ -194,14 +180,14 @@ void page_legend(const page *page, const draw_scale *scale)
     fputs("</figcaption></figure>\n", page->file);
 }
 
-void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
+void page_map(const page *page, const double *value, draw_scale scale, const char *title,
               const char *note)
 {
-    const draw_scale own = draw_scale_of(true, scale->unit, value, page->mesh->nodes);
+    const draw_scale own = draw_scale_of(true, scale.unit, value, page->mesh->nodes);
     fputs("<figure class=\"map\">\n", page->file);
-    shell_map(&page->map, value, scale, title);
-    put(page->file, "<figcaption><b>%t</b>: largest %q%s", title, own.most, scale->unit, note);
-    page_legend(page, scale);
+    shell_map(&page->map, value, &scale, title);
+    put(page->file, "<figcaption><b>%t</b>: largest %q%s", title, own.most, scale.unit, note);
+    page_legend(page, &scale);
 }
 
 bool page_diagram(const page *page, draw_diagram *diagram, const char *heading, const char *title,
@@ -253,10 +239,10 @@ draw_scale page_shape(page *page, const voltages *result, const double *target)
     return draw_scale_of(true, design->units.length, page->row, design->targets);
 }
 
-void page_include(page *page, bool has_target)
+void page_include(page *page)
 {
     shell_include(&page->space);
-    page->space.vector = has_target ? page->wanted : page->vector;
+    page->space.vector = page->wanted;
     shell_include(&page->space);
     page->space.vector = page->vector;
 }
@@ -287,4 +273,23 @@ void page_keys(const page *page, const char *more)
     static const char *const keys =
         PAGE_KEY("line", "target") PAGE_KEY("dash", "undeformed edges") PAGE_KEY("pins", "support");
     put(page->file, "<p class=\"keys\">%s%s</p>\n", page->mesh->elements > 0 ? keys : "", more);
+}
+
+int page_write(page *page, const report_job *job, const analysis *analysis, page_function *prepare,
+               page_function *write_page, page_function *write_picture)
+{
+    page->has_failed = open_page(page, job, analysis) < 0;
+    if (!page->has_failed) {
+        prepare(page);
+        (job->is_svg ? write_picture : write_page)(page);
+        if (job->is_svg)
+            fputs("</svg>\n", page->file);
+        else
+            end_page(page);
+    }
+    shell_close(&page->space);
+    shell_close(&page->map);
+    free(page->vector);
+    free(page->series);
+    return page->has_failed || ferror(page->file) ? -1 : 0;
 }

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section of a load path on the report page of `pzs solve`: load over each output (report_page.h).
- */
+/* Section of a load path on the page of `pzs solve`: load over each output (report_page.h). */
 #include <math.h>
 #include "report_page.h"
 #include "../model/output_calls.h"
 
-/*
- * Return whether point i of a load path belongs to the line of unstable equilibria: it or a point
- * beside it is unstable.
- */
+/* Return whether point i of a load path, or a point beside it, is unstable. */
 static bool touches_unstable(const load_path *path, int i)
 {
     return path->point[i].negative_pivots > 0 ||

@@ -20,10 +20,7 @@ static int character_bytes(const unsigned char *text)
     return (bytes == 1 && *text >= 0x80) || *text > 0xf4 ? 0 : bytes;
 }
 
-/*
- * Write text, which may come from the user: escaped for XML, without control characters, and with
- * numbers as superscripts if is_raised is true.
- */
+/* Write text, which may come from the user, escaped for XML; is_raised: numbers raised. */
 static void put_text(FILE *file, const char *text, bool is_raised)
 {
     static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",
@@ -141,28 +138,21 @@ static void put_directive(FILE *file, char directive, va_list *more)
     }
 }
 
-/* Begin a cell of a table. Returns whether its text begins with a mark of its alignment. */
-static bool begin_cell(FILE *file, bool is_heading, char mark)
-{
-    fputs(is_heading ? "<th scope=\"col\"" : "<td", file);
-    if (mark == '<')
-        fputs(" class=\"word\"", file);
-    else if (mark == '~')
-        fputs(" class=\"note\"", file);
-    fputc('>', file);
-    return mark == '<' || mark == '~';
-}
-
 void put(FILE *file, const char *format, ...)
 {
     va_list more;
     va_start(more, format);
-    for (; *format; format++)
-        if (*format == '%')
+    for (; *format; format++) {
+        const bool is_cell = *format == '|' || *format == '^';
+        const bool is_word = is_cell && format[1] == '<', is_note = is_cell && format[1] == '~';
+        if (is_cell)
+            fprintf(file, "<%s%s%s>", *format == '^' ? "th scope=\"col\"" : "td",
+                    is_word ? " class=\"word\"" : "", is_note ? " class=\"note\"" : "");
+        else if (*format == '%')
             put_directive(file, *++format, &more);
-        else if (*format == '|' || *format == '^')
-            format += begin_cell(file, *format == '^', format[1]);
         else
             fputc(*format, file);
+        format += is_word || is_note;
+    }
     va_end(more);
 }

@@ -14,10 +14,7 @@
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
-/*
- * A cell (quadrilateral) of a picture and its depth, by which cells are sorted: the sum of the
- * coordinates of its corners towards the viewer.
- */
+/* A cell and the sum of the coordinates of its corners towards the viewer, for sorting. */
 typedef struct shell_depth {
     double depth;
     int cell;
@@ -109,6 +106,13 @@ void shell_at(const shell *shell, int point, double at[2])
     view_project(&shell->view, place, at);
 }
 
+void shell_node(const shell *shell, int node, const char *style, double radius)
+{
+    double at[2];
+    shell_at(shell, node, at);
+    draw_disc(shell->file, style, at, radius);
+}
+
 void shell_include(shell *shell)
 {
     for (int k = 0; k < shell->points; k++) {
@@ -139,11 +143,7 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
     at[1] = interpolate(corner[1], share);
 }
 
-/*
- * Append the part of a quadrilateral cell between two points to an SVG path.
- *   from, to [2] in  opposite corners of the part, as positions from 0 to 1 along the sides of the
- *   cell
- */
+/* Append the part of a cell between two opposite corners (shell_inside) to an SVG path. */
 static void draw_part(const shell *shell, int cell, const double from[2], const double to[2])
 {
     const double share[4][2] = {
@@ -157,10 +157,10 @@ static void draw_part(const shell *shell, int cell, const double from[2], const 
 /* Draw the outlines of several cells (quadrilaterals) of a picture, from the index `first` on. */
 static void draw_cells(const shell *shell, int first, int count, const char *style)
 {
-    draw_path(shell->file, style);
+    put(shell->file, DRAW_PATH, style);
     for (int k = first; k < first + count; k++)
         draw_part(shell, k, (const double[2]){0, 0}, (const double[2]){1, 1});
-    draw_path_end(shell->file);
+    put(shell->file, DRAW_PATH_END);
 }
 
 void shell_lines(const shell *shell, const char *style)
@@ -201,13 +201,13 @@ void shell_outer_side(const shell *shell, int index, double ends[2][2])
 void shell_edges(const shell *shell, const char *style)
 {
     const int sides = shell_outer_sides(shell);
-    draw_path(shell->file, style);
+    put(shell->file, DRAW_PATH, style);
     for (int k = 0; k < sides; k++) {
         double ends[2][2];
         shell_outer_side(shell, k, ends);
         draw_polygon(shell->file, (const double(*)[2])ends, 2);
     }
-    draw_path_end(shell->file);
+    put(shell->file, DRAW_PATH_END);
 }
 
 static int farther_first(const void *one, const void *other)
@@ -258,27 +258,14 @@ static bool paint_cell(const shell *shell, int cell, const double *value, const 
                 break;
         }
         const double from[2] = {i * size, j * size}, to[2] = {(i + end - k) * size, (j + 1) * size};
-        draw_path(shell->file, colour);
+        put(shell->file, DRAW_PATH, colour);
         draw_part(shell, cell, from, to);
         fputs("\"/>", shell->file);
     }
     return has_values;
 }
 
-/* Draw the outline and the supported corners of a cell (quadrilateral) in space. */
-static void draw_frame(const shell *shell, int cell)
-{
-    if (shell->mesh->elements <= FINE)
-        draw_cells(shell, cell, 1, "edge");
-    for (int r = 0; r < 4; r++)
-        if (shell->point[shell->cell[cell][r]].is_held)
-            shell_node(shell, shell->cell[cell][r], "pin", 2.5);
-}
-
-/*
- * Draw the values at the points of a mesh as coloured discs. Of a very large number of points, only
- * every second, third and so on is drawn.
- */
+/* Draw the values at the points as coloured discs; of very many, only every second or so on. */
 static void draw_points(const shell *shell, const double *value, const draw_scale *scale)
 {
     enum { MOST_DOTS = 2500 };
@@ -302,9 +289,13 @@ void shell_surface(const shell *shell, const double *value, const draw_scale *sc
     const shell_depth *order = sort_cells(shell);
     fputs("<g class=\"cells\">\n", shell->file);
     for (int k = 0; k < shell->cells; k++) {
-        has_values |= paint_cell(shell, order[k].cell, value, scale, pieces);
-        if (!shell->is_map)
-            draw_frame(shell, order[k].cell);
+        const int cell = order[k].cell;
+        has_values |= paint_cell(shell, cell, value, scale, pieces);
+        if (!shell->is_map && shell->mesh->elements <= FINE)
+            draw_cells(shell, cell, 1, "edge");
+        for (int r = 0; r < 4; r++)
+            if (shell->point[shell->cell[cell][r]].is_held)
+                shell_node(shell, shell->cell[cell][r], "pin", 2.5);
     }
     if (!has_values)
         draw_points(shell, value, scale);

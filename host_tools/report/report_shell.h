@@ -21,40 +21,33 @@ typedef struct view {
 } view;
 
 /*
- * Begin a view without points: the outer side of a shell in space, from 30 degrees above the
- * horizon, or a map. Orientation of the map:
- *   mesh along lines of curvature  theta1 downwards and theta2 to the right, like a printed table
- *       of voltages (view_has_parameters)
- *   mesh from a file               along its mean normal; a closed surface as in space
- *   polar plate, mesh of points    x to the right and y upwards
- */
-void view_begin(view *view, const mesh *mesh, bool is_map);
-bool view_has_parameters(const mesh *mesh);
-
-/*
- * Functions of a view:
+ * Views:
+ *   view_begin    begins a view without points: the outer side of a shell in space, from 30 degrees
+ *       above the horizon, or a map. On a map of a mesh along lines of curvature
+ *       (view_has_parameters), theta1 points downwards and theta2 to the right, like a printed
+ *       table of voltages. A mesh from a file is seen along its mean normal, a closed surface as in
+ *       space; of polar plates and meshes of points, x points to the right and y upwards
  *   view_axes     computes the axes of a view from the direction towards the viewer; the axis
  *       `up` of space points upwards in the picture
  *   view_include  extends a view so that a point is visible
  *   view_fit      fits the included points into a picture, at least `least` pixels high
  *   view_project  computes the pixel coordinates of a point
+ *   view_magnification  returns a round factor with which a displacement of the size `most` is
+ *       drawn about `share` times as long as the largest extent of the mesh
  */
+void view_begin(view *view, const mesh *mesh, bool is_map);
+bool view_has_parameters(const mesh *mesh);
 void view_axes(const double towards[3], int up, double axis[3][3]);
 void view_include(view *view, const double point[3]);
 void view_fit(view *view, double width, double height, double least);
 void view_project(const view *view, const double point[3], double at[2]);
-
-/*
- * Return a round factor of magnification with which a displacement of the size `most` is drawn
- * about `share` times as long as the largest extent of the mesh.
- */
 double view_magnification(const mesh *mesh, double most, double share);
 
-/* A point of a drawn mesh: a node and its coordinates in the view, without displacement. */
+/* A point of a drawn mesh: its coordinates without displacement, its node, has it a support. */
 typedef struct shell_point {
     double place[3];
     int node;
-    bool is_held; /* whether a support includes the node; only in a picture in space */
+    bool is_held;
 } shell_point;
 
 /*
@@ -89,52 +82,45 @@ int shell_open(shell *shell, FILE *file, const design *design, bool is_map);
 void shell_close(shell *shell);
 
 /*
- * shell_place computes the coordinates of a point with its displacement, and shell_at its pixel
- * coordinates. shell_inside computes the pixel coordinates of a point inside a cell.
- *   share [2] in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
- *       corner 0 to corner 3
+ * Places in the picture of a mesh:
+ *   shell_place    computes the coordinates of a point with its displacement
+ *   shell_at       computes its pixel coordinates
+ *   shell_inside   computes the pixel coordinates of a point inside a cell: share [2], from 0 to 1,
+ *       increases from corner 0 to corner 1, and from corner 0 to corner 3
+ *   shell_include  includes the undeformed mesh and the displaced mesh in the view
+ *   shell_outer_sides  finds the sides of single cells and returns their number
+ *   shell_outer_side   computes the pixel coordinates of the ends of one of them, until the next
+ *       call of another function that uses the work memory
  */
 void shell_place(const shell *shell, int point, double place[3]);
 void shell_at(const shell *shell, int point, double at[2]);
 void shell_inside(const shell *shell, int cell, const double share[2], double at[2]);
-
-/* Include the undeformed mesh and the displaced mesh in the view in space. */
 void shell_include(shell *shell);
-
-/*
- * Draw the surface coloured by value [nodes], or discs at the points if no cell has values at all
- * corners. In space, closer cells cover distant ones, and the supports are drawn too.
- */
-void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
-
-/*
- * shell_lines draws all sides of the cells, and shell_edges only the outer edges, which are sides
- * of a single cell. Cells with a displacement of NaN are left out.
- */
-void shell_lines(const shell *shell, const char *style);
-void shell_edges(const shell *shell, const char *style);
-
-/*
- * shell_outer_sides finds the sides of single cells and returns their number; shell_outer_side
- * computes the pixel coordinates of the ends of one of them, until the next call of another
- * function that uses the work memory.
- */
 int shell_outer_sides(const shell *shell);
 void shell_outer_side(const shell *shell, int index, double ends[2][2]);
 
 /*
- * shell_node draws a disc with a radius in pixels at a displaced node, shell_loads the point loads
- * as arrows, shell_outputs the places and names of the outputs at single nodes, and
- * shell_directions the directions of x, y and z in a corner of the picture.
+ * Parts of the picture of a mesh:
+ *   shell_surface     the surface coloured by value [nodes], or discs at the points if no cell has
+ *       values at all corners. In space, closer cells cover distant ones, and supports are drawn
+ *   shell_lines       all sides of the cells; cells with a displacement of NaN are left out
+ *   shell_edges       the outer edges, which are sides of a single cell
+ *   shell_node        a disc with a radius in pixels at a displaced node
+ *   shell_marks       point loads as arrows, and the places and names of outputs at single nodes
+ *   shell_directions  the directions of x, y and z in a corner of the picture
  */
+void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
+void shell_lines(const shell *shell, const char *style);
+void shell_edges(const shell *shell, const char *style);
 void shell_node(const shell *shell, int node, const char *style, double radius);
-void shell_loads(const shell *shell);
-void shell_outputs(const shell *shell);
+void shell_marks(const shell *shell);
 void shell_directions(const shell *shell);
 
 /*
- * Net of points on the surface of a rigid body that the shell may touch, in the part near the
- * shell; SHELL_NET is the number of points along each side of the net.
+ * A net of points on a rigid body that the shell may touch, in the part near the shell.
+ * shell_find_body finds the body in the last equilibrium, and includes it in the view;
+ * shell_draw_body draws the body, but only if it lies on the given side of the shell for the
+ * viewer: in front of it (is_in_front), or behind it.
  */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {
@@ -142,45 +128,24 @@ typedef struct shell_body {
     double normal[3]; /* outward unit normal of the rigid body at the point nearest to the shell */
     double place[SHELL_NET][SHELL_NET][3];
 } shell_body;
-
-/*
- * shell_find_body finds the rigid body that the shell may touch, in the last equilibrium, and
- * includes it in the view; shell_draw_body draws the body, but only if it lies on the given side of
- * the shell for the viewer: in front of it (is_in_front), or behind it.
- */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front);
 
 /* Draw a map of values [nodes] in colours, with frame, mesh lines and ranges of coordinates. */
 void shell_map(const shell *map, const double *value, const draw_scale *scale, const char *title);
 
-/* Voltages of all amplifiers, with the colour scale in which pictures show them. */
-typedef struct shell_voltage_set {
-    const voltages *result;
-    const draw_scale *scale;
-} shell_voltage_set;
-
 /*
- * Extend a colour scale to contain the inputs of those amplifiers that have the unit of the scale.
- *   value [amplifiers] in  voltages, or temperatures of heaters
- */
-void shell_extend(draw_scale *scale, const design *design, const double *value);
-
-/* Return whether the voltage of an amplifier is beyond the voltage limits of the scene. */
-bool shell_is_beyond(const design *design, const voltages *result, int amplifier);
-
-/*
- * Distribute the actuators over several maps of the surface, so that patches on the same map do not
- * overlap. The results are map->plan, the index of the map of each actuator, and map->plans, the
- * number of maps.
+ * Voltages of the amplifiers, or temperatures of heaters, in pictures:
+ *   shell_find_plans  distributes the actuators over several maps (map->plan, map->plans), so that
+ *       patches on the same map do not overlap
+ *   shell_voltages    draws map `which` (0 to map->plans - 1) with a voltage in each patch; if the
+ *       scene has no patches, the voltages of all amplifiers as bars
+ *   shell_extend      extends a colour scale to contain the values [amplifiers] that have its unit
+ *   shell_is_beyond   returns whether the voltage of an amplifier is beyond the limits of the scene
  */
 void shell_find_plans(shell *map);
-
-/*
- * Draw one map of the surface with the patches of some actuators, and in each patch its voltage. If
- * the scene has no patches, draw the voltages of all amplifiers as bars.
- *   which  in  index of the map, 0 to map->plans - 1
- */
-void shell_voltages(const shell *map, int which, const shell_voltage_set *set);
+void shell_extend(draw_scale *scale, const design *design, const double *value);
+bool shell_is_beyond(const design *design, const voltages *result, int amplifier);
+void shell_voltages(const shell *map, int which, const voltages *result, const draw_scale *scale);
 
 #endif

@@ -4,15 +4,9 @@
 #include "../simulate/simulate_words.h"
 #include "report_page.h"
 
-typedef struct simulate_page {
-    page page;
-    const simulation *simulation;
-    const simulate_record *record;
-} simulate_page;
-
-static void write_verdict(const simulate_page *self)
+static void write_verdict(const page *page)
 {
-    const simulation *simulation = self->simulation;
+    const simulation *simulation = page->simulation;
     const simulate_phase *worst = simulation->phase;
     double above = -1;
     char name[SIMULATE_PHASE_TEXT];
@@ -23,65 +17,65 @@ static void write_verdict(const simulate_page *self)
         above = fmax(above, here);
     }
     simulate_words_phase(simulation, worst, name);
-    put(self->page.file,
+    put(page->file,
         "<p class=\"verdict\"><b>%d %ss beyond a limit or the step limit</b> in %d ticks; at "
         "the end of a phase the relative RMS error is at most %p above the optimum for that plant "
         "in the same limits (“%t”, from tick %d).</p>\n",
-        (int)simulation->count[LAW_CONTROLLER].beyond_limits, self->page.inputs.name,
-        self->record->ticks, fmax(above, 0), name, worst->from);
+        (int)simulation->count[LAW_CONTROLLER].beyond_limits, page->inputs.name,
+        page->record->ticks, fmax(above, 0), name, worst->from);
 }
 
-static void write_phases(const simulate_page *self)
+static void write_phases(const page *page)
 {
     char text[SIMULATE_TEXT];
-    simulate_words_columns(self->simulation, text);
-    put(self->page.file,
+    simulate_words_columns(page->simulation, text);
+    put(page->file,
         PUT_TABLE("Relative RMS errors; %t",
                   "^Tick^~Events^Optimum^Steady^Vibration^Clipped^Regularised,<br/>clipped^Worst"
                   "^Settled^Step limit"),
         text);
-    for (int k = 0; k < self->simulation->phases; k++) {
-        const simulate_phase *phase = &self->simulation->phase[k];
+    for (int k = 0; k < page->simulation->phases; k++) {
+        const simulate_phase *phase = &page->simulation->phase[k];
         const simulate_course *course = phase->course;
-        simulate_words_phase(self->simulation, phase, text);
-        put(self->page.file, PUT_ROW("%d|~%t|%p|%p|%p|%p|%p|%p|%n|%d"), phase->from, text,
+        simulate_words_phase(page->simulation, phase, text);
+        put(page->file, PUT_ROW("%d|~%t|%p|%p|%p|%p|%p|%p|%n|%d"), phase->from, text,
             phase->optimum, course[LAW_CONTROLLER].steady, course[LAW_CONTROLLER].vibration,
             course[LAW_CLAMP].steady, course[LAW_REGULARISED].steady, course[LAW_CONTROLLER].worst,
             course->settled < 0 ? (double)NAN : course->settled, course->step_limit_ticks);
     }
-    put(self->page.file, PUT_TABLE_END);
+    put(page->file, PUT_TABLE_END);
 }
 
-static void write_counts(const simulate_page *self)
+static void write_counts(const page *page)
 {
     static const char *const law_name[LAWS] = {"Controller", "Clipped least squares",
                                                "Regularised, then clipped"};
-    put(self->page.file,
+    put(page->file,
         PUT_TABLE("Ticks of all laws",
                   "^Law^%ss beyond limit or step limit^Limits between amplifiers violated^Not "
                   "finite^Missed ticks^Held^A sensor rejected^Out of iterations^Most iterations"),
-        self->page.inputs.title);
+        page->inputs.title);
     for (int law = 0; law < LAWS; law++) {
-        const simulate_count *count = &self->simulation->count[law];
-        put(self->page.file, PUT_ROW("%s|%d|%d|%d|%d|%d|%d|%d|%d"), law_name[law],
+        const simulate_count *count = &page->simulation->count[law];
+        put(page->file, PUT_ROW("%s|%d|%d|%d|%d|%d|%d|%d|%d"), law_name[law],
             (int)count->beyond_limits, (int)count->beyond_rows, (int)count->not_finite,
             (int)count->missed_ticks, (int)count->status[PZS_W_HELD],
             (int)count->status[PZS_W_SENSOR], (int)count->status[PZS_W_ITERATIONS],
             count->iterations_most);
     }
-    put(self->page.file, PUT_TABLE_END);
+    put(page->file, PUT_TABLE_END);
 }
 
-static void write_plant(const simulate_page *self)
+static void write_plant(const page *page)
 {
-    FILE *file = self->page.file;
-    const certificate *certificate = &self->simulation->nominal->certificate;
+    FILE *file = page->file;
+    const certificate *certificate = &page->simulation->nominal->certificate;
     char text[SIMULATE_TEXT], stability[CERTIFICATE_TEXT];
-    simulate_words_plant(self->simulation, text);
+    simulate_words_plant(page->simulation, text);
     put(file, "<p class=\"lines\">%t</p>\n", text);
     if (!certificate->is_made)
         return;
-    simulate_words_inertia(&self->simulation->plant, text);
+    simulate_words_inertia(&page->simulation->plant, text);
     certificate_text(certificate, stability);
     put(file, "<p class=\"lines\">%t. ", text);
     if (certificate->has_modes)
@@ -97,35 +91,34 @@ static void write_plant(const simulate_page *self)
  */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
-/* Draw the frame of a diagram over time, the beginnings of the phases, and the words of the axis.
- */
-static void draw_time(const simulate_page *self, const draw_diagram *diagram)
+/* Draw the frame of a diagram over time, the phases, and the numbers of the axis. */
+static void draw_time(const page *page, const draw_diagram *diagram)
 {
-    FILE *file = self->page.file;
+    FILE *file = page->file;
     const double bottom = diagram->y.from;
     put(file, "<rect class=\"frame\" x=\"%d\" y=\"%d\" width=\"%d\" height=\"%f\"/>\n", LEFT, TOP,
         RIGHT - LEFT, bottom - TOP);
     draw_grid(file, diagram, true);
-    draw_path(file, "rest ghost");
-    for (int k = 1; k < self->simulation->phases; k++)
-        put(file, "M%f %dV%f", draw_on(&diagram->x, self->simulation->phase[k].from), TOP, bottom);
-    draw_path_end(file);
+    put(file, DRAW_PATH, "rest ghost");
+    for (int k = 1; k < page->simulation->phases; k++)
+        put(file, "M%f %dV%f", draw_on(&diagram->x, page->simulation->phase[k].from), TOP, bottom);
+    put(file, DRAW_PATH_END);
     put(file, PUT_TEXT("tick, of %q in all"), "end", (double)RIGHT, bottom + 28,
-        self->record->ticks / self->page.design->control.rate, "s");
+        page->record->ticks / page->design->control.rate, "s");
 }
 
 /* Return the diagram over time whose rectangle ends at y = bottom (pixels). */
-static draw_diagram diagram_of(const simulate_page *self, double bottom)
+static draw_diagram diagram_of(const page *page, double bottom)
 {
-    return (draw_diagram){.x = {0, self->record->ticks, LEFT, RIGHT, false, {1, ""}},
+    return (draw_diagram){.x = {0, page->record->ticks, LEFT, RIGHT, false, {1, ""}},
                           .y = {HUGE_VAL, 0, bottom, TOP, true, {100, "%"}}};
 }
 
-static void draw_errors(const simulate_page *self)
+static void draw_errors(const page *page)
 {
-    FILE *file = self->page.file;
-    const simulation *simulation = self->simulation;
-    const simulate_record *record = self->record;
+    FILE *file = page->file;
+    const simulation *simulation = page->simulation;
+    const simulate_record *record = page->record;
     const int estimated = simulation->estimates ? record->bins : 0;
     const int vibrating = simulation->plant.has_inertia ? record->bins : 0;
     const draw_series curve[4] = {
@@ -133,7 +126,7 @@ static void draw_errors(const simulate_page *self)
         {"wire bold", NULL, record->error[LAW_CONTROLLER], record->bins, NULL, 0},
         {"wire", NULL, record->measurement_error, estimated, NULL, 0},
         {"rest", NULL, record->vibration, vibrating, NULL, 0}};
-    draw_diagram diagram = diagram_of(self, BOTTOM);
+    draw_diagram diagram = diagram_of(page, BOTTOM);
     draw_axis *axis = &diagram.y;
     diagram.series = curve;
     diagram.count = 4;
@@ -143,7 +136,7 @@ static void draw_errors(const simulate_page *self)
     axis->high = axis->high > 0 ? axis->high : 1;
     axis->low = 0.8 * fmin(fmax(axis->low, 1e-6 * axis->high), axis->high / 2);
     draw_grid(file, &diagram, false);
-    draw_time(self, &diagram);
+    draw_time(page, &diagram);
     draw_curves(file, &diagram);
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
@@ -153,16 +146,15 @@ static void draw_errors(const simulate_page *self)
     }
 }
 
-static void write_errors(const simulate_page *self)
+static void write_errors(const page *page)
 {
-    const simulate_record *record = self->record;
-    fputs("<figure>\n", self->page.file);
-    draw_begin(self->page.file, DRAW_CHART, RIGHT + 10, BOTTOM + FOOT,
-               "Relative RMS error over time",
+    const simulate_record *record = page->record;
+    fputs("<figure>\n", page->file);
+    draw_begin(page->file, DRAW_CHART, RIGHT + 10, BOTTOM + FOOT, "Relative RMS error over time",
                "Of the controller and of clipped least squares, with the optimum of each phase");
-    draw_errors(self);
-    draw_end(self->page.file, DRAW_CHART);
-    put(self->page.file,
+    draw_errors(page);
+    draw_end(page->file, DRAW_CHART);
+    put(page->file,
         PAGE_CAPTION(
             "<span class=\"keys\">%s</span> Relative RMS error, logarithmic, the largest of "
             "every %d ticks; thin: error of the estimate; thin grey: vibration, the "
@@ -180,10 +172,10 @@ static bool is_active(const simulate_record *record, int amplifier, int bin)
 }
 
 /* Draw the voltage of an amplifier over time as a row of colours, height pixels high. */
-static void draw_row(const simulate_page *self, int amplifier, const draw_axis *time,
+static void draw_row(const page *page, int amplifier, const draw_axis *time,
                      const draw_scale *scale, double y, double height)
 {
-    const simulate_record *record = self->record;
+    const simulate_record *record = page->record;
     const double *voltage = record->voltage + amplifier;
     const double part = (double)record->ticks / record->bins;
     for (int i = 0, end; i < record->bins; i = end) {
@@ -194,98 +186,101 @@ static void draw_row(const simulate_page *self, int amplifier, const draw_axis *
                 is_active(record, amplifier, end) != has_line)
                 break;
         const double from = draw_on(time, i * part), to = draw_on(time, end * part);
-        put(self->page.file, "<path class=\"%s\" d=\"M%f %fH%fv%fH%fz\"/>", colour, from, y, to,
-            height, from);
+        put(page->file, "<path class=\"%s\" d=\"M%f %fH%fv%fH%fz\"/>", colour, from, y, to, height,
+            from);
         if (has_line)
-            put(self->page.file, "<path class=\"at\" d=\"M%f %fH%f\"/>", from, y + height / 2, to);
+            put(page->file, "<path class=\"at\" d=\"M%f %fH%f\"/>", from, y + height / 2, to);
     }
 }
 
-static void write_voltages(const simulate_page *self)
+static void write_voltages(const page *page)
 {
-    FILE *file = self->page.file;
-    const int rows = self->record->amplifiers;
+    FILE *file = page->file;
+    const int rows = page->record->amplifiers;
     const double height = fmax(4, fmin(14, 420.0 / rows)), bottom = TOP + height * rows;
-    const draw_diagram diagram = diagram_of(self, bottom);
-    draw_scale scale = {true, 0, self->page.inputs.unit};
-    for (int k = 0; k < self->record->bins; k++)
-        shell_extend(&scale, self->page.design, self->record->voltage + k * rows);
+    const draw_diagram diagram = diagram_of(page, bottom);
+    draw_scale scale = {true, 0, page->inputs.unit};
+    for (int k = 0; k < page->record->bins; k++)
+        shell_extend(&scale, page->design, page->record->voltage + k * rows);
     char title[64];
-    snprintf(title, sizeof title, "%ss of the amplifiers over time", self->page.inputs.title);
+    snprintf(title, sizeof title, "%ss of the amplifiers over time", page->inputs.title);
     fputs("<figure>\n", file);
     draw_begin(file, DRAW_CHART, RIGHT + 10, bottom + FOOT, title,
                "A row for each amplifier, with a line where a limit is active");
     fputs("<g class=\"flat\">\n", file);
     for (int k = 0; k < rows; k++) {
-        draw_row(self, k, &diagram.x, &scale, TOP + height * k, height);
-        draw_name(file, LEFT - 6, TOP + height * k, height, self->page.design->amplifier_name[k]);
+        draw_row(page, k, &diagram.x, &scale, TOP + height * k, height);
+        draw_name(file, LEFT - 6, TOP + height * k, height, page->design->amplifier_name[k]);
     }
     fputs("</g>\n", file);
-    draw_time(self, &diagram);
+    draw_time(page, &diagram);
     draw_end(file, DRAW_CHART);
     put(file,
         "<figcaption>%ss of the amplifiers under the controller, a row each; the line within marks "
         "active limits.",
-        self->page.inputs.title);
-    page_legend(&self->page, &scale);
+        page->inputs.title);
+    page_legend(page, &scale);
 }
 
-static void write_shape(page *page, const simulate_phase *last, const voltages *result)
+static const simulate_phase *last_phase(const page *page)
 {
-    page->scale = page_shape(page, result, last->target);
+    return &page->simulation->phase[page->simulation->phases - 1];
+}
+
+static void fit_shape(page *page)
+{
+    page->scale = page_shape(page, page->result, last_phase(page)->target);
     page->space.factor = view_magnification(page->mesh, page->largest, 0.3);
-    page_include(page, false);
+    page_include(page);
     view_fit(&page->space.view, 600, 400, 180);
+}
+
+static void write_shape(const page *page)
+{
     page_keys(page, "");
     fputs("<figure class=\"chart\">\n", page->file);
     page_draw_shape(page, &page->scale);
     put(page->file,
         "<figcaption>Reached shape and <b>target</b> at the last tick, displacement <b>× %n</b>, "
         "relative RMS error <b>%p</b>. Misfit, reached minus target:",
-        page->space.factor, last->course[LAW_CONTROLLER].steady);
+        page->space.factor, last_phase(page)->course[LAW_CONTROLLER].steady);
     page_legend(page, &page->scale);
 }
 
-static void write_page(simulate_page *self)
+static void write_page(page *page)
 {
-    const page *page = &self->page;
-    const simulate_phase *last = &self->simulation->phase[self->simulation->phases - 1];
-    const simulate_course *course = &last->course[LAW_CONTROLLER];
-    const voltages result = {.name = "At the last tick",
-                             .voltage = course->voltage,
-                             .displacement = course->displacement,
-                             .shape = course->shape};
     page_begin(page, "The controller in closed loop", page->analysis->model.info.residual);
-    write_verdict(self);
+    write_verdict(page);
     fputs("<h2>Over time</h2>\n", page->file);
-    write_plant(self);
-    write_errors(self);
-    write_voltages(self);
-    page_voltages(page, &result, 1);
+    write_plant(page);
+    write_errors(page);
+    write_voltages(page);
+    page_voltages(page, page->result, 1);
     fputs("<h2>Phases</h2>\n", page->file);
-    write_phases(self);
-    write_counts(self);
+    write_phases(page);
+    write_counts(page);
     fputs("<h2>Shape</h2>\n", page->file);
-    write_shape(&self->page, last, &result);
-    page_end(page);
+    write_shape(page);
 }
 
-static void write_picture(simulate_page *self)
+static void write_picture(page *page)
 {
-    page_begin_picture(&self->page,
+    page_begin_picture(page,
                        "relative RMS error over time: controller bold, clipped grey, optimum of "
                        "the plant dashed",
                        RIGHT, BOTTOM + FOOT);
-    draw_errors(self);
-    page_end_picture(&self->page, RIGHT, BOTTOM + FOOT);
+    draw_errors(page);
 }
 
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record)
 {
-    simulate_page self = {.simulation = simulation, .record = record};
-    const bool failed = page_open(&self.page, job, simulation->nominal) < 0;
-    if (!failed)
-        (job->is_svg ? write_picture : write_page)(&self);
-    return page_close(&self.page, failed);
+    const simulate_course *course =
+        &simulation->phase[simulation->phases - 1].course[LAW_CONTROLLER];
+    const voltages last = {.name = "At the last tick",
+                           .voltage = course->voltage,
+                           .displacement = course->displacement,
+                           .shape = course->shape};
+    page page = {.result = &last, .simulation = simulation, .record = record};
+    return page_write(&page, job, simulation->nominal, fit_shape, write_page, write_picture);
 }

@@ -12,33 +12,26 @@
  * Write a map of the load on the material, averaged at the nodes: one over the reserve factor if
  * the scene states strengths, otherwise the von Mises stress. Where a node has several averages, as
  * at a fold, the map shows the largest.
- *   load [5 elements] out  work array
  */
-static void draw_load(const page *page, const stress_field *field, const stress_points *points,
-                      double *load)
-{
-    double *mean = load + field->elements;
-    const bool has_strength = stress_load(field, load);
-    stress_points_average(points, field, load, 1, mean);
-    memset(page->value, 0, (size_t)page->mesh->nodes * sizeof *page->value);
-    for (int k = 0; k < points->count; k++)
-        page->value[points->node[k]] = fmax(page->value[points->node[k]], mean[k]);
-    const draw_scale scale =
-        draw_scale_of(false, has_strength ? "" : page->pressure, page->value, page->mesh->nodes);
-    if (has_strength)
-        page_map(page, page->value, &scale, "Use of the strength",
-                 ", one over the least reserve factor of the layers, averaged at the nodes");
-    else
-        page_map(page, page->value, &scale, "Von Mises stress",
-                 ", of the layers the largest, averaged at the nodes");
-}
-
 static void write_load(const page *page, const stress_field *field)
 {
     stress_points points;
     double *load = calloc(5 * (size_t)field->elements + 1, sizeof *load);
-    if (stress_points_make(&points, field) == 0 && load)
-        draw_load(page, field, &points, load);
+    double *mean = load + field->elements, *value = page->value;
+    *page->map.has_failed = stress_points_make(&points, field) < 0 || !load;
+    if (!page->has_failed) {
+        const bool has_strength = stress_load(field, load);
+        const char *unit = has_strength ? "" : page->pressure;
+        stress_points_average(&points, field, load, 1, mean);
+        memset(value, 0, (size_t)page->mesh->nodes * sizeof *value);
+        for (int k = 0; k < points.count; k++)
+            value[points.node[k]] = fmax(value[points.node[k]], mean[k]);
+        page_map(page, value, draw_scale_of(false, unit, value, page->mesh->nodes),
+                 has_strength ? "Use of the strength" : "Von Mises stress",
+                 has_strength
+                     ? ", one over the least reserve factor of the layers, averaged at the nodes"
+                     : ", of the layers the largest, averaged at the nodes");
+    }
     stress_points_free(&points);
     free(load);
 }
@@ -82,8 +75,9 @@ static void write_layers(const page *page, const stress_summary *summary)
     put(page->file, PUT_TABLE_END);
 }
 
-void page_stress(const page *page, const stress_field *field)
+void page_stress(const page *page)
 {
+    const stress_field *field = page->stress;
     stress_summary summary;
     if (!field)
         return;

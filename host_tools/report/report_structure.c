@@ -4,10 +4,7 @@
 #include "../scene/outline_shares.h"
 #include "report_page.h"
 
-/*
- * For a layer whose patches have their stiffness smeared over cut elements, write in how many
- * elements that is the case.
- */
+/* Write in how many elements the stiffness of a layer is smeared over cut patches. */
 static void write_cuts(const page *page, int layer)
 {
     const design *design = page->design;
@@ -42,10 +39,7 @@ static void write_layers(const page *page)
         write_cuts(page, k);
 }
 
-/*
- * Write the table of the materials' constants: elastic constants, and of the piezoelectric
- * constants d31 (strain) or e31 (stress), whichever the scene states.
- */
+/* Write the materials with the piezoelectric constants that the scene states: d31 or e31. */
 static void write_materials(const page *page)
 {
     const design *design = page->design;
@@ -104,12 +98,10 @@ void page_voltages(const page *page, const voltages *result, int results)
     put(page->file, PUT_TABLE_END "</details>\n");
 }
 
-/*
- * Write the section of one pair of voltage limits for a target that is given as a list of modes
- * (named target shapes): a table of the relative RMS error that remains for each mode alone.
- */
-static void write_modes(const page *page, const modes *modes, int limits)
+/* Write the error that remains of each mode (named target shape) alone, within a pair of limits. */
+static void write_modes(const page *page, int limits)
 {
+    const modes *modes = page->modes;
     put(page->file, "<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,
         page->inputs.unit);
     put(page->file,
@@ -130,8 +122,8 @@ static void write_modes(const page *page, const modes *modes, int limits)
     put(page->file, PUT_TABLE_END);
 }
 
-void page_modes(const page *page, const modes *modes)
+void page_modes(const page *page)
 {
-    for (int k = 0; modes->count > 0 && k < modes->limits; k++)
-        write_modes(page, modes, k);
+    for (int k = 0; page->modes->count > 0 && k < page->modes->limits; k++)
+        write_modes(page, k);
 }

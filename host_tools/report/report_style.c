@@ -4,10 +4,7 @@
 #include <string.h>
 #include "report_draw.h"
 
-/*
- * Number of colours from which each colour scale is interpolated. They are evenly spaced over the
- * scale, and neighbours have equal distances in the colour space OKLab.
- */
+/* Colours between which a scale is interpolated, with equal distances in the OKLab space. */
 enum { STOPS = 9 };
 static const unsigned signed_stops[2][STOPS] = {
     {0x113f77, 0x286db0, 0x4f9fe2, 0x9ccdf3, 0xf3f3f3, 0xf4c598, 0xe79044, 0xbe621b, 0x8c3e0f},

@@ -19,18 +19,13 @@ void view_axes(const double towards[3], int up, double axis[3][3])
     vector_cross(axis[1], axis[2], axis[0]);
 }
 
-/*
- * Choose a view in space, 30 degrees above the horizon, that shows most of the outer side of the
- * shell.
- *   normal [3] in  mean normal of the surface
- */
+/* Choose the view from 30 degrees above the horizon that shows most of the outer side. */
 static void look_at(view *view, const double normal[3])
 {
-    static const double degree = 0.017453292519943295, azimuth[4] = {-58, 32, 122, 212};
-    const double up = sin(30 * degree), out = cos(30 * degree);
+    const double degree = 0.017453292519943295, up = sin(30 * degree), out = cos(30 * degree);
     double best = -2;
-    for (int k = 0; k < 4; k++) {
-        const double angle = azimuth[k] * degree;
+    for (int azimuth = -58; azimuth < 300; azimuth += 90) {
+        const double angle = azimuth * degree;
         const double towards[3] = {out * cos(angle), out * sin(angle), up};
         const double shown = vector_dot(normal, towards);
         if (shown > best + 1e-6)
@@ -39,10 +34,7 @@ static void look_at(view *view, const double normal[3])
     }
 }
 
-/*
- * Set the axes of a map over the surface coordinates: theta1 downwards, theta2 to the right. The
- * aspect ratio is that of the mean lengths of the shell along both coordinates, within 0.3 and 3.
- */
+/* Map theta1 downwards and theta2 to the right, in the mean proportions of the shell, 0.3 to 3. */
 static void look_at_parameters(view *view, const mesh *mesh)
 {
     double metric[2] = {0, 0}, range[2];
@@ -57,19 +49,6 @@ static void look_at_parameters(view *view, const mesh *mesh)
     view->axis[1][0] = -fmin(fmax(aspect, 0.3), 3) / range[0];
 }
 
-/*
- * Compute the mean of the unit normals of the surface at all nodes, along which a picture is
- * viewed. Returns the length of the mean: 1 for a plate, 0 for a closed surface.
- */
-static double mean_normal(const mesh *mesh, double normal[3])
-{
-    normal[0] = normal[1] = normal[2] = 0;
-    for (int n = 0; n < mesh->nodes; n++)
-        for (int i = 0; i < 3; i++)
-            normal[i] += mesh->point[n].triad[2][i] / mesh->nodes;
-    return vector_length(normal);
-}
-
 bool view_has_parameters(const mesh *mesh)
 {
     return mesh->elements > 0 && !mesh->quads && !mesh->is_polar;
@@ -78,11 +57,13 @@ bool view_has_parameters(const mesh *mesh)
 void view_begin(view *view, const mesh *mesh, bool is_map)
 {
     static const double upwards[3] = {0, 0, 1};
-    double normal[3];
-    const double length = mean_normal(mesh, normal);
+    double normal[3] = {0, 0, 0}; /* mean of the unit normals of the surface at all nodes, whose
+                                     length is 1 for a plate and 0 for a closed surface */
+    for (int k = 0; k < 3 * mesh->nodes; k++)
+        normal[k % 3] += mesh->point[k / 3].triad[2][k % 3] / mesh->nodes;
     const double *towards = mesh->quads ? normal : upwards;
     *view = (struct view){.low = {DBL_MAX, DBL_MAX}, .high = {-DBL_MAX, -DBL_MAX}};
-    if (!is_map || (mesh->quads && length <= 0.3))
+    if (!is_map || (mesh->quads && vector_length(normal) <= 0.3))
         look_at(view, normal);
     else if (view_has_parameters(mesh))
         look_at_parameters(view, mesh);
