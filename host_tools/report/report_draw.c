@@ -102,7 +102,7 @@ const char *draw_tone(const draw_scale *scale, double value)
 void draw_legend(FILE *file, const draw_scale *scale, double x, double y)
 {
     const double width = DRAW_LEGEND_WIDTH, bar = width / DRAW_LEVELS, most = scale->most;
-    const double low = scale->is_signed ? -most : 0, first = scale->is_signed ? -1 : 0;
+    const double first = scale->is_signed ? -1 : 0, low = first * most;
     const draw_scale unit = {scale->is_signed, 1, ""};
     put(file, "<g transform=\"translate(%f %f)\"><g class=\"flat\">", x, y);
     for (int i = 0; i < DRAW_LEVELS; i++)
@@ -168,9 +168,10 @@ void draw_curves(FILE *file, const draw_diagram *diagram)
         const double at[2] = {draw_on(x, mark->along), draw_on(&diagram->y, mark->value)};
         const bool is_right = at[0] > (x->from + x->to) / 2;
         draw_disc(file, "dot", at, 4);
+        const char *style = is_right ? "tag end" : "tag";
+        const double shift = is_right ? -7 : 7;
         if (is_place(at))
-            put(file, PUT_TEXT("%s %n"), is_right ? "tag end" : "tag", at[0] + (is_right ? -7 : 7),
-                at[1] - 5, mark->name, mark->value);
+            put(file, PUT_TEXT("%s %n"), style, at[0] + shift, at[1] - 5, mark->name, mark->value);
     }
 }
 

@@ -143,16 +143,17 @@ void put(FILE *file, const char *format, ...)
     va_list more;
     va_start(more, format);
     for (; *format; format++) {
-        const bool is_cell = *format == '|' || *format == '^';
-        const bool is_word = is_cell && format[1] == '<', is_note = is_cell && format[1] == '~';
-        if (is_cell)
-            fprintf(file, "<%s%s%s>", *format == '^' ? "th scope=\"col\"" : "td",
-                    is_word ? " class=\"word\"" : "", is_note ? " class=\"note\"" : "");
-        else if (*format == '%')
+        const char mark = format[1];
+        if (*format == '%') {
             put_directive(file, *++format, &more);
-        else
+        } else if (*format == '|' || *format == '^') {
+            fputs(*format == '^' ? "<th scope=\"col\"" : "<td", file);
+            fputs(mark == '<' ? " class=\"word\"" : "", file);
+            fputs(mark == '~' ? " class=\"note\">" : ">", file);
+            format += mark == '<' || mark == '~';
+        } else {
             fputc(*format, file);
-        format += is_word || is_note;
+        }
     }
     va_end(more);
 }

@@ -47,10 +47,10 @@ static void write_row(const page *page, const voltages *result, double worst)
     for (int k = 0; k < result->amplifiers; k++)
         beyond += shell_is_beyond(page->design, result, k);
     const double active = is_limited(result) ? result->active_limits : (double)NAN;
-    put(page->file, PUT_ROW("%t|%l|%b|%q|%q|%n|%a|%s%d%s|%r"), result->name, result->limit,
+    put(page->file, PUT_ROW("%t|%l|%b|%q|%q|%n|%a"), result->name, result->limit,
         page->voltage.unit, result->error, worst, result->rms, length, result->valley, length,
-        active, largest_voltage(page, result), page->voltage.most, page->voltage.unit,
-        beyond ? "<b>" : "", beyond, beyond ? "</b>" : "", result->optimality);
+        active, largest_voltage(page, result), page->voltage.most, page->voltage.unit);
+    put(page->file, beyond ? "| <b>%d</b>|%r\n" : "|%d|%r\n", beyond, result->optimality);
 }
 
 static void write_table(const page *page)

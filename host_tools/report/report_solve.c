@@ -72,6 +72,7 @@ static draw_series curve_of(const page *page, int k, int along, double *point)
 static void draw_lines(const page *page, int along)
 {
     const char *length = page->design->units.length;
+    const char *x_unit = page->mesh->is_angle[along] ? "rad" : length;
     const scene_line *line = &page->mesh->line[along];
     double *point = page->curve;
     for (int k = 0; k < page->design->outputs; k++) {
@@ -83,8 +84,7 @@ static void draw_lines(const page *page, int along)
                             .count = page->design->outputs};
     if (page_diagram(page, &diagram,
                      along ? "<h2>Along lines of θ₂</h2>\n" : "<h2>Along lines of θ₁</h2>\n",
-                     "Outputs along lines of the mesh",
-                     page->mesh->is_angle[along] ? "rad" : length, length))
+                     "Outputs along lines of the mesh", x_unit, length))
         put(page->file, PAGE_CAPTION("Displacement (%t) over the parameter (%t)."),
             diagram.y.unit.name, diagram.x.unit.name);
 }

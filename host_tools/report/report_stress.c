@@ -15,11 +15,14 @@
  */
 static void write_load(const page *page, const stress_field *field)
 {
+    static const char *const title[] = {"Von Mises stress", "Use of the strength"};
+    static const char *const note[] = {
+        ", of the layers the largest, averaged at the nodes",
+        ", one over the least reserve factor of the layers, averaged at the nodes"};
     stress_points points;
-    double *load = calloc(5 * (size_t)field->elements + 1, sizeof *load);
-    double *mean = load + field->elements, *value = page->value;
-    *page->map.has_failed = stress_points_make(&points, field) < 0 || !load;
-    if (!page->has_failed) {
+    double *load = calloc(5 * (size_t)field->elements + 1, sizeof *load), *value = page->value;
+    if (stress_points_make(&points, field) == 0 && load) {
+        double *mean = load + field->elements;
         const bool has_strength = stress_load(field, load);
         const char *unit = has_strength ? "" : page->pressure;
         stress_points_average(&points, field, load, 1, mean);
@@ -27,10 +30,9 @@ static void write_load(const page *page, const stress_field *field)
         for (int k = 0; k < points.count; k++)
             value[points.node[k]] = fmax(value[points.node[k]], mean[k]);
         page_map(page, value, draw_scale_of(false, unit, value, page->mesh->nodes),
-                 has_strength ? "Use of the strength" : "Von Mises stress",
-                 has_strength
-                     ? ", one over the least reserve factor of the layers, averaged at the nodes"
-                     : ", of the layers the largest, averaged at the nodes");
+                 title[has_strength], note[has_strength]);
+    } else {
+        *page->map.has_failed = true;
     }
     stress_points_free(&points);
     free(load);
