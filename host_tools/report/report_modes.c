@@ -26,14 +26,15 @@ static bool is_measured(const page *page)
 }
 
 /* Colours: size of the displacement over the largest one, for outputs of a matrix with its sign. */
-static draw_scale scale_of(const page *page)
+static void choose_scale(page *page)
 {
-    return (draw_scale){is_measured(page), 1, ""};
+    page->scale = (draw_scale){is_measured(page), 1, ""};
 }
 
-static int drawn(const vibration *vibration, int most)
+static int drawn(const page *page, int most)
 {
-    return vibration->count < most ? vibration->count : most;
+    const int count = page->vibrating->vibration.count;
+    return count < most ? count : most;
 }
 
 /* Fill the values at the outputs of a measured mode, over the largest one. */
@@ -51,9 +52,10 @@ static void choose_outputs(page *page, const double *shape)
 }
 
 /* Choose a mode for the next picture: its largest displacement is 1, and the view contains it. */
-static void choose_mode(page *page, const vibration *vibration, int mode)
+static void choose_mode(page *page, int mode)
 {
-    const double *shape = vibration->shape + (size_t)mode * (size_t)page->mesh->free_dof;
+    const double *shape =
+        page->vibrating->vibration.shape + (size_t)mode * (size_t)page->mesh->free_dof;
     if (is_measured(page)) {
         choose_outputs(page, shape);
         return;
@@ -63,7 +65,7 @@ static void choose_mode(page *page, const vibration *vibration, int mode)
         page->value[n] /= page->largest;
     page->space.factor = view_magnification(page->mesh, page->largest, 0.15);
     view_begin(&page->space.view, page->mesh, false);
-    page_include(page, false);
+    page_include(page);
     view_fit(&page->space.view, WIDE, TALL, TALL / 3.0);
 }
 
@@ -75,30 +77,27 @@ static const view *view_of(const page *page)
 
 static void draw_mode(const page *page)
 {
-    const draw_scale scale = scale_of(page);
     shell undeformed = page->space;
     undeformed.vector = NULL;
     if (is_measured(page)) {
-        shell_surface(&page->map, page->value, &scale);
+        shell_surface(&page->map, page->value, &page->scale);
         return;
     }
     shell_lines(&undeformed, "rest");
-    shell_surface(&page->space, page->value, &scale);
+    shell_surface(&page->space, page->value, &page->scale);
     shell_edges(&undeformed, "outline");
 }
 
 /* ---- page --------------------------------------------------------------- */
 
-static void write_figures(page *page, const vibration *vibration)
+static void write_figures(page *page)
 {
-    const int count = drawn(vibration, MOST_DRAWN);
-    const draw_scale scale = scale_of(page);
     fputs(
         "<h2>Mode shapes</h2>\n<p class=\"soft\">Displacement over the largest one, drawn from the "
         "undeformed mesh.</p>\n<div class=\"row\">\n",
         page->file);
-    for (int mode = 0; mode < count; mode++) {
-        choose_mode(page, vibration, mode);
+    for (int mode = 0; mode < drawn(page, MOST_DRAWN); mode++) {
+        choose_mode(page, mode);
         fputs("<figure>\n", page->file);
         draw_begin(
             page->file, DRAW_IMAGE, view_of(page)->width, view_of(page)->height,
@@ -106,92 +105,80 @@ static void write_figures(page *page, const vibration *vibration)
             "The shape is coloured by the size of the displacement, over the undeformed mesh");
         draw_mode(page);
         draw_end(page->file, DRAW_IMAGE);
-        page_caption(page, NULL, "<b>Mode %d</b>: %n Hz", mode + 1, vibration->frequency[mode]);
+        put(page->file, PAGE_CAPTION("<b>Mode %d</b>: %n Hz"), mode + 1,
+            page->vibrating->vibration.frequency[mode]);
     }
-    fputs("</div>\n", page->file);
-    draw_legend(page->file, &scale);
+    fputs("</div>\n<figure><figcaption>", page->file);
+    page_legend(page, &page->scale);
 }
 
-static void write_row(const page *page, const loaded_modes *modes, int mode)
+static void write_row(const page *page, int mode)
 {
-    const vibration *vibration = &modes->vibration;
-    const coupling *coupling = &modes->coupling;
+    const vibration *vibration = &page->vibrating->vibration;
+    const coupling *coupling = &page->vibrating->coupling;
     const double *share = vibration->effective[mode], mass = vibration->mass;
     double shorted = (double)NAN, squared = (double)NAN;
     if (mode < coupling->count) {
         shorted = coupling->short_frequency[mode];
         squared = coupling->squared[mode];
     }
-    put_row(page->file, "%d|%n|%n|%n|%n|%p|%p|%p", mode + 1, vibration->frequency[mode],
-            vibration_damping(vibration, page->design, mode), shorted, squared, share[0] / mass,
-            share[1] / mass, share[2] / mass);
+    put(page->file, PUT_ROW("%d|%n|%n|%n|%n|%p|%p|%p"), mode + 1, vibration->frequency[mode],
+        vibration_damping(vibration, page->design, mode), shorted, squared, share[0] / mass,
+        share[1] / mass, share[2] / mass);
 }
 
-static void write_table(const page *page, const loaded_modes *modes)
+static void write_page(page *page)
 {
-    put_table(page->file,
-              "Natural frequencies; shares of the mass that take part in motions along x, y and z. "
-              "Short-circuit frequency and coupling factor where electrodes are open.",
-              "Mode|Frequency (Hz)|Damping ratio|Short circuit (Hz)|Coupling k²|Mass x|y|z");
-    for (int mode = 0; mode < modes->vibration.count; mode++)
-        write_row(page, modes, mode);
-    put_table_end(page->file);
-}
-
-static void write_page(page *page, const loaded_modes *modes)
-{
-    const char *title = modes->is_loaded
-                            ? "Vibration about the equilibrium under loads and voltages"
-                            : "Vibration about the reference state";
-    page_begin(page, title, -1);
-    fputs("<h2>Modes</h2>\n", page->file);
-    write_table(page, modes);
-    write_figures(page, &modes->vibration);
-    page_end(page);
+    page_begin(page,
+               page->vibrating->is_loaded
+                   ? "Vibration about the equilibrium under loads and voltages"
+                   : "Vibration about the reference state",
+               -1);
+    put(page->file,
+        "<h2>Modes</h2>\n" PUT_TABLE(
+            "Natural frequencies; shares of the mass that take part in motions along x, y and z. "
+            "Short-circuit frequency and coupling factor where electrodes are open.",
+            "^Mode^Frequency (Hz)^Damping ratio^Short circuit (Hz)^Coupling k²^Mass x^y^z"));
+    for (int mode = 0; mode < page->vibrating->vibration.count; mode++)
+        write_row(page, mode);
+    put(page->file, PUT_TABLE_END);
+    write_figures(page);
 }
 
 /* ---- picture ------------------------------------------------------------ */
 
 /* Height of the tallest picture of the first modes, in pixels. */
-static double tallest(page *page, const vibration *vibration, int count)
+static double tallest(page *page, int count)
 {
     double most = 0;
     for (int mode = 0; mode < count; mode++) {
-        choose_mode(page, vibration, mode);
+        choose_mode(page, mode);
         most = fmax(most, view_of(page)->height);
     }
     return most;
 }
 
-static void write_picture(page *page, const vibration *vibration)
+static void write_picture(page *page)
 {
-    const int count = drawn(vibration, MOST_IN_PICTURE);
+    const int count = drawn(page, MOST_IN_PICTURE);
     const int columns = count < COLUMNS ? count : COLUMNS, rows = (count + COLUMNS - 1) / COLUMNS;
-    const double tall = tallest(page, vibration, count) + TEXT,
+    const double tall = tallest(page, count) + TEXT,
                  width = fmax(columns * (WIDE + GAP), DRAW_LEGEND_WIDTH), height = rows * tall + 44;
-    const draw_scale scale = scale_of(page);
     page_begin_picture(page, "mode shapes, displacement over the largest one", width, height);
     for (int mode = 0; mode < count; mode++) {
         const int column = mode % COLUMNS, row = mode / COLUMNS;
-        choose_mode(page, vibration, mode);
+        choose_mode(page, mode);
         put(page->file, "<g transform=\"translate(%f,%f)\">\n", (double)(column * (WIDE + GAP)),
             row * tall);
         draw_mode(page);
-        draw_text(page->file, "", 4, tall - TEXT / 2.0, "mode %d, %n Hz", mode + 1,
-                  vibration->frequency[mode]);
-        fputs("</g>\n", page->file);
+        put(page->file, PUT_TEXT("mode %d, %n Hz") "</g>\n", "", 4.0, tall - TEXT / 2.0, mode + 1,
+            page->vibrating->vibration.frequency[mode]);
     }
-    draw_legend_at(page->file, &scale, 0, height - 32);
-    page_end_picture(page, width, height);
+    draw_legend(page->file, &page->scale, 0, height - 32);
 }
 
 int report_modes(const report_job *job, const loaded_modes *modes)
 {
-    page page;
-    const bool failed = page_open(&page, job, &modes->analysis) < 0;
-    if (!failed && job->is_svg)
-        write_picture(&page, &modes->vibration);
-    else if (!failed)
-        write_page(&page, modes);
-    return page_close(&page, failed);
+    page page = {.vibrating = modes};
+    return page_write(&page, job, &modes->analysis, choose_scale, write_page, write_picture);
 }

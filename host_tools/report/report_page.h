@@ -43,6 +43,9 @@ typedef struct page {
     const modes *modes;
     draw_scale voltage; /* colour scale of the inputs of all amplifiers in all results */
 
+    /* of `pzs modes` */
+    const loaded_modes *vibrating;
+
     /* of `pzs simulate` */
     const simulation *simulation;
     const simulate_record *record;
