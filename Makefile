@@ -54,7 +54,7 @@ $(B)/$(1)/libpiezoshape.a: $$(LIB:%.c=$(B)/$(1)/%.o)
 $(B)/$(1)/host.a: $$(HOST:%.c=$(B)/$(1)/%.o)
 	rm -f $$@ && ar rcs $$@ $$^
 endef
-SANITIZE := -O2 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+SANITIZE := -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 # Where the compiler makes programs for x86-64, the factorisation in double also uses AVX2, if the processor has it.
 WIDE := $(if $(filter x86_64-%,$(shell $(CC) -dumpmachine)),-DPZS_WIDE=1)
 $(eval $(call variant,64,-O2 -DPZS_REAL_BITS=64 $(WIDE)))
@@ -375,4 +375,4 @@ include firmware_demo/firmware.mk
 clean:
 	rm -rf $(B)
 
--include $(shell find $(B) -name '*.d' 2>/dev/null)
+-include $(shell find $(B) $(FW_OBJECTS) -name '*.d' 2>/dev/null | sort -u)

@@ -15,6 +15,10 @@ QEMU ?= qemu-system-arm
 FW_SECONDS ?= 120
 
 F := $(B)/firmware
+# Objects of the library and of the boards. `pzs simulate --device` builds into a new folder; with the environment variable
+# FW_OBJECTS=$(B)/firmware it takes the objects that `make loop-objects` compiled there.
+FW_OBJECTS ?= $(F)
+O := $(FW_OBJECTS)
 FW_LIB_NONLINEAR := $(patsubst lib/%.c,%,$(wildcard lib/*/*.c))
 FW_LIB := $(filter-out nonlinear/%,$(FW_LIB_NONLINEAR))
 T := $(B)/tables
@@ -61,13 +65,13 @@ tables: $(FW_TABLES)
 # fw_library: processor or host, choice, compiler, archiver, flags, sources. One static library for each choice,
 # and the demonstration's own objects that are the same for all its images.
 define fw_library
-$(F)/$(1)-$(2)/%.o: lib/%.c
+$(O)/$(1)-$(2)/%.o: lib/%.c
 	@mkdir -p $$(@D)
 	$(3) $(5) $(FW_CHOICE_$(2)) $(FW_FLAGS) -MMD -c $$< -o $$@
-$(F)/$(1)-$(2)/demo/%.o: firmware_demo/%.c
+$(O)/$(1)-$(2)/demo/%.o: firmware_demo/%.c
 	@mkdir -p $$(@D)
 	$(3) $(5) $(FW_CHOICE_$(2)) $(FW_FLAGS) -MMD -c $$< -o $$@
-$(F)/$(1)-$(2)/libpzs.a: $(6:%=$(F)/$(1)-$(2)/%.o)
+$(O)/$(1)-$(2)/libpzs.a: $(6:%=$(O)/$(1)-$(2)/%.o)
 	rm -f $$@ && $(4) rcs $$@ $$^
 FW_LIBRARIES += $(1)-$(2)
 endef
@@ -98,7 +102,7 @@ FW_DEMO_reshape := demos/demo_path demos/drill demos/print
 # fw_host: choice, part, tables. The same program on the host.
 define fw_host
 $(call fw_part,host-$(1),$(2),$(3),$(FW_HOST_CC),$(FW_CHOICE_$(1)))
-$(F)/host-$(1)-$(3): $(FW_DEMO_$(2):%=$(F)/host-$(1)/demo/%.o) $(F)/host-$(1)/demo/boards/board_host.o $(F)/host-$(1)/$(3).o $(F)/host-$(1)/libpzs.a
+$(F)/host-$(1)-$(3): $(FW_DEMO_$(2):%=$(O)/host-$(1)/demo/%.o) $(O)/host-$(1)/demo/boards/board_host.o $(F)/host-$(1)/$(3).o $(O)/host-$(1)/libpzs.a
 	$(FW_HOST_CC) $$^ -lm -o $$@
 $(F)/host-$(1)-$(3).out: $(F)/host-$(1)-$(3)
 	{ timeout $(FW_SECONDS) $$(abspath $$<); echo "exit $$$$?"; } > $$@
@@ -119,8 +123,8 @@ $(eval $(call fw_host,64-nonlinear,loads,wing_nonlinear))
 # fw_image: name, QEMU machine, linker script, board file, -icount shift, processor, choice, part, tables, processor flags.
 define fw_image
 $(if $(filter $(6)-$(7)/$(9),$(FW_PARTS)),,$(call fw_part,$(6)-$(7),$(8),$(9),$(ARM_CC),$(10) $(FW_CHOICE_$(7))))
-$(F)/$(1).elf: $(F)/$(6)-$(7)/demo/boards/start.o $(F)/$(6)-$(7)/demo/boards/$(4).o $(FW_DEMO_$(8):%=$(F)/$(6)-$(7)/demo/%.o) \
-    $(F)/$(6)-$(7)/$(9).o $(F)/$(6)-$(7)/libpzs.a \
+$(F)/$(1).elf: $(O)/$(6)-$(7)/demo/boards/start.o $(O)/$(6)-$(7)/demo/boards/$(4).o $(FW_DEMO_$(8):%=$(O)/$(6)-$(7)/demo/%.o) \
+    $(F)/$(6)-$(7)/$(9).o $(O)/$(6)-$(7)/libpzs.a \
     firmware_demo/boards/$(3).ld firmware_demo/boards/sections.ld
 	$(ARM_CC) $(10) -nostartfiles -Lfirmware_demo/boards -Tfirmware_demo/boards/$(3).ld -Wl,--gc-sections -Wl,-Map=$$(@:.elf=.map) \
 	    $$(filter %.o %.a,$$^) -lm -o $$@
@@ -148,8 +152,10 @@ $(eval $(call fw_image,mps2-an500-wing,mps2-an500,mps2_an500,board_mps2,10,m7,64
 # For `pzs simulate --device`: the controller with the tables in LOOP, a header, and its plant at the other end of a stream.
 # fw_loop: name, processor or host, choice, objects of the board, compiler, flags of compiler and linker
 define fw_loop
-$(F)/$(1)-loop: firmware_demo/demos/demo_loop.c $(FW_CONTROL:%=$(F)/$(2)-$(3)/%.o) $(4:%=$(F)/$(2)-$(3)/demo/%.o)
+$(F)/$(1)-loop: firmware_demo/demos/demo_loop.c $(FW_CONTROL:%=$(O)/$(2)-$(3)/%.o) $(4:%=$(O)/$(2)-$(3)/demo/%.o)
+	@mkdir -p $$(@D)
 	$(5) $(6) -O2 $(FW_CHOICE_$(3)) $(FW_FLAGS) -DDEMO_TABLES='"$(LOOP)"' -Wl,--gc-sections $$^ -lm -o $$@
+FW_LOOP_OBJECTS += $(FW_CONTROL:%=$(O)/$(2)-$(3)/%.o) $(4:%=$(O)/$(2)-$(3)/demo/%.o)
 endef
 FW_CONTROL := $(filter-out model/model model/shell,$(FW_LIB)) # what stands between influence and volts
 FW_LINK := -nostartfiles -Lfirmware_demo/boards -Tfirmware_demo/boards
@@ -162,13 +168,14 @@ $(eval $(call fw_loop,mps2-an500,m7,64,boards/start,$(ARM_CC),$(FW_M7) $(FW_LINK
 
 FW_OUTPUTS := $(foreach pair,$(FW_PAIRS),$(patsubst %,$(F)/%.out,$(subst :, ,$(pair))))
 
-.PHONY: firmware qemu size test-target
+.PHONY: firmware loop-objects qemu size test-target
+loop-objects: $(sort $(FW_LOOP_OBJECTS))
 firmware: $(FW_IMAGES:%=$(F)/%.elf)
 
 qemu: $(sort $(FW_OUTPUTS))
 	sh firmware_demo/compare.sh $(F) $(FW_PAIRS)
 
-size: $(FW_IMAGES:%=$(F)/%.elf) $(FW_IMAGES:%=$(F)/%.out) $(FW_LIBRARIES:%=$(F)/%/libpzs.a)
+size: $(FW_IMAGES:%=$(F)/%.elf) $(FW_IMAGES:%=$(F)/%.out) $(FW_LIBRARIES:%=$(O)/%/libpzs.a)
 	sh firmware_demo/size.sh $(F) firmware_demo/size.budget $(FW_IMAGES)
 
 test-target:

@@ -7,6 +7,7 @@ set -u
 export CI=1 # a missing compiler fails a gate
 cd "$(dirname "$0")/.."
 export B="${B:-build}"
+export FW_OBJECTS="$B/firmware" # a firmware that a test builds takes the objects compiled here
 log=$B/test-log
 make="${MAKE:-make} --no-print-directory -s"
 rm -rf "$log"
@@ -56,7 +57,7 @@ lane() {
     done
 }
 
-run_part build "$make -j2 all unit san firmware && echo 'ok 1 - builds without warnings'"
+run_part build "$make -j2 all unit san firmware loop-objects && echo 'ok 1 - builds without warnings'"
 part cli 'sh tests/cli/cli.sh'
 part target-units 'sh tests/target/units.sh'
 part gate-warnings 'sh tests/gates/warnings.sh'

@@ -60,8 +60,9 @@ def interrupted_file(pzs, folder):
 
 def interrupted_device(pzs, folder):
     """The folder of a firmware that is being built when a signal comes is removed, and make ends."""
+    new = {name: value for name, value in os.environ.items() if name != "FW_OBJECTS"}  # nothing is compiled yet
     run = subprocess.Popen([pzs, "simulate", "plate-closed-loop", "--device", "host-32"], stdout=subprocess.DEVNULL,
-                           stderr=subprocess.DEVNULL, env={**os.environ, "TMPDIR": folder})
+                           stderr=subprocess.DEVNULL, env={**new, "TMPDIR": folder})
     wait_for("object file", lambda: glob.glob(os.path.join(folder, "pzs-loop-*/firmware/*/*/*.o")))
     run.send_signal(signal.SIGINT)
     if run.wait(PATIENCE) != -signal.SIGINT:

@@ -35,13 +35,20 @@ on_m7="$m7 -fstack-usage -fcallgraph-info=su"
 
 # compile COMPILER TARGET_FLAGS NONLINEAR DEFINITIONS...: the objects of the library, listed in $scratch/objects. They are
 # kept in $B/gates under a checksum of the compiler, its flags and the text that the preprocessor makes of the source, so
-# that no gate compiles again what another one has compiled, or what a definition does not change.
+# that no gate compiles again what another one has compiled, or what a definition does not change. The list of objects is
+# kept under a checksum of the flags and of all sources, so that the preprocessor runs once for each choice of flags.
 compile() {
     compiler=$1 target=$2 nonlinear=$3
     shift 3
     store=${B:-build}/gates
     mkdir -p "$store"
     version=$("$compiler" -dumpfullversion 2>/dev/null || "$compiler" --version)
+    everything=$({ echo "$compiler $version $target $strict $nonlinear $*"; cat lib/*/*.[ch] include/*.h; } | md5sum)
+    list=$store/${everything%% *}.list
+    if [ -f "$list" ]; then
+        cp "$list" "$scratch/objects"
+        return 0
+    fi
     : >"$scratch/objects"
     for file in $(sources "$nonlinear"); do
         # shellcheck disable=SC2086
@@ -57,6 +64,7 @@ compile() {
         fi
         echo "$object.o" >>"$scratch/objects"
     done
+    cp "$scratch/objects" "$list.$$" && mv "$list.$$" "$list"
 }
 
 # Result $1 (0 is good) of a check named $2; what it found stands in $scratch/found.
