@@ -12,7 +12,8 @@ build() {
     # shellcheck disable=SC2046,SC2086
     compile "$ARM_CC" "$3 -fstack-usage -fcallgraph-info=su" 0 -DPZS_REAL_BITS="$4" &&
         "$ARM_CC" --specs=picolibc.specs --oslib=semihost --crt0=hosted $memory,--defsym=__stack_size=0x10000 \
-            $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=60 -DLONG_TICKS=2000 -DMOST=200u $include \
+            $3 -std=c99 -O2 -fno-math-errno -ffp-contract=off -DPZS_REAL_BITS="$4" -DRANDOM_PROBLEMS=60 -DLONG_TICKS=2000 -DMOST=200u \
+            -DWALK_TICKS=20000 -DSEEDS=2u $include \
             -I"$B/cmocka-arm/source/include" "tests/unit/test_$1.c" tests/rigs/testdata.c $(cat "$scratch/objects") "$B/cmocka-arm/$2/cmocka.o" \
             -lm -o "$scratch/$1.elf"
 }

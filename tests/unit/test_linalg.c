@@ -20,6 +20,9 @@
 
 #include "../../lib/core/linalg.h"
 
+#ifndef SEEDS
+#define SEEDS 6u /* random matrices of each pattern; fewer under an emulator */
+#endif
 #ifndef MOST
 #define MOST 300u /* rows of the largest matrix of the tests; fewer where memory is short */
 #endif
@@ -257,7 +260,7 @@ static void bits_of_factor(void **state)
     (void)state;
     for (size_t o = 0; o < ORDERS; o++)
         for (int p = 0; p < PATTERNS; p++)
-            for (uint32_t s = 0; s < 6; s++) {
+            for (uint32_t s = 0; s < SEEDS; s++) {
                 s % 2u ? make_definite((enum pattern)p, orders[o], s)
                        : make_indefinite((enum pattern)p, orders[o], s);
                 check_bits_of_factor();
@@ -284,7 +287,7 @@ static void bits_of_solution(void **state)
     (void)state;
     for (size_t o = 0; o < ORDERS; o++)
         for (int p = 0; p < PATTERNS; p++)
-            for (uint32_t s = 0; s < 6; s++) {
+            for (uint32_t s = 0; s < SEEDS; s++) {
                 pzs_real x[MOST + GUARD], y[MOST];
                 make_indefinite((enum pattern)p, orders[o], s);
                 for (uint32_t i = 0; i < a.n; i++)
@@ -417,7 +420,7 @@ static void known_inertia(void **state)
     (void)state;
     for (size_t o = 0; o < ORDERS; o++)
         for (int p = 0; p < PATTERNS; p++)
-            for (uint32_t s = 0; s < 4; s++) {
+            for (uint32_t s = 0; s < SEEDS; s++) {
                 pzs_real d[MOST], pivot = 0, diagonal = 0;
                 uint32_t negative = 0;
                 int32_t first_negative = -1;
@@ -705,7 +708,7 @@ static void condition(void **state)
     (void)state;
     for (size_t o = 0; o < ORDERS; o++)
         for (int p = 0; p < PATTERNS; p++)
-            for (uint32_t s = 0; s < 4; s++) {
+            for (uint32_t s = 0; s < SEEDS; s++) {
                 s % 2u ? make_definite((enum pattern)p, orders[o], s)
                        : make_indefinite((enum pattern)p, orders[o], s);
                 check_condition();
