@@ -240,7 +240,8 @@ static void derivative(const outline_cell *cell, const double natural[2], int di
 /*
  * A point in the plane of the outlines is a bilinear function of the natural coordinates. Newton's
  * method inverts this function, starting from the middle of the cell (element or part of one). It
- * converges because the cell is convex.
+ * converges because the cell is convex. The
+ * iterations end where rounding lets a step change nothing more.
  */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2])
@@ -249,6 +250,7 @@ void outline_cell_natural(const outline_cell *cell, outline_plane plane, const d
     const int *axis = plane_axes[plane];
     natural[0] = natural[1] = 0;
     for (int k = 0; k < ITERATIONS; k++) {
+        const double before[2] = {natural[0], natural[1]};
         double at[OUTLINE_AXES], along[OUTLINE_AXES], across[OUTLINE_AXES];
         outline_cell_at(cell, natural, at);
         derivative(cell, natural, 0, along);
@@ -260,6 +262,8 @@ void outline_cell_natural(const outline_cell *cell, outline_plane plane, const d
         natural[1] += (gap[1] * along[axis[0]] - gap[0] * along[axis[1]]) / determinant;
         for (int direction = 0; direction < 2; direction++)
             natural[direction] = fmax(-1, fmin(1, natural[direction]));
+        if (memcmp(before, natural, sizeof before) == 0)
+            return;
     }
 }
 
