@@ -263,7 +263,8 @@ const char *analysis_output_electrode(const analysis *analysis, int k, int i)
 bool analysis_output_is_row(const analysis *analysis, int k)
 {
     const output_calls *calls = output_calls_of(&analysis->design.output[k]);
-    return calls->add_row && !(calls->in_element && analysis->is_nonlinear);
+    const bool is_curved = calls->in_element || calls->value;
+    return calls->add_row && !(is_curved && analysis->is_nonlinear);
 }
 
 double analysis_output(const analysis *analysis, int k, int i, const double *value)

@@ -17,7 +17,6 @@
 #include "load_forces.h"
 #include "node_forces.h"
 #include "output_calls.h"
-#include "strain.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
 
@@ -100,15 +99,9 @@ void design_output_weights(const mesh *mesh, int node, scene_component component
 double design_displacement(const mesh *mesh, const double *displacement, int node,
                            scene_component component, scene_face face)
 {
-    double weight[7], sum = 0;
+    double weight[7];
     design_output_weights(mesh, node, component, face, weight);
-    mesh_turn_to_dof(mesh, node, weight);
-    for (unsigned k = 0; k < mesh->dof_per_node; k++) {
-        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + k];
-        if (dof != PZS_CONSTRAINED)
-            sum += weight[k] * displacement[dof];
-    }
-    return sum;
+    return node_sum(mesh, node, weight, displacement);
 }
 
 void design_vectors(const mesh *mesh, const double *displacement, double *vector)
@@ -273,11 +266,12 @@ static int append_named(const design *design, int k, row_builder *rows, double *
 {
     const mesh *mesh = &design->mesh;
     const scene_output *output = &design->scene->output[k];
+    const output_calls *calls = output_calls_of(output);
     for (int i = design->place_first[k]; i < design->place_first[k + 1]; i++) {
         const int node = design->place_node[i];
-        if (output_is_recovered(output) && strain_check(mesh, output, node, error) < 0)
+        if (calls->check && calls->check(mesh, output, node, error) < 0)
             return -1;
-        if (output_has_rows(output))
+        if (calls->add_row)
             append_output(mesh, output, node, rows, dense);
     }
     return 0;

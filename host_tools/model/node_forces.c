@@ -40,6 +40,19 @@ void node_add(const mesh *mesh, int node, double factor, const double *weight, d
     }
 }
 
+double node_sum(const mesh *mesh, int node, const double *weight, const double *displacement)
+{
+    double turned[7], sum = 0;
+    memcpy(turned, weight, mesh->dof_per_node * sizeof *turned);
+    mesh_turn_to_dof(mesh, node, turned);
+    for (unsigned i = 0; i < mesh->dof_per_node; i++) {
+        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + i];
+        if (dof != PZS_CONSTRAINED)
+            sum += turned[i] * displacement[dof];
+    }
+    return sum;
+}
+
 void node_add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
                          double *dense)
 {

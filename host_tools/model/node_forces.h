@@ -31,6 +31,13 @@ void node_face_weights(const mesh *mesh, scene_face face, const double direction
 void node_add(const mesh *mesh, int node, double factor, const double *weight, double *dense);
 
 /*
+ * Return the sum of the dof of a node, multiplied by weights; constrained dof are 0.
+ *   weight       [dof_per_node] in  weight of each dof
+ *   displacement [free_dof]     in  displacement of the structure
+ */
+double node_sum(const mesh *mesh, int node, const double *weight, const double *displacement);
+
+/*
  * Add the nodal forces that prescribed stress resultants of one element cause in the reference
  * state to a vector over the free dof.
  *   h0  [10] in  resultants times the area of the element (N m), in the order of the ten strains

@@ -7,8 +7,8 @@
  *   elements  The output at a node is a mean over the elements at the node, of strains and stresses
  *       that are recovered in them (in_element).
  *   value     The output is neither of these (value).
- * An output with rows and elements, a strain, uses its rows under linear kinematics, and its
- * elements under nonlinear kinematics.
+ * An output with rows and also elements or a value, such as a strain or a rotation, uses its rows
+ * under linear kinematics alone.
  */
 #ifndef OUTPUT_CALLS_H
 #define OUTPUT_CALLS_H
@@ -43,15 +43,20 @@ typedef struct output_calls {
     void (*add_row)(const mesh *mesh, const scene_output *output, int node, double *dense);
     /*
      * Return the output in one element, from the strains and stresses that are recovered there;
-     * NULL: the output is not recovered in elements. An output with this function has a layer,
-     * which must be present at its nodes, or the layer -1 (all layers together).
+     * NULL: the output is not recovered in elements.
      */
     double (*in_element)(const struct stress_field *field, const scene_output *output, int element);
     /*
      * Return value i (node or electrode) of output k of the scene; NULL: the output is computed by
-     * add_row or in_element.
+     * add_row or in_element. An output that has add_row, too, has this value under nonlinear
+     * kinematics.
      */
     double (*value)(const output_state *state, int k, int i);
+    /*
+     * Check that the output exists at a node. Returns 0, or -1 with error filled; NULL: it exists
+     * at all nodes.
+     */
+    int (*check)(const mesh *mesh, const scene_output *output, int node, char *error);
     bool needs_reactions; /* whether the function `value` reads the reactions */
 } output_calls;
 

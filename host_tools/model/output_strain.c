@@ -10,4 +10,5 @@ static double in_element(const stress_field *field, const scene_output *output, 
                             field->element[element].strain);
 }
 
-const output_calls strain_calls = {.add_row = strain_row, .in_element = in_element};
+const output_calls strain_calls = {
+    .add_row = strain_row, .in_element = in_element, .check = strain_check};

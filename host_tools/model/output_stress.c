@@ -28,4 +28,4 @@ static double in_element(const stress_field *field, const scene_output *output, 
     return turned[output->part];
 }
 
-const output_calls stress_calls = {.in_element = in_element};
+const output_calls stress_calls = {.in_element = in_element, .check = strain_check};
