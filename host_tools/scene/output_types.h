@@ -19,6 +19,8 @@
 #define OUTPUT_TYPES(ROW)                                                                          \
     ROW(OUTPUT_DISPLACEMENT, "displacement", "", OF_LENGTH, QUANTITY_LENGTH, SPREAD_NODES,         \
         READING_ALWAYS, finish_at_place, displacement_calls)                                       \
+    ROW(OUTPUT_ROTATION, "rotation", "", OF_RADIANS, QUANTITY_ANGLE, SPREAD_NODES, READING_LINEAR, \
+        finish_at_place, rotation_calls)                                                           \
     ROW(OUTPUT_STRAIN, "strain", "layer face angle", OF_NUMBER, QUANTITY_OTHER, SPREAD_NODES,      \
         READING_LINEAR, finish_strain, strain_calls)                                               \
     ROW(OUTPUT_STRESS, "stress", "layer face angle", OF_STRESS, QUANTITY_PRESSURE, SPREAD_NODES,   \

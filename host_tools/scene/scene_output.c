@@ -70,6 +70,10 @@ static const choice contact_results[] = {
     {"x", OUTPUT_CONTACT_FORCE},           {"y", OUTPUT_CONTACT_FORCE},
     {"z", OUTPUT_CONTACT_FORCE},           {"nodes", OUTPUT_CONTACT_NODES},
     {"pressure", OUTPUT_CONTACT_PRESSURE}, {NULL, 0}};
+static const choice rotations[] = {{"u1", OUTPUT_ROTATION}, {"u2", OUTPUT_ROTATION},
+                                   {"x", OUTPUT_ROTATION},  {"y", OUTPUT_ROTATION},
+                                   {"z", OUTPUT_ROTATION},  {NULL, 0}};
+static const form rotation_form = {.type = FORM_WORD, .words = rotations};
 static const form strain_form = {.type = FORM_WORD, .words = strains};
 static const form stress_form = {.type = FORM_WORD, .words = stresses};
 static const form reaction_form = {.type = FORM_WORD, .words = reactions};
@@ -375,6 +379,9 @@ static const field output_fields[] = {
     {"name", read_name, offsetof(output_text, output.name), .required = 1,
      .help = "Name of the output in the results."},
     DIRECTIONS(read_displacement, OF_NOTHING, &face_form, "Displacement of a face"),
+    {"rotation", read_quantity, 0, rotations, .form = &rotation_form,
+     .help = "Rotation of the normal of the shell at nodes about an axis, as of an inclinometer or "
+             "an autocollimator, in radians up to pi: u1 or u2 in the surface, or x, y or z."},
     {"reaction", read_quantity, 0, reactions, .form = &reaction_form,
      .help = "Force of supports on the shell along a global axis, or its moment about the mean "
              "position of their nodes: the sum over a place, or over the supports of one name; pzs "
@@ -413,6 +420,7 @@ static const field output_fields[] = {
 
 static const form_case output_cases[] = {
     {"u1|u2|u3|x|y|z edge|at|set", "A displacement."},
+    {"rotation edge|at|set", "A rotation of the normal at nodes."},
     {"strain edge|at|set ?layer ?face ?angle", "A strain at nodes."},
     {"stress edge|at|set ?layer ?face ?angle", "A stress at nodes."},
     {"reaction edge|at|set|support", "A reaction at a place, or of supports."},
