@@ -23,8 +23,7 @@ int measure_theory(const subject *of, int k, measured *found)
 }
 
 /*
- * Measure how badly the strains of bent cross-sections converge, if the stresses leave them out for
- * this reason although they are not negligible.
+ * Measure how badly the strains of bent cross-sections converge, if they are not negligible.
  */
 int measure_bend(const subject *of, int k, measured *found)
 {
@@ -32,9 +31,7 @@ int measure_bend(const subject *of, int k, measured *found)
                                       that counts as negligible, as a part of the in-plane stresses
                                     */
     found->at = of->scene->at_layers;
-    found->value = of->stress->is_straight && of->stress->bend_share > negligible
-                       ? of->stress->bend_change
-                       : 0;
+    found->value = of->stress->bend_share > negligible ? of->stress->bend_change : 0;
     snprintf(found->what, WHAT,
              "second correction of the stresses for bent cross-sections, relative to the first");
     return k == 0;

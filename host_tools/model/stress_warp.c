@@ -217,6 +217,27 @@ static double correct(stress_field *field, section *all)
     return sqrt(square);
 }
 
+/* Return the number of samples of all elements. */
+static size_t sample_count(const stress_field *field)
+{
+    return (size_t)field->elements * (size_t)field->layers * STRESS_HEIGHTS;
+}
+
+/*
+ * Compute the difference of the in-plane stresses at a sample from those of straight cross-sections
+ * (stress [3] out, Pa).
+ *   index in  index of the sample among those of all elements
+ */
+static void correction_at(const stress_field *field, const stress_sample *sample, size_t index,
+                          double stress[3])
+{
+    const size_t layer = index / STRESS_HEIGHTS % (size_t)field->layers;
+    const double bent[6] = {sample->warp[0], sample->warp[1], sample->warp[2], 0, 0, 0};
+    stencil_plane_stress(&field->state.design->mesh.laminate.ply[layer], bent, 0, stress);
+    for (int k = 0; k < 3; k++)
+        stress[k] += sample->squeeze[k];
+}
+
 /*
  * Return the square root of the sum of the squared differences of the in-plane stresses from those
  * of straight cross-sections (Pa).
@@ -224,17 +245,56 @@ static double correct(stress_field *field, section *all)
 static double size_of_correction(const stress_field *field)
 {
     double square = 0;
-    for (int element = 0; element < field->elements; element++)
-        for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
-            const stress_sample *own = &stencil_samples(field, element)[i];
-            const double bent[6] = {own->warp[0], own->warp[1], own->warp[2], 0, 0, 0};
-            double stress[3];
-            stencil_plane_stress(&field->state.design->mesh.laminate.ply[i / STRESS_HEIGHTS], bent,
-                                 0, stress);
-            for (int k = 0; k < 3; k++)
-                square += (stress[k] + own->squeeze[k]) * (stress[k] + own->squeeze[k]);
-        }
+    for (size_t i = 0; i < sample_count(field); i++) {
+        double stress[3];
+        correction_at(field, &field->sample[i], i, stress);
+        for (int k = 0; k < 3; k++)
+            square += stress[k] * stress[k];
+    }
     return sqrt(square);
+}
+
+/*
+ * Return the ratio of the second change of the in-plane stresses to the first one, as the factor of
+ * the first change that comes closest to the second one: negative where the changes alternate.
+ *   before [samples] in  samples before the second change
+ */
+static double ratio_of_changes(const stress_field *field, const stress_sample *before)
+{
+    double product = 0, square = 0;
+    for (size_t i = 0; i < sample_count(field); i++) {
+        double first[3];
+        correction_at(field, &before[i], i, first);
+        for (int k = 0; k < 3; k++) {
+            product += first[k] * (field->sample[i].plane[k] - before[i].plane[k]);
+            square += first[k] * first[k];
+        }
+    }
+    return square > 0 ? product / square : 0;
+}
+
+static void blend(double share, const double before[3], double now[3])
+{
+    for (int k = 0; k < 3; k++)
+        now[k] = before[k] + share * (now[k] - before[k]);
+}
+
+/*
+ * Take a share of the second change of the in-plane stresses, so that the changes that would follow
+ * are contained. With changes w, r w, r^2 w, ... the sum is w/(1 - r), which is the first change
+ * and 1/(1 - r) of the second one. Where the changes do not alternate (r > 0), the share is 1.
+ *   before [samples] in  samples before the second change
+ */
+static void sum_changes(const stress_field *field, const stress_sample *before)
+{
+    const double share = 1 / (1 - fmin(ratio_of_changes(field, before), 0));
+    for (size_t i = 0; i < sample_count(field); i++) {
+        stress_sample *now = &field->sample[i];
+        blend(share, before[i].plane, now->plane);
+        blend(share, before[i].warp, now->warp);
+        blend(share, before[i].squeeze, now->squeeze);
+        blend(share, before[i].lacking, now->lacking);
+    }
 }
 
 /* Return the square root of the sum of the squared in-plane stresses (Pa). */
@@ -261,26 +321,39 @@ static void straighten(stress_field *field)
     stress_equilibrium(field);
 }
 
-double stress_bend_limit(const stress_field *field)
+/*
+ * Change the in-plane stresses for the second time, from the transverse stresses that follow from
+ * the first change.
+ *   first  in   size of the first change (Pa)
+ *   all, before  work arrays, for [elements] sections and for all samples
+ */
+static void correct_again(stress_field *field, double first, section *all, stress_sample *before)
 {
-    return field->correction.lacking ? 1.0 / 3 : 0.5;
+    const double most = 0.5; /* largest second change over the first one */
+    stress_equilibrium(field);
+    memcpy(before, field->sample, sample_count(field) * sizeof *before);
+    const double second = correct(field, all);
+    field->bend_change = first > 0 ? second / first : 0;
+    field->is_straight = !(field->bend_change <= most);
+    if (field->is_straight)
+        straighten(field);
+    else
+        sum_changes(field, before);
 }
 
 int stress_warp(stress_field *field)
 {
     section *all = calloc((size_t)field->elements, sizeof *all);
-    if (!all)
-        return -1;
-    const double whole = size_of_stresses(field);
-    (void)correct(field, all);
-    const double first = size_of_correction(field);
-    field->bend_share = whole > 0 ? first / whole : 0;
-    stress_equilibrium(field);
-    const double second = correct(field, all);
-    field->bend_change = first > 0 ? second / first : 0;
-    field->is_straight = !(field->bend_change <= stress_bend_limit(field));
-    if (field->is_straight)
-        straighten(field);
+    stress_sample *before = malloc(sample_count(field) * sizeof *before);
+    if (all && before) {
+        const double whole = size_of_stresses(field);
+        (void)correct(field, all);
+        const double first = size_of_correction(field);
+        field->bend_share = whole > 0 ? first / whole : 0;
+        correct_again(field, first, all, before);
+    }
+    const int status = all && before ? 0 : -1;
     free(all);
-    return 0;
+    free(before);
+    return status;
 }

@@ -20,7 +20,9 @@
  * The transverse stresses follow from equilibrium with the in-plane stresses
  * (stress_equilibrium.h), and change with them. Three steps are made: the strains are computed,
  * then the transverse stresses, then the strains once more (Noor, Burton and Peters 1990). Further
- * steps would need higher derivatives than a mesh can give.
+ * steps would need higher derivatives than a mesh can give. Instead, the changes that they would
+ * make are taken for a geometric series: if the second change is r times the first one, with r < 0,
+ * 1/(1 - r) of it is added.
  */
 #ifndef STRESS_WARP_H
 #define STRESS_WARP_H
@@ -31,16 +33,9 @@
  * Add the stresses of bent cross-sections, and of a normal stress 33 that varies over the
  * thickness, to recovered stresses whose transverse stresses are known. Then compute the transverse
  * stresses anew. If bend_change (second change of the in-plane stresses over the first one) exceeds
- * a limit, as in a soft core whose faces bend by themselves, the stresses remain those of straight
+ * 1/2, as in a soft core whose faces bend by themselves, the stresses remain those of straight
  * cross-sections (is_straight). Returns 0, or -1 if memory runs out.
  */
 int stress_warp(stress_field *field);
-
-/*
- * Return the limit of bend_change up to which the stresses of bent cross-sections are used: 1/2, or
- * 1/3 with a corrected displacement, which contains higher derivatives with larger errors at edges.
- * (bend_change: second change of the in-plane stresses by bent cross-sections over the first.)
- */
-double stress_bend_limit(const stress_field *field);
 
 #endif
