@@ -751,7 +751,8 @@ typedef struct pzs_supervisor_core {
     uint32_t silent;    /* number of consecutive ticks without usable readings */
     /*
      * counter of implausible shapes, which leads to an alarm: a tick with an implausible measured
-     * shape raises it by one, any other tick lowers it by two
+     * shape raises it by one, or by up to 4 if the structure moves against its prediction; any
+     * other tick lowers it by two
      */
     uint32_t over;
     /*

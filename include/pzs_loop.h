@@ -696,6 +696,12 @@ typedef struct pzs_supervision {
      * gives an alarm
      */
     uint16_t alarm_ticks;
+    /*
+     * with a vibration damper: alarm threshold of the same counter for a structure that moves
+     * against its prediction, as with reversed amplifiers, which raises the counter by 1 to 4 in a
+     * tick; a period of the first vibration mode (ticks), at least 1
+     */
+    uint16_t polarity_ticks;
     uint16_t waits;       /* 1: the loop begins to control the voltages only after the command
                              PZS_COMMAND_ARM; 0: it begins without a command */
     const pzs_real *park; /* [inputs] park voltages: safe voltages to which the loop ramps when

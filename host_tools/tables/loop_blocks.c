@@ -294,6 +294,8 @@ static const double slowest_fading = 0.99999;
  *                like a vibration. Without a vibration model: 1/e in 50 ticks
  *   alarm_ticks  number of implausible ticks until an alarm: half the time of `fading`, in general
  *                a period of the first vibration mode, at least 20 (for vibration twice as many)
+ *   polarity_ticks  the same for motions against the prediction: a period of the first vibration
+ *                   mode, at least 20
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -305,6 +307,7 @@ static const void *supervision_tables(loop_blocks *blocks)
                                 .timeout = (uint16_t)design->safety.timeout,
                                 .ramp_ticks = (uint16_t)design->safety.ramp_ticks,
                                 .alarm_ticks = 20,
+                                .polarity_ticks = 20,
                                 .waits = (uint16_t)design->safety.waits,
                                 .park = design->park,
                                 .fading = 0.98,
@@ -317,6 +320,8 @@ static const void *supervision_tables(loop_blocks *blocks)
         tables->fading = exp(-1 / (blocks->damper->fading_periods * period));
         tables->alarm_ticks =
             (uint16_t)fmin(fmax(20, ceil(blocks->damper->fading_periods / 2 * period)), 60000);
+        tables->polarity_ticks =
+            (uint16_t)fmin(fmax(20, ceil(period)), (double)tables->alarm_ticks);
     }
     (void)pzs_supervision_seal(tables);
     return tables;
@@ -552,16 +557,16 @@ static void write_curves(emitter *emitter, const loop_blocks *blocks)
 static void write_supervision(emitter *emitter, const loop_blocks *blocks)
 {
     const pzs_supervision *tables = &blocks->supervision;
-    const uint16_t counts[5] = {tables->inputs, tables->timeout, tables->ramp_ticks,
-                                tables->alarm_ticks, tables->waits};
+    const uint16_t counts[6] = {tables->inputs,      tables->timeout,        tables->ramp_ticks,
+                                tables->alarm_ticks, tables->polarity_ticks, tables->waits};
     const double settings[3] = {tables->fading, tables->noise, tables->load};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     emit_inside(emitter, "park", tables->park, blocks->design->lower, blocks->design->upper,
                 tables->inputs, "voltages to which the supervisor parks the amplifiers (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
     emit_begin(emitter, "supervision", "supervision", tables->scene, tables->crc);
-    fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_park, ", counts[0], counts[1], counts[2],
-            counts[3], counts[4], emitter->prefix);
+    fprintf(emitter->file, " %u, %u, %u, %u, %u, %u,\n    %s_park, ", counts[0], counts[1],
+            counts[2], counts[3], counts[4], counts[5], emitter->prefix);
     for (int i = 0; i < 3; i++)
         fprintf(emitter->file, "PZS_R(%.17g), ", settings[i]);
     fputs("\n};\n", emitter->file);

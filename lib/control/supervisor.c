@@ -19,7 +19,7 @@
 /* List the arrays that the checksum of the supervisor tables covers. Returns their number. */
 static uint32_t list_parts(const pzs_supervision *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
-    part[0] = (pzs_table_part){&tables->inputs, 5u * sizeof tables->inputs};
+    part[0] = (pzs_table_part){&tables->inputs, 6u * sizeof tables->inputs};
     part[1] = scrub_reals(tables->park, tables->inputs);
     part[2] = scrub_reals(&tables->fading, 3);
     return 3;
@@ -42,8 +42,8 @@ pzs_status pzs_supervision_seal(pzs_supervision *tables)
 
 static bool are_in_range(const pzs_supervision *tables)
 {
-    return tables->ramp_ticks > 0 && tables->waits <= 1 && tables->fading > 0 &&
-           tables->fading < 1 && tables->noise >= 0 && tables->load >= 0 &&
+    return tables->ramp_ticks > 0 && tables->polarity_ticks > 0 && tables->waits <= 1 &&
+           tables->fading > 0 && tables->fading < 1 && tables->noise >= 0 && tables->load >= 0 &&
            number_is_finite(tables->noise + tables->load);
 }
 

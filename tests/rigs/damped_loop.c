@@ -449,6 +449,7 @@ void damped_loop_supervise(damped_loop *loop)
                                           .timeout = 100,
                                           .ramp_ticks = 50,
                                           .alarm_ticks = (uint16_t)fmax(20, ceil(period)),
+                                          .polarity_ticks = (uint16_t)fmax(20, ceil(period)),
                                           .park = loop->problem.reference_voltage,
                                           .fading = (pzs_real)exp(-1 / (2 * period)),
                                           .noise = (pzs_real)(0.005 * goal),

@@ -470,6 +470,7 @@ static void seal_supervision(rig *r, pzs_supervision *supervision)
                                      .timeout = 0,
                                      .ramp_ticks = 8,
                                      .alarm_ticks = 60000,
+                                     .polarity_ticks = 60000,
                                      .park = r->problem.lower,
                                      .fading = PZS_R(0.9),
                                      .noise = 1,

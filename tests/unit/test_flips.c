@@ -47,6 +47,7 @@ static const pzs_fault_detection detection = {0, 0};
 static pzs_supervision supervision = {.inputs = PLATE_INPUTS,
                                       .ramp_ticks = 1,
                                       .alarm_ticks = 20,
+                                      .polarity_ticks = 20,
                                       .park = plate_reference_voltage,
                                       .fading = PZS_R(0.98),
                                       .noise = PZS_R(1e-7),

@@ -91,6 +91,7 @@ static void open_rig(rig *r, bool is_supervised)
                                        .timeout = TIMEOUT,
                                        .ramp_ticks = RAMP,
                                        .alarm_ticks = ALARM,
+                                       .polarity_ticks = ALARM,
                                        .park = r->park,
                                        .fading = PZS_R(0.98),
                                        .load = PZS_R(1e-3)};

@@ -64,6 +64,7 @@ static void make_tables(rig *r, int delay)
                                        .timeout = 5,
                                        .ramp_ticks = 4,
                                        .alarm_ticks = 60000,
+                                       .polarity_ticks = 60000,
                                        .park = r->park,
                                        .fading = PZS_R(0.9),
                                        .load = 1};

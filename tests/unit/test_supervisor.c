@@ -188,6 +188,7 @@ static void open_rig(rig *r, unsigned seed, bool waits)
                                        .timeout = TIMEOUT,
                                        .ramp_ticks = RAMP,
                                        .alarm_ticks = ALARM,
+                                       .polarity_ticks = ALARM,
                                        .waits = waits,
                                        .park = r->park,
                                        .fading = PZS_R(0.98),
