@@ -505,9 +505,9 @@ typedef struct pzs_modal_gains {
     uint16_t inputs, modes;  /* number of inputs, and number of modes, which may be 0 */
     const pzs_real *pattern; /* [modes][inputs] voltages that make up 1 m of each mode (V/m). This
                                 array and the next three may be NULL if there are no modes */
-    const pzs_real *effect;  /* [modes][inputs] Hessian of the optimisation times the voltages of
-                                each mode (m/V): B'W^2 B + regularisation I, with influence matrix B
-                                and output weights W */
+    const pzs_real *effect;  /* [modes][inputs] `pattern` of each mode multiplied by the Hessian of
+                                the optimisation (m/V). The Hessian is B'W^2 B + regularisation I
+                                (m2/V2), with influence matrix B and output weights W */
     const pzs_real *gain; /* [modes] gain of each mode: part of the wanted change that a tick makes
                              (dimensionless), at least 0; gain plus leak of a mode must be below 2
                            */
@@ -1296,12 +1296,13 @@ typedef struct pzs_actuator_effects {
  * Errors of the initialisation, besides PZS_E_FORMAT and PZS_E_CRC:
  *
  *   - PZS_E_ARGUMENT: the tables have other sizes than the controller; or sums of voltages are
- *     limited, and such limits do not hold for effects; or there is regularisation, and the
- *     reference voltage of input info.where is not its own effect.
+ *     limited, and such limits do not hold for effects (values to which the displacements of the
+ *     actuators are proportional); or there is regularisation, and at input info.where the effect
+ *     of the reference voltage differs from the reference voltage.
  *   - PZS_E_STAGE: no curve inverse block with these tables is in the list, or hysteresis is
  *     compensated beside the curves.
- *   - PZS_E_LIMITS: the curve of input info.where is not finite or not ascending, has bends outside
- *     -1 to 1, or ends inside the voltage limits.
+ *   - PZS_E_LIMITS: the curve of input info.where is not finite or not ascending, has a segment
+ *     whose bend lies outside -1 to 1, or ends inside the voltage limits.
  *
  * Vibration damper, governor, self-test and both fault detectors assume linear actuators. Their
  * blocks are refused beside curves with PZS_E_STAGE.

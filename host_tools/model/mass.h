@@ -23,7 +23,7 @@
 
 typedef struct mass {
     const mesh *mesh;
-    double *entry; /* [elements][entries of the lower triangle of order 4 dof_per_node] packed
+    double *entry; /* [elements][entries of the lower triangle of order 4 times dof_per_node] packed
                       element mass matrices */
 } mass;
 

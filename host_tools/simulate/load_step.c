@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Load steps of a control loop on a structure with mass (load_step.h). */
+/*
+ * Simulation of a control loop on a structure with mass, on which a load appears at once
+ * (load_step.h).
+ */
 #include "load_step.h"
 #include <math.h>
 #include <stdlib.h>

@@ -130,7 +130,8 @@ int plant_displacement(plant *plant, double *displacement, char *error);
  * Compute the optimal voltages on the ceramic for a target on this plant under the present loads
  * and temperature, without the step limit.
  *   target          [targets]    in   wanted displacements
- *   lowest, highest [amplifiers] in   voltages that can act on the ceramic of each electrode (V)
+ *   lowest, highest [amplifiers] in   range of the voltage that each amplifier can bring to act on
+ *                                     the ceramic (V), after hysteresis, creep and faults
  *   best                         out  optimal voltages; release them with voltages_free
  *   shape           [targets]    out  displacements under the optimal voltages
  * Returns 0, or -1 with error filled.

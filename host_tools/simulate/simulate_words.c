@@ -26,8 +26,8 @@ static const char *name_of_load(const scene_load *load)
 }
 
 /*
- * Write the value of a load after an event: a number with its unit for a uniform load, otherwise
- * the factor relative to the load of the scene.
+ * Write the value to which an event of the simulation sets a load: a number with its unit for a
+ * uniform load, otherwise the factor relative to the load of the scene.
  */
 static void name_value(const design *design, const scene_event *event, char *text, size_t room)
 {
@@ -47,8 +47,8 @@ static void name_value(const design *design, const scene_event *event, char *tex
 }
 
 /*
- * Write the name and the value of a load after an event, with the number of the load where the
- * scene has several loads.
+ * Write the name of a load and the value to which an event of the simulation sets it, with the
+ * number of the load where the scene has several loads.
  */
 static void name_load(const design *design, const scene_event *event, char *text, size_t room)
 {
