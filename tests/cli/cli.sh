@@ -541,6 +541,7 @@ run 0 shape "$dir/wide-rings.yaml" --set patches.p.grid=[4,1] --limit 8 --report
 check 'report: the voltages of rings are written inside them, over all patches' $?
 run 0 shape "$dir/wide-rings.yaml" --set 'patches=[{name: p, layer: back, plane: xy, outlines: [{rings: {radii: [0.01, 0.02, 0.03, 0.04], sectors: [1, 1, 1]}}]}]' --limit 8 --report "$dir/wide.html" &&
     law wide.html over && law wide.html apart 3; check 'report: the voltages of rings of any outline are written apart' $?
+run 0 shape disc-61-hexagons --limit 20 --svg "$dir/d.svg" && grep -q 'scale(0.86)' "$dir/d.svg" && ! grep -q 'scale(1)' "$dir/d.svg"; check 'report: an electrode without a hole is not taken for a ring' $?
 law s.html value ring && law s.html text '3.372 nm' '9.434 nm' 'rings <of> tests & co' "full of < > & \" '" 'm < & s' 'l<1>' 'w<&>'; check 'report: a value at its limit is written; markup in names is text' $?
 run 0 shape heated-patches --report "$dir/s.html" --svg "$dir/s.svg" && grep -q '^  temperatures  *limits (K)' "$dir/out" &&
     law s.html xml && law s.svg xml && law s.html text 'Temperatures by amplifier' 'Largest temperature' '7.246 K' '± 50 K' && ! law s.html text '7.246 V' && ! law s.html text '50 V' && law s.svg text 'Temperatures of the amplifiers' 'heat_3_1: 7.246 K'
@@ -588,6 +589,7 @@ run 0 shape "$dir/zero.yaml" && grep -q '^shape error 0.759% of the wanted chang
 check 'shape: under loads, errors over the wanted change of shape' $?
 law loop.html xml && law loop.svg xml && law loop.html text 'Voltages of the amplifiers' v_1_1 v_5_5 'pzs simulate plate-closed-loop' 'Regularised, then clipped' 'quasi-static plant, no inertia (the scene says inertia: false): each shape is an equilibrium. First natural frequency'
 check 'simulate: report' $?
+run 0 simulate tests/rigs/scenes/stiff-cantilever.yaml --set simulate.ticks=60 --set 'simulate.events=[]' --report "$dir/i.html" && law i.html inside; check 'simulate: the picture contains the whole target' $?
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop $quick --set simulate.ticks=300 --set simulate.plant.inertia=true --set 'control.rate=0.25' --json --report "$dir/loop.html" &&
     json "j['dynamics'] == 'inertia' and j['plant_modes']['count'] == 100 and 15 < j['plant_modes']['first'] < 16.5 and

@@ -9,6 +9,7 @@
   over           voltages in a picture are written over the patches, never under them
   apart COUNT    COUNT voltages are written in a picture, and no two of them overlap
   value NAME     the patch of the amplifier NAME has its value written, and the mark of an active limit
+  inside         the lines of the target and of curves lie inside their pictures
   uniform        neighbouring colours of each scale are equally far apart in the OKLab space, within a factor of 1.6
   contrast       the text colours stand out from their backgrounds by 4.5 at least, in light and in dark
 """
@@ -149,6 +150,19 @@ def law_apart(page, count):
             assert apart, f'two voltages overlap: {one}, {other}'
 
 
+def law_inside(page):
+    lines = 0
+    for picture in svgs(page):
+        for element in tree.fromstring(picture).iter():
+            if 'viewBox' in element.keys():
+                right, bottom = map(float, element.get('viewBox').split()[2:])
+            if 'wire' in element.get('class', '').split():
+                for x, y in re.findall(r'[ML](\S+?) ([^MLz]+)', element.get('d', '')):
+                    assert 0 <= float(x) <= right and 0 <= float(y) <= bottom, (x, y, right, bottom)
+                    lines += 1
+    assert lines > 0, 'no line of a target or a curve'
+
+
 def linear(channel):
     return channel / 12.92 if channel <= .04045 else ((channel + .055) / 1.055) ** 2.4
 
@@ -198,7 +212,7 @@ def law_contrast(page):
 def main():
     path, law, *arguments = sys.argv[1:]
     page = open(path, encoding='utf-8').read()
-    {'xml': law_xml, 'text': law_text, 'ring': law_ring, 'over': law_over, 'apart': law_apart, 'value': law_value, 'uniform': law_uniform,
+    {'xml': law_xml, 'text': law_text, 'ring': law_ring, 'over': law_over, 'apart': law_apart, 'value': law_value, 'inside': law_inside, 'uniform': law_uniform,
      'contrast': law_contrast}[law](page, *arguments)
 
 
