@@ -38,8 +38,8 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
     draw_begin(map->file, DRAW_IMAGE, SHELL_MAP_WIDTH, map->view.height + FOOT, title,
                "Map over the coordinates of the surface");
     shell_surface(map, value, scale);
-    shell_lines(map, "grid");
-    shell_edges(map, "frame");
+    shell_lines(map, NULL, "grid");
+    shell_edges(map, NULL, "frame");
     write_ranges(map);
     draw_end(map->file, DRAW_IMAGE);
 }
@@ -385,7 +385,7 @@ static void draw_patches(const shell *map, int which, const voltages *result,
         if (map->plan[k % actuators] == which)
             draw_actuator(map, &map->design->actuator[k % actuators], result, scale, is_text);
         if (k == actuators - 1)
-            shell_edges(map, "frame");
+            shell_edges(map, NULL, "frame");
     }
     write_ranges(map);
 }

@@ -9,15 +9,8 @@
  * mode shapes in the picture file, and in a row of it. WIDE, TALL: largest size of a mode shape in
  * pixels; GAP: space to the next one; TEXT: height of the text below it.
  */
-enum {
-    MOST_DRAWN = 24,
-    MOST_IN_PICTURE = 6,
-    COLUMNS = 3,
-    WIDE = SHELL_MAP_WIDTH,
-    TALL = 280,
-    GAP = 12,
-    TEXT = 26
-};
+enum { MOST_DRAWN = 24, MOST_IN_PICTURE = 6, COLUMNS = 3 };
+enum { WIDE = SHELL_MAP_WIDTH, TALL = 280, GAP = 12, TEXT = 26 };
 
 /* Whether the modes are those of a measured matrix, which are drawn as maps of the outputs. */
 static bool is_measured(const page *page)
@@ -40,15 +33,12 @@ static int drawn(const page *page, int most)
 /* Fill the values at the outputs of a measured mode, over the largest one. */
 static void choose_outputs(page *page, const double *shape)
 {
-    const design *design = page->design;
-    double most = 0;
-    design_shape(design, shape, page->row);
-    for (int t = 0; t < design->targets; t++)
-        most = fmax(most, fabs(page->row[t]));
-    for (int n = 0; n < page->mesh->nodes; n++)
-        page->value[n] = (double)NAN;
-    for (int t = 0; t < design->targets; t++)
-        page->value[design->target_node[t]] = page->row[t] / most;
+    const int targets = page->design->targets;
+    design_shape(page->design, shape, page->row);
+    const draw_scale scale = draw_scale_of(true, "", page->row, targets);
+    for (int t = 0; t < targets; t++)
+        page->row[t] /= scale.most;
+    page_rows(page);
 }
 
 /* Choose a mode for the next picture: its largest displacement is 1, and the view contains it. */
@@ -77,15 +67,13 @@ static const view *view_of(const page *page)
 
 static void draw_mode(const page *page)
 {
-    shell undeformed = page->space;
-    undeformed.vector = NULL;
     if (is_measured(page)) {
         shell_surface(&page->map, page->value, &page->scale);
         return;
     }
-    shell_lines(&undeformed, "rest");
+    shell_lines(&page->space, NULL, "rest");
     shell_surface(&page->space, page->value, &page->scale);
-    shell_edges(&undeformed, "outline");
+    shell_edges(&page->space, NULL, "outline");
 }
 
 /* ---- page --------------------------------------------------------------- */

@@ -220,19 +220,27 @@ void page_displace(page *page, const double *u)
     }
 }
 
+void page_rows(page *page)
+{
+    for (int n = 0; n < page->mesh->nodes; n++)
+        page->value[n] = (double)NAN;
+    for (int t = 0; t < page->design->targets; t++)
+        page->value[page->design->target_node[t]] = page->row[t];
+}
+
 draw_scale page_shape(page *page, const voltages *result, const double *target)
 {
     const design *design = page->design;
     const scene_direction direction = {.component = design->goal.what.component};
     page_displace(page, result->displacement);
     (void)design_misfit(design, result->shape, target, page->row);
+    page_rows(page);
     for (int i = 0; i < 3 * page->mesh->nodes; i++)
-        page->value[i / 3] = page->wanted[i] = (double)NAN;
+        page->wanted[i] = (double)NAN;
     for (int t = 0; t < design->targets; t++) {
         const int node = design->target_node[t];
         double along[3];
         springs_direction(&page->mesh->point[node], &direction, along);
-        page->value[node] = page->row[t];
         for (int i = 0; i < 3; i++)
             page->wanted[3 * node + i] = page->vector[3 * node + i] - page->row[t] * along[i];
     }
@@ -249,22 +257,20 @@ void page_include(page *page)
 
 void page_draw_shape(const page *page, const draw_scale *scale)
 {
-    shell undeformed = page->space, target = page->space;
-    undeformed.vector = NULL;
-    target.vector = page->wanted;
+    const shell *space = &page->space;
     if (page->mesh->elements == 0) {
         shell_map(&page->map, page->value, scale, "Misfit at the outputs");
         return;
     }
-    draw_begin(page->file, DRAW_IMAGE, page->space.view.width, page->space.view.height,
+    draw_begin(page->file, DRAW_IMAGE, space->view.width, space->view.height,
                "Reached shape in space",
                "The shape is coloured by its misfit, with the target as lines over it");
-    shell_edges(&undeformed, "outline");
-    shell_surface(&page->space, page->value, scale);
-    shell_lines(&target, "wire");
+    shell_edges(space, NULL, "outline");
+    shell_surface(space, page->value, scale);
+    shell_lines(space, page->wanted, "wire");
     if (page->design->goal.what.where.type == WHERE_POINT)
-        shell_node(&target, page->design->target_node[0], "dot", 3.5);
-    shell_directions(&page->space);
+        shell_node(space, page->wanted, page->design->target_node[0], "dot", 3.5);
+    shell_directions(space);
     draw_end(page->file, DRAW_IMAGE);
 }
 

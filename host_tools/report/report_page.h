@@ -108,10 +108,12 @@ void page_modes(const page *page);
  *   page_displace  displacement vector u [dof], coloured by the length of the displacement
  *   page_shape     shape of a result, coloured by its misfit, reached minus target [targets];
  *       returns the colour scale
+ *   page_rows      values page->row [targets] at the nodes of the target
  *   page_include   includes shape and target in the view in space
  */
 void page_displace(page *page, const double *u);
 draw_scale page_shape(page *page, const voltages *result, const double *target);
+void page_rows(page *page);
 void page_include(page *page);
 
 /*

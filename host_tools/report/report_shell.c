@@ -106,10 +106,13 @@ void shell_at(const shell *shell, int point, double at[2])
     view_project(&shell->view, place, at);
 }
 
-void shell_node(const shell *shell, int node, const char *style, double radius)
+void shell_node(const shell *shell, const double *vector, int node, const char *style,
+                double radius)
 {
+    struct shell drawn = *shell;
     double at[2];
-    shell_at(shell, node, at);
+    drawn.vector = vector;
+    shell_at(&drawn, node, at);
     draw_disc(shell->file, style, at, radius);
 }
 
@@ -163,12 +166,14 @@ static void draw_cells(const shell *shell, int first, int count, const char *sty
     put(shell->file, DRAW_PATH_END);
 }
 
-void shell_lines(const shell *shell, const char *style)
+void shell_lines(const shell *shell, const double *vector, const char *style)
 {
+    struct shell drawn = *shell;
+    drawn.vector = vector;
     if (shell->mesh->elements > FINE)
-        shell_edges(shell, style);
+        shell_edges(shell, vector, style);
     else
-        draw_cells(shell, 0, shell->cells, style);
+        draw_cells(&drawn, 0, shell->cells, style);
 }
 
 int shell_outer_sides(const shell *shell)
@@ -198,13 +203,15 @@ void shell_outer_side(const shell *shell, int index, double ends[2][2])
     shell_at(shell, (int)side[index].high, ends[1]);
 }
 
-void shell_edges(const shell *shell, const char *style)
+void shell_edges(const shell *shell, const double *vector, const char *style)
 {
+    struct shell drawn = *shell;
+    drawn.vector = vector;
     const int sides = shell_outer_sides(shell);
     put(shell->file, DRAW_PATH, style);
     for (int k = 0; k < sides; k++) {
         double ends[2][2];
-        shell_outer_side(shell, k, ends);
+        shell_outer_side(&drawn, k, ends);
         draw_polygon(shell->file, (const double(*)[2])ends, 2);
     }
     put(shell->file, DRAW_PATH_END);
@@ -295,7 +302,7 @@ void shell_surface(const shell *shell, const double *value, const draw_scale *sc
             draw_cells(shell, cell, 1, "edge");
         for (int r = 0; r < 4; r++)
             if (shell->point[shell->cell[cell][r]].is_held)
-                shell_node(shell, shell->cell[cell][r], "pin", 2.5);
+                shell_node(shell, shell->vector, shell->cell[cell][r], "pin", 2.5);
     }
     if (!has_values)
         draw_points(shell, value, scale);

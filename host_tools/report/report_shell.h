@@ -103,16 +103,18 @@ void shell_outer_side(const shell *shell, int index, double ends[2][2]);
  * Parts of the picture of a mesh:
  *   shell_surface     the surface coloured by value [nodes], or discs at the points if no cell has
  *       values at all corners. In space, closer cells cover distant ones, and supports are drawn
- *   shell_lines       all sides of the cells; cells with a displacement of NaN are left out
- *   shell_edges       the outer edges, which are sides of a single cell
- *   shell_node        a disc with a radius in pixels at a displaced node
+ *   shell_lines       all sides of the cells with the displacements `vector` (NULL: undeformed);
+ *       cells with a displacement of NaN are left out
+ *   shell_edges       the outer edges, sides of a single cell, with the displacements `vector`
+ *   shell_node        a disc with a radius in pixels at a node, with the displacements `vector`
  *   shell_marks       point loads as arrows, and the places and names of outputs at single nodes
  *   shell_directions  the directions of x, y and z in a corner of the picture
  */
 void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
-void shell_lines(const shell *shell, const char *style);
-void shell_edges(const shell *shell, const char *style);
-void shell_node(const shell *shell, int node, const char *style, double radius);
+void shell_lines(const shell *shell, const double *vector, const char *style);
+void shell_edges(const shell *shell, const double *vector, const char *style);
+void shell_node(const shell *shell, const double *vector, int node, const char *style,
+                double radius);
 void shell_marks(const shell *shell);
 void shell_directions(const shell *shell);
 

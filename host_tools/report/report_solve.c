@@ -103,12 +103,10 @@ static void fit_deformed(page *page)
 
 static void draw_deformed(const page *page)
 {
-    shell undeformed = page->space;
-    undeformed.vector = NULL;
     shell_draw_body(&page->space, &page->body, false);
-    shell_lines(&undeformed, "rest");
+    shell_lines(&page->space, NULL, "rest");
     shell_surface(&page->space, page->value, &page->scale);
-    shell_lines(&undeformed, "rest ghost");
+    shell_lines(&page->space, NULL, "rest ghost");
     shell_draw_body(&page->space, &page->body, true);
     shell_marks(&page->space);
     shell_directions(&page->space);
