@@ -21,14 +21,22 @@ BENCHMARKS = {
     'scordelis-lo': ((8, 8), 8), 'pinched-cylinder': ((8, 8), 8), 'hemisphere-linear': ((8, 8), 8),
     'clamped-plate': ((8, 8), 8), 'crossply': ((8, 8), 8), 'vlasov-plate': ((8, 8), 8),
     'varadan-cylinder': ((8, 8), 8), 'hyperboloid': ((8, 8), 4), 'hemisphere': ((8, 8), 4),
-    'hyperboloid-soft': ((8, 8), 8), 'annular-plate': ((8, 64), 4),
+    'hyperboloid-soft': ((8, 8), 8), 'annular-plate': ((8, 64), 4), 'cantilever': ((8, 2), 8),
+    'hyperbolic-paraboloid': ((16, 8), 8), 'ring-follower': ((8, 2), 8),
+    'torus-isotropic': ((24, 2), 8), 'pulled-cylinder': ((8, 12), 4), 'tyre-section': ((16, 16), 4),
+    'ring-contact': ((40, 2), 4), 'spiral': ((2, 64), 8), 'crawley-lazarus': ((20, 12), 4),
+    'actuator-beam': ((20, 12), 4), 'roll-up': ((8, 2), 8), 'shear-bender': ((8, 2), 8),
+    'bimorph-actuator': ((10, 2), 8), 'bimorph-sensor': ((20, 2), 8), 'heated-bimetal': ((8, 2), 8),
+    'thermal-bimorph': ((8, 8), 8),
 }
-
+# counts, which do not converge with the mesh as displacements do
+COUNTS = ('nodes',)
 
 OTHERS = {path: ((16, 8) if path.endswith('torus.yaml') else (8, 8), 8)
           for path in sorted(glob.glob(os.path.join(FOLDER, '*.yaml')))}
-# surfaces given by formulas, for which there is no published element
-IMPROVED_ALONE = ('saddle', 'dish')
+# surfaces given by formulas, for which there is no published element, and a shell that turns by a
+# right angle, with which the seven dof of its nodes leave the load path
+IMPROVED_ALONE = ('saddle', 'dish', 'hyperbolic-paraboloid', 'pulled-cylinder')
 
 
 def name_of(scene):
@@ -41,6 +49,7 @@ def estimate(pzs, scene, element, mesh):
     command = ['modes', scene, '--number', '4'] if name_of(scene).startswith('modes-') else \
         ['solve', scene]
     command += ['--error', '--json', '--set', 'element=' + element]
+    command += ['--set', 'dof_per_node=7'] if element == 'published' else []
     for axis in (0, 1):
         command += ['--set', 'mesh.theta%d.elements=%d' % (axis + 1, mesh[axis])]
     run = subprocess.run([pzs] + command, capture_output=True, text=True)
@@ -52,8 +61,11 @@ def estimate(pzs, scene, element, mesh):
 def check_mesh(pzs, scene, element, mesh, converged):
     """Number of results on one mesh, and how many of their intervals contain the converged one."""
     inside = cases = 0
+    largest = max(abs(row['extrapolated']) for row in converged.values())
     for name, row in estimate(pzs, scene, element, mesh).items():
         true = converged[name]['extrapolated']
+        if name in COUNTS or abs(true) < sys.float_info.epsilon * largest:
+            continue
         good = abs(row['extrapolated'] - true) <= row['uncertainty']
         cases += 1
         inside += good
