@@ -164,33 +164,42 @@ static double clearance_of(const trace *border, const double place[2])
 }
 
 /*
- * Find the space for text in an electrode: its mean width and height, around the middle of its
- * bounding box. In a hollow electrode, such as a ring, the space is the largest circle, around a
+ * Find the space for text in a hollow electrode, such as a ring: the largest circle, around a
  * corner or the middle of a diagonal of its parts, that its border does not cross. A text of five
  * digits, whose width is three times its font size, fits into the circle.
  */
-static void find_room(electrode *electrode)
+static void find_circle(electrode *electrode)
 {
     enum { PLACES = 500 };
     const trace *area = &electrode->area;
-    const polygon_box box = polygon_box_of((const double(*)[2])area->at, (size_t)area->count);
     text_room *room = &electrode->room;
-    const double size[2] = {box.high[0] - box.low[0], box.high[1] - box.low[1]};
-    for (int i = 0; i < 2; i++)
-        electrode->middle[i] = room->middle[i] = (box.low[i] + box.high[i]) / 2;
+    for (int k = 0; k + 2 < area->count; k += 1 + area->count / PLACES)
+        for (int other = k; other <= k + 2; other += 2) {
+            const double place[2] = {(area->at[k][0] + area->at[other][0]) / 2,
+                                     (area->at[k][1] + area->at[other][1]) / 2};
+            const double radius = clearance_of(&electrode->border, place);
+            if (isfinite(radius) && 2 * 0.63 * radius > room->height)
+                *room = (text_room){{place[0], place[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
+        }
+}
+
+/* Find the space for text in an electrode: its mean width and height, or a circle (find_circle). */
+static void find_room(electrode *electrode)
+{
+    const trace *area = &electrode->area;
+    const polygon_box box = polygon_box_of((const double(*)[2])area->at, (size_t)area->count);
+    const double x = (box.low[0] + box.high[0]) / 2, y = (box.low[1] + box.high[1]) / 2;
     /* The middle itself may lie on the level of a corner of the border. */
-    const double beside[2] = {room->middle[0] + 0.01, room->middle[1] + 0.017};
+    const double beside[2] = {x + 0.01, y + 0.017};
+    electrode->middle[0] = x;
+    electrode->middle[1] = y;
     electrode->is_hollow = clearance_of(&electrode->border, beside) < 0;
-    room->width = electrode->is_hollow ? 0 : area_of(area) / size[1];
-    room->height = electrode->is_hollow ? 0 : area_of(area) / size[0];
-    const int points = electrode->is_hollow ? area->count - 2 : 0;
-    for (int k = 0; k < 2 * points; k += 1 + k % 2 * 2 * (points / PLACES)) {
-        const double *corner = area->at[k / 2], *other = area->at[k / 2 + k % 2 * 2];
-        const double place[2] = {(corner[0] + other[0]) / 2, (corner[1] + other[1]) / 2};
-        const double radius = clearance_of(&electrode->border, place);
-        if (isfinite(radius) && 2 * 0.63 * radius > room->height)
-            *room = (text_room){{place[0], place[1]}, 1.9 * radius + MARGIN, 2 * 0.63 * radius};
-    }
+    if (electrode->is_hollow)
+        find_circle(electrode);
+    else
+        electrode->room = (text_room){{x, y},
+                                      area_of(area) / (box.high[1] - box.low[1]),
+                                      area_of(area) / (box.high[0] - box.low[0])};
 }
 
 /* Find the parts of a patch in the elements, and its border. */
