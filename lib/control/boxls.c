@@ -245,11 +245,12 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether a gradient is negligible: it can raise the objective above its minimum over the free
- * voltages by at most the machine epsilon times target_energy, the scale of the objective.
- *   size in  largest entry of the gradient for a free input (m2/V). The objective is above its
- *            minimum by at most size^2 times the trace of the inverse of the Hessian of the free
- *            inputs
+ * Whether a gradient is negligible: the objective is then expected to lie above its minimum over
+ * the free voltages by at most the machine epsilon times target_energy, the scale of the objective.
+ *   size in  largest entry of the gradient for a free input (m2/V). If the entries are independent
+ *            rounding errors, the objective is expected to lie above its minimum by at most half of
+ *            size^2 times the trace of the inverse of the Hessian of the free inputs; for any other
+ *            entries by at most the number of inputs times as much
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
