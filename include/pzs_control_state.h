@@ -770,6 +770,8 @@ typedef struct pzs_polarity_state {
     pzs_real *direction; /* [outputs] last jump of the target shape (m) */
     pzs_real least; /* smallest change of a scalar product (jump `direction` times shape) from which
                        the monitor judges in which direction the structure moves (m2) */
+    pzs_real most_idle; /* largest size of the change of this scalar product with the predicted
+                           shape at which a structure need not respond (m2) */
     pzs_real before[2]; /* scalar products of the jump of the target (`direction`) with the
                            predicted shape [0] and with the measured shape [1], both at the time of
                            the jump (m2) */

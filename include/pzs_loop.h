@@ -712,6 +712,8 @@ typedef struct pzs_supervision {
     pzs_real noise;  /* expected RMS noise of the measured shape (m), from which the divergence
                         monitor computes the deviation that it tolerates */
     pzs_real load;   /* RMS change of the shape that the largest expected sudden load causes (m) */
+    pzs_real slack;  /* RMS motion of the predicted shape that hysteresis of the actuators may take
+                        when they turn back, so that the structure does not move (m) */
 } pzs_supervision;
 
 /*

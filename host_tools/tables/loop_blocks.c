@@ -283,6 +283,13 @@ static double tolerated_unit(const design *design)
 static const double slowest_fading = 0.99999;
 
 /*
+ * Part of the shape under half the voltage range by which the predicted shape may move while the
+ * structure stands still: hysteresis takes the first part of every way back, with a hysteresis of
+ * 30 % up to this part.
+ */
+static const double idle_part = 0.5;
+
+/*
  * Make the tables of the supervisor, the block (stage of a control tick) that monitors the loop.
  * Its unit of displacement W is tolerated_unit.
  *   load         tolerated effect of a sudden load: that of the scene's loads, at least 0.3 W
@@ -294,8 +301,9 @@ static const double slowest_fading = 0.99999;
  *                like a vibration. Without a vibration model: 1/e in 50 ticks
  *   alarm_ticks  number of implausible ticks until an alarm: half the time of `fading`, in general
  *                a period of the first vibration mode, at least 20 (for vibration twice as many)
- *   polarity_ticks  the same for motions against the prediction: a period of the first vibration
- *                   mode, at least 20
+ *   slack        motion of the predicted shape that hysteresis may take: twice most_hysteresis
+ * times the shape under half the voltage range polarity_ticks  the same for motions against the
+ * prediction: a period of the first vibration mode, at least 20
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -312,7 +320,8 @@ static const void *supervision_tables(loop_blocks *blocks)
                                 .park = design->park,
                                 .fading = 0.98,
                                 .noise = fmax(design->simulate.noise, 0.005 * wanted),
-                                .load = fmax(0.3 * wanted, loop_loaded_rms(design))};
+                                .load = fmax(0.3 * wanted, loop_loaded_rms(design)),
+                                .slack = idle_part * loop_reachable_rms(design)};
     if (blocks->damper->is_used && blocks->damper->modes == 0)
         tables->fading = fmin(1 - (double)blocks->damper->tables.slow, slowest_fading);
     if (blocks->damper->is_used && blocks->damper->modes > 0) {
@@ -559,15 +568,15 @@ static void write_supervision(emitter *emitter, const loop_blocks *blocks)
     const pzs_supervision *tables = &blocks->supervision;
     const uint16_t counts[6] = {tables->inputs,      tables->timeout,        tables->ramp_ticks,
                                 tables->alarm_ticks, tables->polarity_ticks, tables->waits};
-    const double settings[3] = {tables->fading, tables->noise, tables->load};
+    const double settings[4] = {tables->fading, tables->noise, tables->load, tables->slack};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     emit_inside(emitter, "park", tables->park, blocks->design->lower, blocks->design->upper,
                 tables->inputs, "voltages to which the supervisor parks the amplifiers (V)");
-    emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 4);
     emit_begin(emitter, "supervision", "supervision", tables->scene, tables->crc);
     fprintf(emitter->file, " %u, %u, %u, %u, %u, %u,\n    %s_park, ", counts[0], counts[1],
             counts[2], counts[3], counts[4], counts[5], emitter->prefix);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 4; i++)
         fprintf(emitter->file, "PZS_R(%.17g), ", settings[i]);
     fputs("\n};\n", emitter->file);
 }

@@ -327,7 +327,8 @@ static bool is_damaged(const pzs_monitor_state *monitor)
     const pzs_polarity_state *polarity = &monitor->polarity;
     return !number_is_finite(monitor->amplitude + monitor->envelope + monitor->moved +
                              monitor->answered + monitor->earlier + monitor->later +
-                             polarity->least + polarity->before[0] + polarity->before[1]);
+                             polarity->least + polarity->most_idle + polarity->before[0] +
+                             polarity->before[1]);
 }
 
 /*

@@ -11,12 +11,13 @@
  *
  *   load    change of the shape by the largest expected sudden load
  *   noise   noise of the measured shape
+ *   slack   motion of the predicted shape that hysteresis of the actuators may take
  *   shaken  vibration that earlier jumps explain, of which a part remains in the measured shape if
  *           the structure vibrates only roughly like its model
  *
  * It does not follow the prediction, as if all sensors were stuck, if
  *
- *     u . (change of the predicted shape)  >   2 |u| least
+ *     u . (change of the predicted shape)  >   |u| max(2 least, slack)
  *     u . (change of the measured shape)   <   u . (change of the predicted shape) / 10
  *
  * If the structure responds with at least half of the predicted motion, only sudden loads of more
@@ -39,7 +40,7 @@
 /*
  * The structure does not follow its prediction if it makes less than LEAST_ANSWER of the predicted
  * motion. This is judged only where the predicted motion exceeds the smallest judged motion by the
- * factor LONG_WAY.
+ * factor LONG_WAY, and exceeds what hysteresis may take.
  */
 #define LONG_WAY 2
 #define LEAST_ANSWER PZS_R(0.1)
@@ -70,7 +71,11 @@ void pzs_polarity_begin(pzs_polarity_state *polarity, const pzs_supervision *tab
         polarity->direction[i] = change;
         square += change * change;
     }
-    polarity->least = (pzs_polarity_least(tables) + shaken) * PZS_SQRT(square * (pzs_real)outputs);
+    const pzs_real unit = PZS_SQRT(square * (pzs_real)outputs);
+    polarity->least = (pzs_polarity_least(tables) + shaken) * unit;
+    polarity->most_idle = LONG_WAY * polarity->least;
+    if (polarity->most_idle < tables->slack * unit)
+        polarity->most_idle = tables->slack * unit;
     memset(polarity->before, 0, sizeof polarity->before);
     memset(polarity->now, 0, sizeof polarity->now);
     polarity->first = PERIODS * tables->alarm_ticks + 2u;
@@ -104,5 +109,7 @@ uint32_t pzs_polarity_judge(pzs_polarity_state *polarity, const pzs_real *predic
     const pzs_real least = polarity->least;
     if (predicted_way > least && measured_way < -least)
         return strength_of(-measured_way / least);
-    return predicted_way > LONG_WAY * least && measured_way < LEAST_ANSWER * predicted_way ? 1 : 0;
+    const bool is_idle =
+        predicted_way > polarity->most_idle && measured_way < LEAST_ANSWER * predicted_way;
+    return is_idle ? 1 : 0;
 }

@@ -21,7 +21,7 @@ static uint32_t list_parts(const pzs_supervision *tables, pzs_table_part part[PZ
 {
     part[0] = (pzs_table_part){&tables->inputs, 6u * sizeof tables->inputs};
     part[1] = scrub_reals(tables->park, tables->inputs);
-    part[2] = scrub_reals(&tables->fading, 3);
+    part[2] = scrub_reals(&tables->fading, 4);
     return 3;
 }
 
@@ -44,7 +44,7 @@ static bool are_in_range(const pzs_supervision *tables)
 {
     return tables->ramp_ticks > 0 && tables->polarity_ticks > 0 && tables->waits <= 1 &&
            tables->fading > 0 && tables->fading < 1 && tables->noise >= 0 && tables->load >= 0 &&
-           number_is_finite(tables->noise + tables->load);
+           tables->slack >= 0 && number_is_finite(tables->noise + tables->load + tables->slack);
 }
 
 /*

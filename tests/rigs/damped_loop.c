@@ -444,6 +444,10 @@ void damped_loop_supervise(damped_loop *loop)
     for (size_t i = 0; i < structure->outputs; i++)
         squares += pow(structure->goal[i], 2);
     const double goal = sqrt(squares / (double)structure->outputs);
+    squares = 0;
+    for (size_t i = 0; i < structure->outputs * structure->inputs; i++)
+        squares += pow(structure->limit * structure->influence[i], 2);
+    const double reach = sqrt(squares / (double)structure->outputs);
     loop->supervision = (pzs_supervision){.inputs = loop->problem.inputs,
                                           .scene = loop->problem.scene,
                                           .timeout = 100,
@@ -453,7 +457,8 @@ void damped_loop_supervise(damped_loop *loop)
                                           .park = loop->problem.reference_voltage,
                                           .fading = (pzs_real)exp(-1 / (2 * period)),
                                           .noise = (pzs_real)(0.005 * goal),
-                                          .load = (pzs_real)(0.3 * goal)};
+                                          .load = (pzs_real)(0.3 * goal),
+                                          .slack = (pzs_real)(0.5 * reach)};
     assert_int_equal(pzs_supervision_seal(&loop->supervision), PZS_OK);
 }
 

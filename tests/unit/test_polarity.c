@@ -450,6 +450,56 @@ static void healthy_loops_raise_no_alarm(void **state)
     }
 }
 
+/*
+ * Run a healthy loop whose targets are jumps between -part and part of the goal. Returns whether an
+ * alarm has come.
+ */
+static bool is_parked_at_small_targets(damped_loop *d, double play, double part)
+{
+    const int period = d->supervision.polarity_ticks;
+    double *wanted = calloc(d->structure->outputs, sizeof *wanted);
+    unsigned seed = 3;
+    assert_non_null(wanted);
+    damped_loop_reset(d, (plant_error){1, 1, 1, 1, play, 0, 1e-4 * part});
+    for (int tick = 0; tick < 40 * period && !is_stopped(d); tick++) {
+        if (tick % (4 * period) == 0)
+            scale_target(d, part * (uniform(&seed, 0, 1) < 0.5 ? -1 : 1) * uniform(&seed, 0.5, 1),
+                         wanted);
+        (void)damped_loop_tick(d, wanted);
+    }
+    free(wanted);
+    return is_stopped(d);
+}
+
+/*
+ * Law: small targets, of 0.02 to 0.2 of the goal, whose motions hysteresis of 5 to 30 % may take at
+ * first, raise no alarm of a supervisor with tolerances in their unit.
+ */
+static void small_targets_raise_no_alarm(void **state)
+{
+    static const double play[] = {0.05, 0.1, 0.3}, part[] = {0.02, 0.05, 0.2};
+    const damper_settings settings = damper_default_settings();
+    int alarms = 0;
+    (void)state;
+    for (int k = 0; k < STRUCTURES; k++) {
+        modal_structure s;
+        damped_loop d;
+        open_structure(&s, &structures[k]);
+        damped_loop_open(&d, &s, structures[k].interval, s.limit / 15, 1, NULL, 0, &settings);
+        for (int i = 0; i < 9; i++) {
+            damped_loop_supervise(&d);
+            d.supervision.noise *= (pzs_real)part[i / 3];
+            d.supervision.load *= (pzs_real)part[i / 3];
+            assert_int_equal(pzs_supervision_seal(&d.supervision), PZS_OK);
+            alarms += is_parked_at_small_targets(&d, play[i % 3], part[i / 3]);
+        }
+        damped_loop_close(&d);
+        structure_close(&s);
+    }
+    print_message("small targets: %d alarms in %d runs\n", alarms, 9 * STRUCTURES);
+    assert_int_equal(alarms, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_polarity_is_found),
@@ -457,6 +507,7 @@ int main(void)
                                        cmocka_unit_test(noisy_stuck_sensors_are_found),
                                        cmocka_unit_test(readings_return),
                                        cmocka_unit_test(resting_loops_raise_no_alarm),
+                                       cmocka_unit_test(small_targets_raise_no_alarm),
                                        cmocka_unit_test(healthy_loops_raise_no_alarm)};
     return cmocka_run_group_tests_name("polarity", tests, NULL, NULL);
 }
