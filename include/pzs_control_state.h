@@ -506,9 +506,9 @@ typedef struct pzs_pulse_detector_state {
     pzs_real *late_voltage; /* [inputs] weighted sum of voltages over the ticks of the present test
                                pulse (V): voltage minus that of its first tick, times a weight that
                                is antisymmetric in time about the middle of the pulse */
-    pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V): the voltages that
-                         would move the structure as far without hysteresis, according to the
-                         measured hysteresis model */
+    pzs_real *effect; /* [inputs] equivalent voltages of the last tick (V): the voltages that would
+                         move the structure as far without hysteresis, according to the measured
+                         hysteresis model */
     pzs_real *cleared_loss; /* [inputs] size of the voltage error of each electrode when the fault
                                detector last suspected it (V): absolute difference between the
                                voltage given to the electrode and the voltage that the readings
@@ -743,11 +743,11 @@ typedef struct pzs_supervisor_core {
     uint32_t mode;   /* present operating mode of the supervisor, a value of pzs_supervisor_mode */
     uint32_t obeyed; /* last command of the program that the supervisor has carried out: 256 times a
                         command counter plus the command */
-    uint32_t is_flat;   /* end of the ramps on which the supervisor moves the voltages: 1 for the
-                           reference voltages of the optimisation (pzs_problem), 0 for the park
-                           voltages (safe voltages in the supervisor's tables) */
-    uint32_t remaining; /* number of ticks until the end of the ramp on which the supervisor moves
-                           the voltages; 0: no ramp */
+    uint32_t is_flat; /* target of the ramps on which the supervisor moves the voltages in steps: 1:
+                         reference voltages of the optimisation (pzs_problem); 0: park voltages
+                         (safe voltages in the supervisor's tables) */
+    uint32_t remaining; /* number of ticks that the supervisor still needs to move the voltages in
+                           steps (a ramp) to their target; 0: it does not move them */
     uint32_t silent;    /* number of consecutive ticks without usable readings */
     /*
      * counter of implausible shapes, which leads to an alarm: a tick with an implausible measured

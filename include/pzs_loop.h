@@ -95,14 +95,16 @@ typedef struct pzs_loop_signals {
     bool has_damper;  /* during the initialisation of the loop: whether pzs_vibration_block, which
                          damps vibration, is in its list of blocks */
     /*
-     * Actuator curves of the loop: during the initialisation, those of pzs_curve_inverse_block;
-     * during a tick, those by which pzs_curve_block has replaced voltages by effects. NULL: none.
+     * Curves of the actuators: displacement as a function of the voltage, where it is not
+     * proportional to it; NULL: none. During the initialisation of the loop pzs_curve_inverse_block
+     * sets this pointer, during a tick pzs_curve_block.
      */
     const struct pzs_actuator_curves *curves;
     /*
-     * Function that replaces voltages [inputs] by their effects on actuators with curves. Blocks
-     * that compute with the influence matrix call it for voltages, because the matrix then belongs
-     * to effects; NULL: no curves.
+     * Function that replaces voltages [inputs] by their effects: values to which the displacements
+     * of the actuators are proportional. Blocks call it before they multiply voltages by the
+     * influence matrix, which then holds the displacement per unit of effect. NULL: all actuators
+     * are linear.
      */
     void (*take_effects)(const struct pzs_loop_signals *signals, pzs_real *voltage);
     struct pzs_free_functions_state *free_functions; /* memory of pzs_free_functions_block; NULL:
@@ -1276,8 +1278,9 @@ typedef struct pzs_actuator_curves {
 pzs_status pzs_actuator_curves_seal(pzs_actuator_curves *tables);
 
 /*
- * Memory of pzs_curve_block, the block (stage of the control tick) that replaces voltages of
- * actuators with curves by their effects; pzs_loop_find returns it.
+ * Memory of pzs_curve_block, the block (stage of the control tick) that replaces voltages by their
+ * effects, values to which the displacements of the actuators are proportional; pzs_loop_find
+ * returns it.
  */
 typedef struct pzs_actuator_effects {
     const pzs_real *effect; /* [inputs] effects of the voltages from which the last tick started, to
@@ -1286,7 +1289,8 @@ typedef struct pzs_actuator_effects {
 
 /*
  * Control of actuators that are not linear, by two blocks (stages of the control tick) with common
- * tables pzs_actuator_curves.
+ * tables pzs_actuator_curves. They give the effect of each voltage, to which the displacement of
+ * the actuator is proportional.
  *
  *   - pzs_curve_block, in PZS_PHASE_READINGS and first in the list, replaces the last voltages and
  *     the limits of this tick by effects. The blocks between these two work with effects.

@@ -1107,9 +1107,10 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 
 /*
  * Compute the stress resultants (N/m) of an element whose strains are kept at 0 while a voltage, an
- * electric field or a temperature acts. With the element option lin33 single plies may thicken
- * then, but the mean thickness strain of all plies is 0. If transverse shear stress arises in a
- * ply, also compute the strains of the unloaded element (free_field.strain).
+ * electric field or a temperature acts. With the element option lin33 the plies may change their
+ * thickness meanwhile, but their mean thickness strain is kept at 0, too. If a ply gets a
+ * transverse shear stress, also compute the strains of the element without load
+ * (free_field.strain).
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Effects of voltages on actuators that are not linear (actuator_effect.h). */
+/*
+ * Effects of voltages on actuators that are not linear: values to which the displacements are
+ * proportional (actuator_effect.h).
+ */
 #include "actuator_effect.h"
 #include <stddef.h>
 
 /*
- * Add the deviation of the plant's curve from the one in the tables, a parabola over the effects of
- * the curve.
+ * Add to an effect (value to which the displacement of the actuator is proportional) the amount by
+ * which the simulated structure deviates from the actuator curve in the tables. The amount is a
+ * parabola over the effect.
  *   first, last  effects of the first and the last point of the curve (V)
  */
 static double add_error(double effect, double first, double last, double error)

@@ -313,8 +313,8 @@ static void fill_command(const transition *transition, size_t group, size_t i)
 
 /*
  * Fill the rows of the transition matrix for the output of lagging amplifiers at the coming tick,
- * and for the mean output in the interval before it. Also add the effect of the mean output to the
- * change of the equilibrium.
+ * and for the mean output in the interval before it. Also add what the mean output changes in the
+ * equilibrium of the structure.
  */
 static void fill_output(const transition *transition, size_t group, size_t i)
 {

@@ -33,8 +33,9 @@ static void point(compensation *compensation)
 }
 
 /*
- * Constant that the hysteresis model adds to the effect of an electrode (equivalent voltage without
- * hysteresis, V), so that an electrode that has always been at 0 V has the effect 0.
+ * Constant (V) that the hysteresis model adds to the equivalent voltage of an electrode, the
+ * voltage that would cause the same strain without hysteresis. With this constant an electrode that
+ * has always been at 0 V has the equivalent voltage 0.
  */
 static double offset_of(const pzs_hysteresis *tables)
 {
@@ -45,7 +46,7 @@ static double offset_of(const pzs_hysteresis *tables)
 }
 
 /*
- * Least permitted ratio of two slopes (change of the effect per volt) of the hysteresis model that
+ * Least permitted ratio of two slopes (change of the strain per volt) of the hysteresis model that
  * a loop inverts: the slope just after a reversal of the voltage over the slope far from a
  * reversal. On a ceramic without hysteresis the inverse then enlarges small changes by at most
  * 1/0.6.

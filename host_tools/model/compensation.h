@@ -10,9 +10,9 @@
 #include "pzs.h"
 
 /*
- * Hysteresis tables for two blocks (stages of a control tick): one computes effects from the
- * present voltages, the other voltages from effects. An effect is the voltage that would act alike
- * on a ceramic without hysteresis. All amplifiers use the same numbers.
+ * Hysteresis tables for two blocks (stages of a control tick): one replaces the present voltages by
+ * effects, the other replaces effects by voltages. An effect is the equivalent voltage that would
+ * cause the same strain in a ceramic without hysteresis. All amplifiers use the same numbers.
  */
 typedef struct compensation {
     bool is_used; /* true where the scene has a section `hysteresis`; otherwise all other members
@@ -43,9 +43,9 @@ void compensation_identify(compensation *compensation, const scene_hysteresis *i
 
 /*
  * Weaken the hysteresis model that a control loop inverts: larger slopes replace play operators,
- * until a volt just after a reversal of the voltage has at least 0.6 of the effect that a volt has
- * far from a reversal. Otherwise the inverse would raise the loop gain on a ceramic with less
- * hysteresis.
+ * until a volt just after a reversal of the voltage causes at least 0.6 times the strain that a
+ * volt causes far from a reversal. Otherwise the inverse would raise the loop gain on a ceramic
+ * with less hysteresis.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

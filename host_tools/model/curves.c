@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Voltages and effects of actuators that are not linear (curves.h). */
+/*
+ * Voltages of actuators that are not linear, and their effects, the values that are proportional to
+ * the displacements of the actuators (curves.h).
+ */
 #include "curves.h"
 #include <math.h>
 #include <stdio.h>
@@ -63,7 +66,10 @@ void curves_limits(const design *design, const double *limit, double *effect)
                         : limit[k];
 }
 
-/* Return the voltage inside limits that has a wanted effect on actuator k. */
+/*
+ * Return the voltage inside limits at which actuator k has a wanted effect; the displacement of the
+ * actuator is proportional to the effect.
+ */
 static double voltage_of(const pzs_actuator_curves *curves, uint32_t k, double effect, double lower,
                          double upper)
 {

@@ -27,8 +27,9 @@ actuator_curves curves_of(const design *design);
 void curves_fill(design *design);
 
 /*
- * Compute the effects of voltages. Effects of voltages beyond the ends of the curves follow from
- * their first and last segments.
+ * Compute, from the actuator curves, the effects of voltages: values to which the displacements of
+ * the actuators are proportional. Beyond the ends of a curve its first and last segments are
+ * continued.
  *   voltage, effect [amplifiers] in, out (V)
  */
 void curves_effects(const design *design, const double *voltage, double *effect);
@@ -41,15 +42,17 @@ void curves_effects(const design *design, const double *voltage, double *effect)
 void curves_narrow(const design *design, double *lower, double *upper);
 
 /*
- * Compute the effects that belong to voltage limits, with the arithmetic of the controller. The
- * limits must lie inside the curves.
+ * Compute, from the actuator curves, the effects (values proportional to the displacements of the
+ * actuators) of voltage limits. The result equals that of the controller bit by bit. The limits
+ * must lie inside the curves.
  *   limit, effect [amplifiers] in, out (V)
  */
 void curves_limits(const design *design, const double *limit, double *effect);
 
 /*
- * Compute the voltages inside limits that have given effects, with the arithmetic of the
- * controller. If an effect is that of a voltage limit, the result is exactly this limit.
+ * Compute, from the actuator curves, the voltages inside limits that have given effects (values
+ * proportional to the displacements of the actuators). If an effect is that of a voltage limit, the
+ * result is exactly this limit. The result equals that of the controller bit by bit.
  *   effect       [amplifiers] in   wanted effects (V)
  *   lower, upper [amplifiers] in   voltage limits (V)
  *   voltage      [amplifiers] out  voltages (V); may be the array of the effects
@@ -58,8 +61,8 @@ void curves_voltages(const design *design, const double *effect, const double *l
                      const double *upper, double *voltage);
 
 /*
- * Return half the range of the effects of an amplifier between its voltage limits (V); infinite
- * where a limit is infinite.
+ * Return half the range of the effect between the voltage limits of an amplifier (V); infinite
+ * where a limit is infinite. The effect is proportional to the displacement of the actuator.
  */
 double curves_half_range(const design *design, int amplifier);
 
@@ -67,8 +70,8 @@ double curves_half_range(const design *design, int amplifier);
 enum { CURVES_TEXT = 400 };
 
 /*
- * Describe the curves in words: their kind, and how much the slopes of the effects over the
- * voltages vary between the voltage limits. The text is empty where the scene has no curves.
+ * Describe the actuator curves in words: their kind, and how much the displacement per volt varies
+ * between the voltage limits. The text is empty where the scene has no curves.
  */
 void curves_text(const design *design, char text[CURVES_TEXT]);
 

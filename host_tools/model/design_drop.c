@@ -18,8 +18,9 @@ static double largest_of_column(const design *design, size_t k)
 
 /*
  * Set the small entries of column k of the influence matrix to zero. For each output, add the
- * largest displacement that is lost by this: absolute value of the entry times largest absolute
- * effect of the voltages.
+ * largest displacement that is lost by this: absolute value of the entry times the largest absolute
+ * voltage, or with actuator curves the largest effect (value to which the displacement of the
+ * actuator is proportional).
  *   error [targets] in/out  displacements that are left out (length unit)
  */
 static void drop_of_column(design *design, size_t k, double *error)

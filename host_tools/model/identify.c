@@ -166,9 +166,11 @@ static void fill_slopes(const fit *fit, double s, double *row)
 }
 
 /*
- * Fill the rows of the least-squares matrix that belong to measured positions. Entry (i, j) is the
- * effect at sample i per unit of parameter j (slope, weight, creep amplitude or offset): the
- * voltage that would act alike without hysteresis (V).
+ * Fill the rows of the least-squares matrix that belong to measured positions. The unknowns are the
+ * parameters of a hysteresis model: four slopes of its piecewise linear part, the weights of its
+ * plays (elements with backlash), the amplitudes of its creep terms, and a constant. Entry (i, j)
+ * is the equivalent voltage (V) that the model gives at sample i of the sweep per unit of parameter
+ * j: the voltage that would cause the same position without hysteresis.
  */
 static void fill_samples(fit *fit)
 {
@@ -284,8 +286,9 @@ static int solve(fit *fit, char *error)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Return the change of the effect (voltage that would act alike without hysteresis) per volt, from
- * the lowest to the highest voltage and without creep.
+ * Return the mean slope of the hysteresis model, from the lowest to the highest voltage and without
+ * creep: change of the equivalent voltage (which would cause the same position without hysteresis)
+ * per volt.
  */
 static double full_range_gain(const fit *fit)
 {
@@ -308,8 +311,8 @@ static void take_list(scene_short_list *list, const double *value, size_t count,
 }
 
 /*
- * Effect (equivalent voltage without hysteresis, V) that the fitted model of hysteresis and creep
- * has at 0 V, if no other voltage was applied before.
+ * Equivalent voltage (V) of the fitted model of hysteresis and creep at 0 V, if no other voltage
+ * was applied before. The equivalent voltage would cause the same position without hysteresis.
  */
 static double effect_at_start(const fit *fit)
 {

@@ -5,7 +5,8 @@
  * voltage. Bounded least squares determine the numbers of the section `hysteresis` of a scene file,
  * except slacks and time constants, which are prescribed. The model is
  *   position = position at the start + gain x effect.
- *   effect  voltage (V) that would act alike without hysteresis and creep (pzs_hysteresis)
+ *   effect  voltage (V) that would cause the same position without hysteresis and creep
+ *           (pzs_hysteresis)
  *   gain    position per volt of the effect
  */
 #ifndef IDENTIFY_H

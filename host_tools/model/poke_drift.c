@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Estimation of drift and of the effect of earlier voltages from measured shapes (poke_drift.h). */
+/*
+ * Estimation, from shapes measured one after the other, of their drift over time and of the
+ * fraction of earlier voltages that still acts, by hysteresis and creep (poke_drift.h).
+ */
 #include "poke_drift.h"
 #include <float.h>
 #include <math.h>
@@ -39,15 +42,19 @@ typedef struct estimate {
     double mixed;   /* component of the linear drift (numbers 0, 1, 2 ... of the measurements) along
                        the constant trend, before it was removed to make the two vectors in `trend`
                        orthogonal */
-    double *before; /* [rows][outputs] shapes that the influence matrix predicts for the voltages of
-                       the preceding measurements, without the parts that the trends (constant
-                       offset and linear drift) explain */
-    double *rest; /* [rows][outputs] measured shapes that no influence matrix explains, without the
-                     parts that the trends (constant offset and linear drift) explain */
-    double *part[TRENDS]; /* [outputs] components of the measured shapes along each trend (constant
-                             offset, linear drift) */
-    double *part_before[TRENDS]; /* [outputs] components, along each trend (constant offset, linear
-                                    drift), of the shapes predicted for the preceding voltages */
+    double *before; /* [rows][outputs] shapes that the influence matrix predicts if every
+                       measurement had the voltages of the one before it; what a constant offset and
+                       a linear drift explain has been subtracted */
+    double *rest; /* [rows][outputs] part of the measured shapes that no influence matrix explains;
+                     what a constant offset and a linear drift explain has been subtracted, too */
+    /*
+     * for the two trends (constant offset, linear drift over the measurements) an array [outputs]:
+     * at each output, the scalar product of the trend with the measured shapes
+     */
+    double *part[TRENDS];
+    double *part_before[TRENDS]; /* for the two trends (constant offset, linear drift over the
+                                    measurements) an array [outputs]: at each output, the scalar
+                                    product of the trend with the predicted shapes in `before` */
 } estimate;
 
 /*

@@ -79,17 +79,21 @@ typedef struct stress_layer {
  */
 typedef struct stress_sample {
     double plane[3], shear[2], normal;
-    double warp[3];     /* in-plane strains 11 22 12 (twice the tensor's) of bent cross-sections,
-                           which `plane` contains (stress_warp.h) */
-    double squeeze[3];  /* part of the in-plane stresses 11 22 12 in `plane` that exists because the
-                           recovered normal stress 33 differs from `own_normal`, that of the element
-                           (stress_warp.h; Pa) */
-    double lacking[3];  /* in-plane stresses 11 22 12 that the elements leave out: stresses of bent
-                           cross-sections, and of a normal stress 33 that varies over the thickness,
-                           while the displacement of the structure remains the same (Pa) */
-    double balanced[3]; /* in-plane stresses 11 22 12 that an earlier recovery found to be left out
-                           (the member `lacking` there), and with which the displacement of the
-                           structure was corrected since (stress_corrected.h; Pa) */
+    double warp[3];    /* in-plane strains 11 22 12 (twice the tensor's) of bent cross-sections,
+                          which `plane` contains (stress_warp.h) */
+    double squeeze[3]; /* part of the in-plane stresses 11 22 12 in `plane` that exists because the
+                          recovered normal stress 33 differs from `own_normal`, that of the element
+                          (stress_warp.h; Pa) */
+    /*
+     * in-plane stresses 11 22 12 (Pa) that the elements cannot represent. They arise because
+     * cross-sections do not stay straight and the normal stress 33 varies over the thickness. The
+     * displacement is not yet corrected for them
+     */
+    double lacking[3];
+    double balanced[3]; /* in-plane stresses 11 22 12 (Pa) that the elements cannot represent, as an
+                           earlier computation of the stresses found them (its member `lacking`).
+                           The displacement of the structure has been corrected for them since
+                           (stress_corrected.h) */
     double own_normal;  /* normal stress 33 of the element at this height (Pa) */
     double thickening;  /* thickness strain 33 at this height while the normal stress 33 is
                            `own_normal` and the strains `warp` of bent cross-sections are 0 */
@@ -141,8 +145,8 @@ typedef struct stress_field {
                            by the first (stress_warp.h) */
     bool is_straight;   /* whether the stresses are those of straight cross-sections, because the
                            strains of bent ones did not converge (stress_warp.h) */
-    bool has_squeeze;   /* whether the in-plane stresses contain the effect of the recovered normal
-                           stress 33, which varies with the height */
+    bool has_squeeze; /* whether the in-plane stresses contain what the recovered normal stress 33,
+                         which varies over the thickness, adds to them by Poisson's effect */
     stress_correction correction; /* correction of the displacement for assumptions of the elements,
                                      such as straight cross-sections; all members are 0 if there is
                                      no correction */

@@ -9,8 +9,9 @@
 #include "stress_equilibrium.h"
 
 /*
- * Number of unit strains, membrane strains 11, 22, 12 and curvatures 11, 22, 12, from which the
- * strains are combined that are added to keep the stress resultants of an element.
+ * Number of unit strains of an element: membrane strains 11, 22, 12 and curvatures 11, 22, 12. A
+ * combination of them is added to the strains of bent cross-sections, so that these do not change
+ * the stress resultants of the element.
  */
 enum { UNITS = 6 };
 

@@ -23,9 +23,10 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *limits; /* [6][amplifiers] six arrays: lower and upper limits of the effects of the
-                       voltages (V), step limits (V, largest change in one tick), voltages inside
-                       all limits (V), lower and upper voltage limits (V) */
+    double *limits; /* [6][amplifiers] six arrays: lower and upper limits of the effects (values to
+                       which the displacements of the actuators are proportional; V), step limits
+                       (V, largest change in one tick), voltages inside all limits (V), lower and
+                       upper voltage limits (V) */
     const double *lower, *upper; /* [amplifiers] voltage limits (V) */
     pzs_limit_rows rows;
     void *work;

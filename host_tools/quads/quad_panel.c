@@ -20,9 +20,11 @@ typedef struct panel_plan {
     int layers;  /* number of rings of elements between the hole and the border of the square block
                     around it */
     double half; /* half of the side length of the square block around the hole (m) */
-    int before[2];   /* number of grid elements from the edge of the panel with the smallest
-                        coordinate to the square block around the hole: along x, and along the width
-                      */
+    /*
+     * number of grid elements between the edge of the panel at its smallest coordinate and the
+     * square block of elements around the hole: [0] along x, [1] along the width
+     */
+    int before[2];
     int elements[2]; /* number of elements of the grid along x and along the width */
     size_t grid; /* number of nodes of the grid that do not lie inside the square block around the
                     hole */

@@ -902,15 +902,18 @@ typedef struct scene_measured_mode {
 enum { SCENE_CURVE_POINTS = 128 }; /* largest number of points of a curve */
 typedef struct scene_curves {
     bool given;
-    bool is_square; /* whether the effect is the square of the voltage. The points of the curve are
-                       then set after the voltage limits have been read */
+    bool is_square; /* whether the displacement of the actuators is proportional to the square of
+                       the voltage. The points of the curve are then set after the voltage limits
+                       have been read */
     int sets;       /* number of curves: 1 for all amplifiers together, otherwise one for each */
     int points;     /* number of points of each curve */
-    double *voltage, *effect; /* [sets][points] voltages and effects of the points of a curve, both
-                                 ascending (V) */
+    double *voltage, *effect; /* [sets][points] points of each actuator curve, ascending: voltages,
+                                 and effects (values to which the displacement of the actuator is
+                                 proportional; V) */
     double *bend; /* [sets][points - 1] bends of the segments of a curve (dimensionless); NULL: all
                      segments are straight */
-    double *unit; /* [sets] factor that converts the effects of a curve from volts into the unit of
+    double *unit; /* [sets] factor that converts the effects of an actuator curve (values to which
+                     the displacement of the actuator is proportional) from volts into the unit of
                      the scene file */
     scene_at at;
 } scene_curves;
@@ -932,8 +935,9 @@ typedef struct scene_influence {
                  file of the influence matrix, some of which the scene may ignore */
     bool has_numbered_actuators; /* true where neither the scene file nor the file of the influence
                                     matrix names the actuators, which then are v1, v2 and so on */
-    double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt,
-                           or per volt of effect where the actuators have curves */
+    double *matrix; /* [outputs][amplifiers] measured influence matrix: displacement per volt. Where
+                       actuators have curves, per volt of effect, the value to which the
+                       displacement of the actuator is proportional */
     scene_curves curve; /* curves of actuators that are not linear */
     double drop_below;  /* fraction of the largest entry of a column of the influence matrix: the
                            controller treats smaller entries of this column as zero (dimensionless)

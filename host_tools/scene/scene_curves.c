@@ -76,8 +76,9 @@ static int read_list(reader *reader, int node, scene_curves *curves)
 }
 
 /*
- * Check that a table of curves has a column of effects for all actuators, or one for each of them.
- * Returns 0, or -1 after writing an error message about the scene file.
+ * Check that a table of actuator curves has one column of effects (values to which the displacement
+ * is proportional) for all actuators together, or one for each of them. Returns 0, or -1 after
+ * writing an error message about the scene file.
  */
 static int check_columns(reader *reader, int node, const number_table *table)
 {
@@ -102,9 +103,10 @@ static int check_columns(reader *reader, int node, const number_table *table)
 }
 
 /*
- * Find the column of effects of an actuator: by its name where the file has names, otherwise in the
- * order of the actuators. Returns the number of the column, or -1 after writing an error message
- * about the scene file.
+ * Find the column of a table of curves that holds the effects of an actuator, values to which its
+ * displacement is proportional: by the name of the actuator where the file has names, otherwise in
+ * the order of the actuators. Returns the number of the column, or -1 after writing an error
+ * message about the scene file.
  */
 static int effect_column(reader *reader, int node, const number_table *table, int set)
 {
@@ -197,8 +199,9 @@ static const char *owner(const scene *scene, int set)
 }
 
 /*
- * Scale the effects of a curve so that their largest absolute value equals that of the voltages. A
- * curve that falls is reversed: its unit becomes negative.
+ * Scale the effects of an actuator curve (values to which the displacement is proportional) so that
+ * their largest absolute value equals that of the voltages. A curve that falls is reversed: its
+ * scale factor becomes negative.
  */
 static void scale_effects(scene_curves *curves, int set)
 {
@@ -217,8 +220,9 @@ static void scale_effects(scene_curves *curves, int set)
 }
 
 /*
- * Check that voltages and scaled effects of a curve ascend, also after they are rounded to single
- * precision. Returns 0, or -1 with error filled.
+ * Check that the points of an actuator curve ascend, also after rounding to single precision: both
+ * their voltages and their scaled effects (values to which the displacement is proportional).
+ * Returns 0, or -1 with error filled.
  */
 static int check_ascending(const scene *scene, int set, char *error)
 {
@@ -327,8 +331,8 @@ static int check_ends(const scene *scene, char *error)
 }
 
 /*
- * Return the effect of 0 V on a curve whose segments are straight; where 0 V lies outside the
- * curve, the effect at the nearer end.
+ * Return the effect (value to which the displacement is proportional) at 0 V on an actuator curve
+ * whose segments are straight; where 0 V lies outside the curve, the effect at the nearer end.
  */
 static double effect_of_zero(const scene_curves *curves, int set)
 {
@@ -342,8 +346,10 @@ static double effect_of_zero(const scene_curves *curves, int set)
 }
 
 /*
- * Refuse a regularisation of the voltages if an actuator has an effect at 0 V by its curve: the
- * regularisation draws effects to 0, not voltages. Returns 0, or -1 with error filled.
+ * Refuse a regularisation of the voltages if the curve of an actuator does not go through 0 at 0 V.
+ * The optimiser computes with effects, values to which the displacements of the actuators are
+ * proportional, and would draw these to 0 instead of the voltages. Returns 0, or -1 with error
+ * filled.
  */
 static int check_reference(const scene *scene, char *error)
 {
@@ -390,8 +396,8 @@ static int check_others(const scene *scene, char *error)
 
 /*
  * Convert the influence matrix from displacement per unit of the effect in the file to displacement
- * per volt of the scaled effect: multiply each column by the conversion factor (curve.unit) of its
- * actuator.
+ * per volt of the scaled effect, where the displacement of an actuator is proportional to its
+ * effect. Each column is multiplied by the conversion factor (curve.unit) of its actuator.
  */
 static void scale_matrix(scene *scene)
 {

@@ -110,7 +110,8 @@ int require_kind(reader *reader, int node, tree_kind kind)
  *   depth  in               1: keys of the mapping itself; 2: keys of the mappings in it; and so on
  *   path   [LIST_ROOM] out  names of the enclosing keys, joined by points, such as simulate.sensors
  *   length in               number of characters that the path has already
- *   left   in/out           number of places with the key to skip before one is reported
+ *   left   in/out           in: number of places with the key that the search skips before it
+ *                           reports one; out: the same less the places skipped by this call
  * Returns whether there is such a key.
  */
 static bool find_key(const form *form, const char *key, int depth, char *path, int length,

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section control.modal_gains of a scene file: gains and leaks of modes in the control loop. */
+/*
+ * Section control.modal_gains of a scene file. Each mode (a shape) has a gain, the part of an error
+ * that a control tick corrects, and a leak, the part of the mode's voltages that is lost in a tick.
+ */
 #include "scene_file.h"
 #include "scene_parts.h"
 
@@ -124,7 +127,11 @@ static int check_range(reader *reader, int node, int k, double value, const rang
     return tree_fault(reader->t, node, "%g of mode %d %s", value, k + 1, range->must);
 }
 
-/* Read the gains or the leaks of all modes from a list or a file with one for each. */
+/*
+ * Read one number for each mode of control.modal_gains, from a list or a file: the gains of the
+ * modes in the control loop (part of an error that a tick corrects), or their leaks (part of the
+ * mode's voltages that is lost in a tick).
+ */
 static int read_each(reader *reader, int node, int modes, const range *range, double *value)
 {
     scene_numbers list = {0, NULL};

@@ -158,9 +158,10 @@ extern const form curves_form;
 
 /*
  * Complete the curves of actuators that are not linear after the scene has been read: square curves
- * end at the voltage limits, effects are scaled to volts, and the influence matrix becomes the
- * displacement per volt of effect. Refuses curves that end inside the voltage limits, and functions
- * of the control loop that assume linear actuators. Returns 0, or -1 with error filled.
+ * end at the voltage limits, effects (values to which the displacements are proportional) are
+ * scaled to volts, and the influence matrix becomes the displacement per volt of effect. Refuses
+ * curves that end inside the voltage limits, and functions of the control loop that assume linear
+ * actuators. Returns 0, or -1 with error filled.
  */
 int scene_check_curves(scene *scene, char *error);
 

@@ -30,8 +30,9 @@ void law_close(law *law)
 /* ---- clipping of voltages to limits ----------------------------------- */
 
 /*
- * Copy the voltages (effects, where the actuators have curves) that a control law for comparison
- * has computed and clipped to the limits into the library's controller.
+ * Copy the voltages that a control law for comparison has computed and clipped to the limits into
+ * the library's controller. Where actuators have curves, these are effects: values to which the
+ * displacements of the actuators are proportional.
  */
 static void set_voltages(const law *law, const pzs_loop_signals *signals)
 {
@@ -41,8 +42,9 @@ static void set_voltages(const law *law, const pzs_loop_signals *signals)
         const double clipped = fmin(fmax(law->next[k], info->lower[k]), info->upper[k]);
         const bool is_held = !(info->lower[k] < info->upper[k]);
         /*
-         * Where actuators have curves, no step limit is applied here: the limits of effects in this
-         * tick contain the step limits of the voltages already.
+         * Where actuators have curves, no step limit is applied here: the limits of effects (values
+         * to which the displacements of the actuators are proportional) contain the step limits of
+         * the voltages already.
          */
         control->state.voltage[k] =
             is_held || signals->curves

@@ -83,8 +83,9 @@ static int change_scene(plant *plant)
     const scene_simulate *simulate = &scene->simulate;
     scale_matrix(scene);
     /*
-     * Remove the actuator curves from the plant's model: its inputs are effects, because
-     * imperfections_actuate has already applied the curves to the voltages.
+     * Remove the actuator curves from the model of the simulated structure. Its inputs are
+     * proportional to the displacements of the actuators, because imperfections_actuate has already
+     * applied the curves to the voltages.
      */
     memset(&scene->influence.curve, 0, sizeof scene->influence.curve);
     scene->kinematics = simulate->kinematics;

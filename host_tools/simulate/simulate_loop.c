@@ -392,8 +392,10 @@ static bool is_kept(const pzs_block_type *type, int is_board)
 }
 
 /*
- * Append the block that restores voltages from the effects of actuator curves to the list of a
- * control law for comparison, where the scene has such curves. Returns the new number of blocks.
+ * Complete the list of blocks (stages of the control tick) of a control law that is simulated for
+ * comparison with the library's controller. Where actuators have curves, the laws choose effects
+ * (values proportional to the displacements of the actuators); the block appended here converts
+ * these to voltages. Returns the new number of blocks.
  */
 static size_t add_curve_inverse(loop *loop, const loop_blocks *all, size_t count)
 {

@@ -132,8 +132,9 @@ pzs_status storm_find_best(storm *storm, double *voltage);
 
 /*
  * Choose the hysteresis model of the ceramic: that of the scene file if the loop compensates
- * hysteresis, otherwise none. Then compute the lowest and highest voltages that can act on the
- * ceramic: the effects of the voltage limits on ceramic that has been at rest at 0 V.
+ * hysteresis, otherwise none. Then compute from it the lowest and highest equivalent voltages of
+ * the ceramic, those at the voltage limits after rest at 0 V. The equivalent voltage would cause
+ * the same strain without hysteresis.
  */
 void storm_start_ceramic(storm *storm);
 

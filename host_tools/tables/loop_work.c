@@ -171,9 +171,10 @@ double loop_work_inverse(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bounds of the instructions of the two blocks of actuator curves. For each input, the block
- * before the control step looks up the effects of three voltages. The block after the step looks up
- * two effects and one voltage, which needs a square root.
+ * Upper bounds of the instructions of the two blocks of actuator curves (effect, to which the
+ * displacement of an actuator is proportional, over the voltage). For each input, the block before
+ * the control step looks up the effects of three voltages. The block after the step looks up two
+ * effects, and the voltage of a third one, which needs a square root.
  */
 double loop_work_curve(const block_counts *of, const loop_processor *on)
 {

@@ -518,9 +518,10 @@ static void write_sparse(emitter *emitter, const pzs_sparse_influence *sparse)
 }
 
 /*
- * Where the actuators have curves, state in a comment and by a macro that the least-squares problem
- * is one for effects, not for voltages. The controller must then not be used without the blocks of
- * these curves.
+ * Where the actuators have curves, state in a comment and by a macro of the tables that the
+ * unknowns of the least-squares problem are not voltages but effects, values to which the
+ * displacements of the actuators are proportional. The controller must then not be used without the
+ * blocks of these curves.
  */
 static void write_curve_note(const emitter *emitter, const design *design)
 {

@@ -12,16 +12,16 @@
 #include "../core/numbers.h"
 
 /*
- * Relative rounding error of a voltage or limited sum of voltages, as a multiple of the machine
- * epsilon. A quantity that is a linear combination of quantities kept at their bounds counts as
- * inside its own bounds if it exceeds them by no more than this error of the largest voltage or
- * sum.
+ * Relative rounding error of a voltage, or of a weighted sum of voltages that is limited, as a
+ * multiple of the machine epsilon. It is used for a voltage or sum that depends linearly on others
+ * which are kept at their bounds. It counts as inside its bounds if it exceeds them by at most this
+ * error times the largest voltage or sum.
  */
 #define ROUNDING_FACTOR 64
 /*
- * Number of times that one round (sequence of iterations) examines again the voltages and limited
- * sums that it has ignored, because they are outside their bounds by no more than rounding errors.
- * This is done only if an earlier round of the same tick did not lower the objective.
+ * A round (sequence of iterations of the optimiser) ignores voltages, and limited weighted sums of
+ * voltages, that are outside their bounds by no more than rounding errors. If an earlier round of
+ * the same tick did not lower the objective, a round examines them again, this many times.
  */
 #define REPEATS 2u
 
@@ -402,9 +402,11 @@ static bool pull_ignored(const rows_run *run, uint32_t most)
 }
 
 /*
- * Start a round (sequence of iterations): clear old multipliers, and make free all voltages and
- * limited sums whose multipliers cannot keep them at a bound or at 0 V. Returns the total number of
- * iterations, those of earlier rounds included, at which the round must end.
+ * Start a round (sequence of iterations of the optimiser), where weighted sums of absolute values
+ * of voltages are limited. A multiplier keeps a voltage or sum at its bound, or a voltage at 0 V.
+ * Make free each voltage and sum whose multiplier has a sign or size that cannot do so, and set
+ * multipliers of free sums to 0. Returns the number of iterations at which the round must end,
+ * counted with those of earlier rounds.
  */
 static uint32_t begin(const rows_run *run, pzs_real rounding)
 {

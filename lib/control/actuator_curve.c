@@ -61,7 +61,8 @@ pzs_status pzs_actuator_curves_seal(pzs_actuator_curves *tables)
  */
 typedef struct actuator_curve {
     const pzs_real *voltage; /* [points] voltages of the points of the curve, ascending (V) */
-    const pzs_real *effect;  /* [points] effects of the points of the curve, ascending */
+    const pzs_real *effect; /* [points] effects (values to which the displacement of the actuator is
+                               proportional) at the points of the curve, ascending */
     const pzs_real *bend; /* [points - 1] bend of each segment of the curve (dimensionless): 0 for a
                              straight line, otherwise positive or negative curvature, from -1 to 1;
                              NULL: all are 0 */
@@ -108,7 +109,10 @@ static bool is_valid(const actuator_curve *curve, const pzs_problem *problem, ui
            curve->voltage[curve->points - 1] >= problem->upper[k];
 }
 
-/* Return the largest absolute value of the effects of an actuator. */
+/*
+ * Return the largest absolute effect on the curve of an actuator; the displacement of the actuator
+ * is proportional to its effect.
+ */
 static pzs_real largest_effect(const actuator_curve *curve)
 {
     const pzs_real first = number_absolute(curve->effect[0]);
@@ -191,8 +195,9 @@ pzs_real pzs_actuator_curve_voltage(const pzs_actuator_curves *tables, uint32_t 
 /* ---- blocks ----------------------------------------------------------- */
 
 /*
- * Whether the reference voltage of input k is its own effect on the curve. The regularisation draws
- * the effect of the input to the reference voltage; only then does it draw the voltage there, too.
+ * Whether the effect of the reference voltage of input k equals this voltage. The displacement of
+ * an actuator is proportional to its effect. The regularisation draws the effect of an input to the
+ * reference voltage, and thus draws the voltage there only if both are equal.
  */
 static bool is_reference_kept(const actuator_curve *curve, const pzs_problem *problem, uint32_t k)
 {
@@ -224,7 +229,8 @@ static pzs_status check(const pzs_actuator_curves *tables, const pzs_problem *pr
         return PZS_E_FORMAT;
     /*
      * Actuator curves are refused where sums of voltages are limited, because the optimiser would
-     * limit the sums of effects instead.
+     * limit sums of effects instead (values to which the displacements of the actuators are
+     * proportional).
      */
     if (!are_complete(tables) || tables->inputs != problem->inputs || problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
@@ -245,7 +251,8 @@ static pzs_real *effects_of(pzs_actuator_effects *effects)
 }
 
 /*
- * Compute the effects of the voltages of the last tick.
+ * Compute the effects of the voltages of the last tick: values to which the displacements of the
+ * actuators are proportional.
  *   effect [inputs] out, may be the array of the voltages
  */
 static void find_effects(const pzs_actuator_curves *tables, pzs_real *effect,
@@ -255,7 +262,10 @@ static void find_effects(const pzs_actuator_curves *tables, pzs_real *effect,
         effect[k] = pzs_actuator_curve_effect(tables, k, voltage[k]);
 }
 
-/* Replace voltages [inputs] by their effects (pzs_loop_signals.take_effects). */
+/*
+ * Replace voltages [inputs] by their effects, values to which the displacements of the actuators
+ * are proportional (pzs_loop_signals.take_effects).
+ */
 static void take_effects(const pzs_loop_signals *signals, pzs_real *voltage)
 {
     find_effects(signals->curves, voltage, voltage);
@@ -265,8 +275,9 @@ static pzs_status curve_init(void *self, const void *tables, pzs_loop_signals *s
 {
     pzs_actuator_effects *effects = self;
     /*
-     * Actuator curves are refused together with the compensation of hysteresis, which would take
-     * the effects of the curves for voltages.
+     * Actuator curves are refused together with the compensation of hysteresis. The curves replace
+     * voltages by values to which the displacements are proportional, and the compensation would
+     * take these for voltages.
      */
     if (signals->has_inverse || signals->curves != tables)
         return PZS_E_STAGE;
@@ -277,7 +288,7 @@ static pzs_status curve_init(void *self, const void *tables, pzs_loop_signals *s
 
 /*
  * Whether the effects of the voltages of the last tick equal those that the controller has chosen,
- * up to rounding errors.
+ * up to rounding errors. The displacement of an actuator is proportional to its effect.
  *   effect [inputs] in
  */
 static bool is_known(const pzs_actuator_curves *tables, const pzs_control *control,
@@ -295,8 +306,9 @@ static bool is_known(const pzs_actuator_curves *tables, const pzs_control *contr
 }
 
 /*
- * Replace voltages and voltage limits in the controller by effects. The limits become the effects
- * at the lowest and the highest voltage that this tick allows.
+ * Replace voltages and voltage limits in the controller by effects, values to which the
+ * displacements of the actuators are proportional. The limits become the effects of the lowest and
+ * the highest voltage that this tick allows.
  */
 static pzs_status curve_tick(void *self, pzs_loop_signals *signals)
 {
@@ -340,14 +352,18 @@ static pzs_status inverse_init(void *self, const void *tables, pzs_loop_signals 
 }
 
 /*
- * Return the voltage of an input, inside the range [low, high] that this tick allows, that has the
- * effect which the optimiser has chosen.
+ * Return the voltage, inside the range [low, high] that this tick allows, that has the effect which
+ * the optimiser has chosen for an input. The displacement of an actuator is proportional to its
+ * effect.
  *   given in  voltage of the last tick (V)
  */
 static pzs_real voltage_of(const actuator_curve *curve, pzs_real wanted, pzs_real given,
                            pzs_real low, pzs_real high)
 {
-    /* Damaged memory may give an effect that is not finite; the last voltage is then kept. */
+    /*
+     * Damaged memory may give a wanted effect (proportional to the displacement of the actuator)
+     * that is not finite; the last voltage is then kept.
+     */
     if (!number_is_finite(wanted))
         return number_clamp(given, low, high);
     if (!(wanted < effect_at(curve, high)))
@@ -358,9 +374,10 @@ static pzs_real voltage_of(const actuator_curve *curve, pzs_real wanted, pzs_rea
 }
 
 /*
- * Replace the effects that the optimiser has chosen by voltages. The voltage limits and step limits
- * of the tick, which the optimiser has used as limits of effects, are first computed again, bit by
- * bit as before the control step.
+ * Replace the effects that the optimiser has chosen (values to which the displacements of the
+ * actuators are proportional) by voltages. During the control step, limits of effects stood in the
+ * place of the voltage limits and step limits. The latter are first computed again, bit by bit as
+ * before.
  */
 static pzs_status inverse_tick(void *self, pzs_loop_signals *signals)
 {

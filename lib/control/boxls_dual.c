@@ -53,8 +53,9 @@
  */
 #define WRONG_PART 3u
 /*
- * Number of sweeps over all inputs with which the dual active-set method estimates the optimal
- * voltages.
+ * Number of sweeps over all inputs in an estimate of the optimal voltages. A sweep moves one
+ * voltage after the other to the minimum of the objective within its bounds, while the other
+ * voltages stay. The dual active-set method chooses a new active set by this estimate.
  */
 #define SWEEPS 6u
 /*

@@ -89,7 +89,8 @@ static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 /*
  * Store the voltages of a tick, and the readings that the model predicts for them, each as the
  * newest row of a ring buffer of the last delay + 1 ticks (delay: age of the readings in ticks).
- *   voltage [inputs] in  voltages (V); in a loop with actuator curves, the effects of the voltages
+ *   voltage [inputs] in  voltages (V); in a loop with actuator curves their effects, values to
+ *                        which the displacements of the actuators are proportional
  */
 static void push_voltages(pzs_reading_delay_state *state, const pzs_real *voltage)
 {

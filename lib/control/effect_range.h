@@ -36,15 +36,16 @@ static inline bool effect_set_range(const pzs_control *control, uint32_t k, pzs_
 }
 
 /*
- * A change of an effect since the controller last predicted the shape counts as a rounding error if
- * it is at most this multiple of the machine epsilon times the largest effect.
+ * The effects of actuators that are not linear are the values to which their displacements are
+ * proportional. A change of an effect since the controller last predicted the shape counts as a
+ * rounding error if it is at most this multiple of the machine epsilon times the largest effect.
  */
 #define EFFECT_ROUNDING 256
 
 /*
  * Replace the controller's voltages of the last tick, from which the optimiser starts, by their
- * effects. Step limits are switched off, because they do not hold for effects; the limits of the
- * effects contain them already.
+ * effects: values to which the displacements of the actuators are proportional. Step limits are
+ * switched off, because they hold for voltages; the limits of the effects contain them already.
  *   effect [inputs] in  effects of the voltages of the last tick
  *   is_known        in  whether the effects equal those of the controller's last prediction up to
  *                       rounding errors, so that the prediction stays valid
@@ -61,8 +62,9 @@ static inline void effect_take(pzs_control *control, const pzs_real *effect, boo
 }
 
 /*
- * Return the effects of the present voltages of the controller (V), which are the voltages
- * themselves in a loop without actuator curves. Effects stand in the work array of the optimiser.
+ * Return the effects of the present voltages of the controller (V): values to which the
+ * displacements of the actuators are proportional, in a loop without actuator curves the voltages
+ * themselves. The effects stand in the work array of the optimiser.
  */
 static inline const pzs_real *effect_of_voltages(const pzs_loop_signals *signals)
 {
@@ -77,7 +79,8 @@ static inline const pzs_real *effect_of_voltages(const pzs_loop_signals *signals
 
 /*
  * Predict the shape under the present voltages, unless the last prediction is still valid. In a
- * loop with actuator curves it is the shape under the effects of the voltages.
+ * loop with actuator curves the voltages are first replaced by their effects, to which the
+ * displacements are proportional.
  */
 static inline void effect_predict(const pzs_loop_signals *signals)
 {

@@ -74,8 +74,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
         !(governor->part <= 1))
         return PZS_E_ARGUMENT;
     /*
-     * The governor is refused where actuators have curves: it limits how fast voltages change, and
-     * these limits do not hold for the effects that the loop then optimises instead of voltages.
+     * The governor is refused where actuators have curves: it limits how fast voltages change, but
+     * the loop then optimises effects (values to which the displacements of the actuators are
+     * proportional) instead of voltages.
      */
     if (signals->curves != NULL)
         return PZS_E_STAGE;

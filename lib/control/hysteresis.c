@@ -424,8 +424,8 @@ typedef struct effect_walk {
                               its backlash (V) */
     /*
      * [plays] position of each play (element with backlash) at the present voltage, where the
-     * search for the voltage with a wanted effect starts (V). It is relative to the middle of the
-     * voltage range, and positive above the middle for either direction of the search
+     * search for the voltage that causes a wanted strain starts (V). It is relative to the middle
+     * of the voltage range, and positive above the middle for either direction of the search
      */
     const pzs_real *play;
     /*
@@ -441,15 +441,15 @@ typedef struct effect_walk {
      */
     const pzs_real *behind;
     pzs_real sign; /* direction of the search for a voltage along the characteristic of an electrode
-                      (effect as a function of the voltage): 1 towards higher voltages, -1 towards
-                      lower ones */
+                      (its strain as a function of the voltage): 1 towards higher voltages, -1
+                      towards lower ones */
     pzs_real knot; /* a quarter of the voltage range (V). The slope of the piecewise linear part of
                       the effect (voltage that would move the structure as far without hysteresis)
                       changes at three voltages: in the middle of the range, and a quarter of the
                       range above and below */
-    pzs_real place; /* voltage that the search along the characteristic of an electrode (effect as a
-                       function of the voltage) has reached, relative to the middle of the voltage
-                       range (V) */
+    pzs_real place; /* voltage that the search along the characteristic of an electrode (its strain
+                       as a function of the voltage) has reached, relative to the middle of the
+                       voltage range (V) */
     pzs_real gain; /* slope of the characteristic at the voltage that the search has reached, in the
                       direction of the search (dimensionless); the characteristic is the effect of
                       an electrode (voltage that would move the structure as far without hysteresis)
@@ -497,9 +497,9 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
 }
 
 /*
- * Part of the search for the voltage with a wanted effect: return the next voltage at which a play
- * (element with backlash) begins to move, in the order of slack. Relative to the middle of the
- * voltage range, in the direction of the search (V); infinite if all plays move already.
+ * Part of the search for the voltage that causes a wanted strain: return the next voltage at which
+ * a play (element with backlash) begins to move, in the order of slack. Relative to the middle of
+ * the voltage range, in the direction of the search (V); infinite if all plays move already.
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -508,9 +508,10 @@ static pzs_real next_move(const effect_walk *walk)
 }
 
 /*
- * Part of the search for the voltage with a wanted effect: return the next voltage at which the
- * slope of the effect changes because a moving play (element with backlash) reaches the middle of
- * the voltage range. The result is relative to the middle, in the direction of the search (V).
+ * Part of the search for the voltage that causes a wanted strain: return the next voltage at which
+ * the slope of the strain over the voltage changes because a moving play (element with backlash)
+ * reaches the middle of the voltage range. The result is relative to the middle, in the direction
+ * of the search (V).
  */
 static pzs_real next_crossing(const effect_walk *walk)
 {
@@ -528,9 +529,9 @@ static pzs_real next_knot(const effect_walk *walk)
 }
 
 /*
- * Part of the search for the voltage with a wanted effect: let the next play (element with
+ * Part of the search for the voltage that causes a wanted strain: let the next play (element with
  * backlash) move with the voltage, because its slack is used up. Its weight, which differs below
- * and above the middle of the voltage range, is added to the slope of the effect.
+ * and above the middle of the voltage range, is added to the slope of the strain over the voltage.
  */
 static void move_play(effect_walk *walk)
 {
@@ -570,9 +571,10 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 }
 
 /*
- * Begin the search for the voltage of an electrode with a wanted effect: find the slope of the
- * effect at the present voltage, in the direction of the search. Plays without slack in this
- * direction move from the beginning. Changes of slope before the present voltage are skipped.
+ * Begin the search for the voltage at which an electrode causes a wanted strain: find the slope of
+ * the strain over the voltage at the present voltage, in the direction of the search. Plays without
+ * slack in this direction move from the beginning. Changes of slope before the present voltage are
+ * skipped.
  */
 static void find_first_slope(effect_walk *walk)
 {

@@ -633,8 +633,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_vibration *vibration = tables;
     pzs_damper *damper = self;
     /*
-     * The damper is refused where actuators have curves, because it computes static equilibria from
-     * voltages, not from the effects of the voltages on the curves.
+     * The damper is refused where actuators have curves, because it computes static equilibria as
+     * if the displacements of the actuators were proportional to their voltages.
      */
     if (signals->curves != NULL)
         return PZS_E_STAGE;

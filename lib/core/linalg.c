@@ -475,9 +475,9 @@ static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *
 }
 
 /*
- * Second half of the forward substitution L x = b for the rows of one panel: solve with the
- * triangle of the diagonal tile. The first half is a separate function, so that the compiler can
- * use whole vector registers there.
+ * Second half of the forward substitution L x = b for one panel (PZS_TILE rows): solve with the
+ * triangle of L on the diagonal. The first half, which subtracts the products with the known
+ * entries of x, is a separate function, so that the compiler can use whole vector registers there.
  *   vector [rows of the matrix] in/out  known entries of x, then entries of b
  */
 static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
