@@ -235,9 +235,10 @@ static void check_path(analysis *analysis, const double *displacement)
     const int is_followed = analysis->load_path.points > 0;
     const int is_reached = !PZS_IS_ERROR(analysis->status);
     progress_stage("load path");
-    plausible_path(&analysis->warnings, analysis->design.scene,
-                   is_followed || !is_reached ? (double)NAN
-                                              : analysis_path_difference(analysis, displacement),
+    double difference = (double)NAN, load_factor = 1;
+    if (is_reached && !is_followed)
+        difference = analysis_path_difference(analysis, displacement, &load_factor);
+    plausible_path(&analysis->warnings, analysis->design.scene, difference, load_factor,
                    analysis->equilibrium.solver.info.negative_pivots);
 }
 

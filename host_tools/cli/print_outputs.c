@@ -3,32 +3,35 @@
 #include "print_outputs.h"
 #include <math.h>
 #include <stdlib.h>
+#include "../mesh/mesh_shown.h"
 #include "../text/words.h"
 
 /* ---- text ------------------------------------------------------------- */
 
-static void print_node_row(const analysis *analysis, int node, double value)
+static void print_node_row(const mesh *mesh, const mesh_size *size, int node, double value)
 {
-    const mesh *mesh = &analysis->design.mesh;
-    const double *theta = mesh->theta[node], *place = mesh->point[node].position;
-    fputs("    ", stdout);
-    if (!mesh->quads)
-        printf("%13.6e %13.6e  ", theta[0], theta[1]);
-    printf("%13.6e %13.6e %13.6e  %16.9e\n", place[0], place[1], place[2], value);
+    fputs("   ", stdout);
+    for (int i = 0; i < 2 && !mesh->quads; i++)
+        printf(" %13.6e", mesh_shown(mesh->theta[node][i], size->theta[i]));
+    fputs(mesh->quads ? "" : " ", stdout);
+    for (int i = 0; i < 3; i++)
+        printf(" %13.6e", mesh_shown(mesh->point[node].position[i], size->position));
+    printf("  %16.9e\n", value);
 }
 
 void print_output_table(const analysis *analysis, int k, const double *value)
 {
     const int count = analysis_outputs(analysis, k);
+    const mesh *mesh = &analysis->design.mesh;
+    const mesh_size size = mesh_size_of(mesh);
     if (analysis_output_node(analysis, k, 0) >= 0)
-        printf("    %s%13s %13s %13s  %16s\n",
-               analysis->design.mesh.quads ? "" : "       theta1        theta2  ", "x", "y", "z",
-               analysis->design.output[k].name);
+        printf("    %s%13s %13s %13s  %16s\n", mesh->quads ? "" : "       theta1        theta2  ",
+               "x", "y", "z", analysis->design.output[k].name);
     for (int i = 0; i < count; i++) {
         const int node = analysis_output_node(analysis, k, i);
         const double of_place = analysis_output(analysis, k, i, value);
         if (node >= 0)
-            print_node_row(analysis, node, of_place);
+            print_node_row(mesh, &size, node, of_place);
         else
             printf("    %-20s %16.9e\n", analysis_output_electrode(analysis, k, i), of_place);
     }

@@ -488,9 +488,10 @@ int analysis_continue(analysis *analysis, double *displacement, char *error)
 /*
  * Compute the nonlinear equilibrium with twice as many load steps as the scene asks for.
  *   displacement [free_dof] out  displacement vector of the structure
+ *   load_factor             out  part of the load that is reached
  * Returns the status of the solver.
  */
-static pzs_status solve_in_more_steps(analysis *analysis, double *displacement)
+static pzs_status solve_in_more_steps(analysis *analysis, double *displacement, double *load_factor)
 {
     pzs_solver *solver = &analysis->equilibrium.solver;
     const pzs_solver_info info = solver->info;
@@ -501,22 +502,24 @@ static pzs_status solve_in_more_steps(analysis *analysis, double *displacement)
     const pzs_status status = pzs_equilibrium(solver, analysis->equilibrium.full_input);
     memcpy(displacement, solver->info.displacement,
            (size_t)analysis->design.mesh.free_dof * sizeof *displacement);
+    *load_factor = solver->info.load_factor;
     solver->settings = settings;
     solver->info = info;
     return status;
 }
 
-double analysis_path_difference(analysis *analysis, const double *displacement)
+double analysis_path_difference(analysis *analysis, const double *displacement, double *load_factor)
 {
     const equilibrium *equilibrium = &analysis->equilibrium;
     double difference = (double)NAN;
+    *load_factor = 1;
     if (analysis->design.bare.count > 0)
         return difference;
     double *other = malloc((size_t)analysis->design.mesh.free_dof * sizeof *other);
     void *state = malloc(equilibrium_state_bytes(equilibrium));
     if (other && state) {
         equilibrium_save(equilibrium, state);
-        difference = PZS_IS_ERROR(solve_in_more_steps(analysis, other))
+        difference = PZS_IS_ERROR(solve_in_more_steps(analysis, other, load_factor))
                          ? HUGE_VAL
                          : distance(analysis, other, displacement);
         equilibrium_restore(&analysis->equilibrium, state);

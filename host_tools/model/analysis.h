@@ -150,11 +150,13 @@ int analysis_continue(analysis *analysis, double *displacement, char *error);
 /*
  * Compute the nonlinear displacement again with twice as many load steps, and compare. A large
  * difference says that the result may not lie on the load path. The solver's state is restored.
- *   displacement [free_dof] in  nonlinear displacement from analysis_solve
+ *   displacement [free_dof] in   nonlinear displacement from analysis_solve
+ *   load_factor             out  part of the load that twice as many load steps reach; 1: all
  * Returns the relative difference; HUGE_VAL if the full load is not reached; NAN without memory or
  * with bare faces (their potentials cost many linear solves).
  */
-double analysis_path_difference(analysis *analysis, const double *displacement);
+double analysis_path_difference(analysis *analysis, const double *displacement,
+                                double *load_factor);
 
 /*
  * Compute the displacement under the scene's loads and given voltages, linear or nonlinear

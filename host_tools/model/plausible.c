@@ -94,6 +94,8 @@ static const struct rule {
      "electrode, and compare its unit with that of the surface"},
     {"path", SUBJECT_PATH, measure_path, 0, 0.01, "of the displacement",
      "which equilibrium a structure takes depends on the way of loading; follow it with --path"},
+    {"path_end", SUBJECT_PATH, measure_path_end, 1, HUGE_VAL, "of it",
+     "which equilibrium a structure takes depends on the way of loading; follow it with --path"},
     {"stability", SUBJECT_PATH, measure_stability, 0, 0, "negative pivots",
      "a structure leaves an unstable equilibrium; use another mesh or more load steps, or follow "
      "the load path with --path"},
@@ -332,12 +334,13 @@ void plausible_target(plausible *warnings, const scene *scene, const plausible_o
     apply_all(warnings, SUBJECT_OPTIMUM, &of);
 }
 
-void plausible_path(plausible *warnings, const scene *scene, double difference,
+void plausible_path(plausible *warnings, const scene *scene, double difference, double load_factor,
                     unsigned negative_pivots)
 {
     const subject of = {.scene = scene,
                         .name = "",
                         .path_difference = difference,
+                        .load_factor = load_factor,
                         .negative_pivots = negative_pivots};
     apply_all(warnings, SUBJECT_PATH, &of);
 }

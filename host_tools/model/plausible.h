@@ -83,10 +83,11 @@ void plausible_target(plausible *warnings, const scene *scene, const plausible_o
 /*
  * Apply the plausibility rules on the load stepping to an equilibrium.
  *   difference      in  relative difference between the result and the one with twice as many load
- *       steps
+ *       steps; infinite: those end before the full load; NAN: not known
+ *   load_factor     in  part of the load that twice as many steps have reached
  *   negative_pivots in  number of negative pivots of the tangent stiffness at the equilibrium
  */
-void plausible_path(plausible *warnings, const scene *scene, double difference,
+void plausible_path(plausible *warnings, const scene *scene, double difference, double load_factor,
                     unsigned negative_pivots);
 
 /*

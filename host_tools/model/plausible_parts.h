@@ -25,6 +25,8 @@ typedef struct subject {
                                               factors, of the structure */
     double path_difference;   /* difference between the displacement and the one computed with twice
                                  as many load steps, relative to the displacement */
+    double load_factor;       /* part of the load that twice as many load steps have reached; 1: the
+                                 full load */
     unsigned negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium */
     double amplitude;         /* largest displacement of the target divided by the thickness of the
@@ -143,7 +145,7 @@ measure measure_strong_column, measure_modes_share, measure_mode_share, measure_
  * results, which plausibility rules compare with their usual ranges (plausible_result.c).
  */
 measure measure_found_field, measure_displacement, measure_strain;
-measure measure_path, measure_stability;
+measure measure_path, measure_path_end, measure_stability;
 measure measure_target, measure_unreached, measure_idle, measure_dependent;
 
 /*

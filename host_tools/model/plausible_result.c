@@ -75,11 +75,16 @@ int measure_strain(const subject *of, int k, measured *found)
 int measure_path(const subject *of, int k, measured *found)
 {
     found->value = of->path_difference;
-    snprintf(found->what, WHAT, "%s",
-             isinf(of->path_difference)
-                 ? "twice as many load steps do not reach the load"
-                 : "twice as many load steps end at another equilibrium, which differs by");
-    return k == 0;
+    snprintf(found->what, WHAT,
+             "twice as many load steps end at another equilibrium, which differs by");
+    return k == 0 && isfinite(of->path_difference);
+}
+
+int measure_path_end(const subject *of, int k, measured *found)
+{
+    found->value = of->load_factor;
+    snprintf(found->what, WHAT, "twice as many load steps end before the full load");
+    return k == 0 && isinf(of->path_difference);
 }
 
 int measure_stability(const subject *of, int k, measured *found)

@@ -61,11 +61,11 @@ static const pzs_real example_step_limit[4] = {
 static const pzs_real example_reference_voltage[4] = {
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
 };
-/* voltage optimisation problem: least squares for the voltages within their limits; its fourth last member limits the work of the optimiser in a tick (multiply-adds; 0: default) */
+/* voltage optimisation problem: least squares for the voltages within their limits; its member work_limit is the largest work of the optimiser in a tick (multiply-adds; 0: default) */
 static const pzs_problem example_problem = {
     5u, 0x0658c6c6u, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),
-    0u, NULL, PZS_DUAL_METHOD(4), NULL,
+    0u /* work_limit */, NULL, PZS_DUAL_METHOD(4), NULL,
 };
 
 /* displacement of each target node that the voltages must cause */

@@ -8,6 +8,7 @@
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
+#include "../mesh/mesh_shown.h"
 #include "../model/curves.h"
 #include "../../lib/control/control.h"
 #include "../../lib/control/limit_rows.h"
@@ -1147,6 +1148,7 @@ static void write_nodes(const emitter *emitter, const design *design)
                                        [FACE_MIDDLE] = "middle surface",
                                        [FACE_MEAN] = "mean of both faces"};
     const scene_output *what = &design->goal.what;
+    const mesh_size size = mesh_size_of(&design->mesh);
     emit_comment_begin(emitter);
     fprintf(emitter->file,
             " * Outputs of the controller: displacement %s (%s) of the %s at these mesh nodes.\n"
@@ -1156,11 +1158,12 @@ static void write_nodes(const emitter *emitter, const design *design)
     for (int i = 0; i < design->targets; i++) {
         const int node = design->target_node[i];
         const double *theta = design->mesh.theta[node], *place = design->mesh.point[node].position;
-        if (design->quads)
-            fprintf(emitter->file, " * %6d %5d  %.6g  %.6g  %.6g\n", i, node, place[0], place[1],
-                    place[2]);
-        else
-            fprintf(emitter->file, " * %6d %5d  %.6g  %.6g\n", i, node, theta[0], theta[1]);
+        fprintf(emitter->file, " * %6d %5d", i, node);
+        for (int axis = 0; axis < 3 && design->quads; axis++)
+            fprintf(emitter->file, "  %.6g", mesh_shown(place[axis], size.position));
+        for (int axis = 0; axis < 2 && !design->quads; axis++)
+            fprintf(emitter->file, "  %.6g", mesh_shown(theta[axis], size.theta[axis]));
+        fputc('\n', emitter->file);
     }
     emit_comment_end(emitter);
 }

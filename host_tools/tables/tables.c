@@ -484,13 +484,13 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
     emit_comment(
         emitter,
         "voltage optimisation problem: least squares for the voltages within their limits; "
-        "its fourth last member limits the work of the optimiser in a tick (multiply-adds; "
-        "0: default)");
+        "its member work_limit is the largest work of the optimiser in a tick (multiply-adds; 0: "
+        "default)");
     emit_begin(emitter, "problem", "problem", problem->scene, pzs_problem_crc(problem));
     fprintf(emitter->file,
             " %u, %u,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n"
-            "    %lluu, %s%s, PZS_DUAL_METHOD(%u), %s%s,\n};\n\n",
+            "    %lluu /* work_limit */, %s%s, PZS_DUAL_METHOD(%u), %s%s,\n};\n\n",
             problem->inputs, problem->outputs, influence_name, hessian_name, emitter->prefix,
             emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
             problem->regularisation, (unsigned long long)problem->work_limit, rows_of, rows_name,

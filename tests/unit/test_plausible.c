@@ -988,9 +988,31 @@ static void test_shipped(void **state)
     }
 }
 
+/*
+ * Law: where twice as many load steps end before the full load, the warning tells how much of it
+ * they reach, and no number is infinite.
+ */
+static void test_path_end(void **state)
+{
+    (void)state;
+    scene_run run;
+    plausible warnings = {.count = 0};
+    open_run(&run, "cantilever", "");
+    plausible_path(&warnings, &run.scene, HUGE_VAL, 0.43, 0);
+    assert_int_equal(warnings.count, 1);
+    assert_string_equal(warnings.warning[0].rule, "path_end");
+    assert_true(warnings.warning[0].value == 0.43);
+    assert_non_null(strstr(warnings.warning[0].text, "end before the full load: 0.43 of it"));
+    plausible_path(&warnings, &run.scene, 0.02, 1, 0);
+    assert_int_equal(warnings.count, 2);
+    assert_string_equal(warnings.warning[1].rule, "path");
+    scene_run_close(&run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_path_end),
         cmocka_unit_test(test_edges),
         cmocka_unit_test(test_depolarising_voltage),
         cmocka_unit_test(test_strengths),

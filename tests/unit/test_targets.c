@@ -12,6 +12,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../host_tools/model/modes.h"
+#include "../../host_tools/mesh/mesh_shown.h"
 #include "../rigs/scene_assert.h"
 
 enum { MODES = 14 };
@@ -411,15 +412,45 @@ static void test_bad_free(void **state)
     }
 }
 
+/* ---- coordinates in texts ---- */
+
+/*
+ * Law: a coordinate of a node that should be 0 is shown as 0, on mesh lines that cross 0 and in a
+ * mesh file whose writer has left its rounding errors; all others are shown as they are.
+ */
+static void test_shown(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"hex-mirror", "hyperboloid"};
+    scene_run r;
+    int zeros = 0;
+    for (int i = 0; i < 2; i++) {
+        open_run(&r, name[i], i ? "mesh.theta1={from: -0.3, to: 0.3, elements: 6}" : "");
+        const mesh *mesh = &r.analysis.design.mesh;
+        const mesh_size size = mesh_size_of(mesh);
+        for (int k = 0; k < 3 * mesh->nodes; k++) {
+            const double x = mesh->point[k / 3].position[k % 3],
+                         shown = mesh_shown(x, size.position);
+            const bool is_zero = fabs(x) < 1e-10 * size.position;
+            assert_true(is_zero ? shown == 0 : shown == x);
+            zeros += is_zero && x != 0;
+        }
+        scene_run_close(&r);
+    }
+    assert_true(zeros > 0);
+    assert_true(mesh_shown(2.8e-17, 0.2) == 0 && mesh_shown(1e-12, 0.2) == 1e-12);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orthonormal),    cmocka_unit_test(test_region),
-        cmocka_unit_test(test_modes),          cmocka_unit_test(test_mirror),
-        cmocka_unit_test(test_hyperboloid),    cmocka_unit_test(test_twist),
-        cmocka_unit_test(test_fixed_rows),     cmocka_unit_test(test_free_functions),
-        cmocka_unit_test(test_free_nonlinear), cmocka_unit_test(test_free_tick),
-        cmocka_unit_test(test_free_target),    cmocka_unit_test(test_bad_free),
+        cmocka_unit_test(test_shown),          cmocka_unit_test(test_orthonormal),
+        cmocka_unit_test(test_region),         cmocka_unit_test(test_modes),
+        cmocka_unit_test(test_mirror),         cmocka_unit_test(test_hyperboloid),
+        cmocka_unit_test(test_twist),          cmocka_unit_test(test_fixed_rows),
+        cmocka_unit_test(test_free_functions), cmocka_unit_test(test_free_nonlinear),
+        cmocka_unit_test(test_free_tick),      cmocka_unit_test(test_free_target),
+        cmocka_unit_test(test_bad_free),
     };
     return cmocka_run_group_tests_name("targets", tests, NULL, NULL);
 }
