@@ -130,6 +130,8 @@ typedef enum pzs_status {
     PZS_W_LIMIT_ROWS,
     PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of
                            input info.where; its column of the influence matrix is kept. */
+    PZS_W_GATED, /* Warning: measurement info.where is beyond its range or contradicts the others;
+                    the sensor gate treats it as missing. */
 
     /*
      * Status codes of errors have values from 64 on: a function that returns one has left its

@@ -703,6 +703,46 @@ typedef struct pzs_reading_delay_state {
                          predicts) */
 } pzs_reading_delay_state;
 
+/*
+ * State of a reading in the sensor gate. Values above PZS_READING_MISSING: the gate has taken the
+ * reading away.
+ */
+typedef enum pzs_reading_state {
+    PZS_READING_USED = 0,    /* a reading that the next blocks get */
+    PZS_READING_MISSING,     /* a reading that has not arrived (NaN or infinity) */
+    PZS_READING_RANGE,       /* a reading beyond its range */
+    PZS_READING_CONTRADICTED /* a reading that contradicts the others, or did so less than
+                                pzs_sensor_gate.patience ticks ago */
+} pzs_reading_state;
+
+/* Results of the sensor gate that a program may read. */
+typedef struct pzs_sensor_gate_info {
+    const uint8_t *reading; /* [sensors] state of each reading in the last tick with readings, a
+                               value of pzs_reading_state */
+    uint16_t count;      /* number of readings that the sensor gate has taken away in this tick */
+    bool is_unexplained; /* whether readings contradict each other so that no few wrong sensors
+                            explain it: a load that the tables do not know, or more wrong
+                            sensors than the sensor gate can find */
+} pzs_sensor_gate_info;
+
+/* Memory of the sensor gate, the stage of the control tick that takes wrong readings away. */
+typedef struct pzs_sensor_gate_state {
+    pzs_sensor_gate_info info;
+    const struct pzs_sensor_gate *tables;
+    pzs_real *gated;      /* [sensors] readings; NaN for those that are missing or gated (unit of
+                             each sensor) */
+    pzs_real *residual;   /* [sensors] weighted readings minus their fit by the basis
+                             (dimensionless) */
+    pzs_real *free;       /* [sensors] part of an error of each reading that shows in its residual,
+                             0 to 1 */
+    pzs_real *coordinate; /* [directions] coordinates in the basis */
+    pzs_real *column;     /* [most][sensors] factor of the rows of the excluded sensors, one column
+                             of the factor in each row of this array */
+    uint16_t *distrust;   /* [sensors] number of ticks in which a gated sensor must still agree with
+                             the others; 0: the sensor is trusted */
+    uint8_t *reading;     /* [sensors] state of each reading, a value of pzs_reading_state */
+} pzs_sensor_gate_state;
+
 typedef struct pzs_modal_gains_state {
     pzs_step_filter filter; /* function that changes the gradient of the control step by gains and
                                leaks; set in each tick, because memory may be damaged */

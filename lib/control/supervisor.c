@@ -336,7 +336,8 @@ static void judge_readings(pzs_supervisor *supervisor, const pzs_loop_signals *s
     pzs_supervisor_core *core = &supervisor->state.core[0];
     const bool is_usable =
         signals->readings != NULL && !WARNED(signals, PZS_W_HELD) && !PZS_IS_ERROR(signals->status);
-    const bool is_whole = is_usable && !WARNED(signals, PZS_W_SENSOR) && core->remaining == 0;
+    const bool is_doubtful = WARNED(signals, PZS_W_SENSOR) || WARNED(signals, PZS_W_GATED);
+    const bool is_whole = is_usable && !is_doubtful && core->remaining == 0;
     core->silent = is_usable ? 0 : core->silent + 1u + signals->missed;
     if (!is_usable)
         process_event(supervisor, PZS_EVENT_NO_FRAME, signals);

@@ -28,6 +28,8 @@ const char *pzs_status_text(pzs_status status)
         return "limits between inputs allow only a gradual way to the voltages that are held";
     case PZS_W_UNOBSERVABLE:
         return "the records do not determine the effect of an input: its column is kept";
+    case PZS_W_GATED:
+        return "a measurement is beyond its range or contradicts the others: taken as missing";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";

@@ -88,7 +88,7 @@ tap $? 'every external symbol begins with pzs_'
 tables='pzs_rows pzs_element_type pzs_compact_type pzs_node pzs_structure pzs_electrodes pzs_prescribed_resultants pzs_prescribed_motion pzs_nonlinear
     pzs_follower pzs_body pzs_contact_face pzs_limit_rows pzs_sparse_influence pzs_problem pzs_estimator pzs_reading_delay pzs_vibration pzs_governor pzs_feed_forward_table pzs_known_loads pzs_amplifier
     pzs_fault_detection pzs_hysteresis pzs_actuator_curves pzs_supervision
-    pzs_selftest_tables pzs_modal_gains pzs_free_functions pzs_block'
+    pzs_selftest_tables pzs_modal_gains pzs_free_functions pzs_sensor_gate pzs_block'
 cat include/*.h | "$CC" -E -fpreprocessed -P - 2>/dev/null | sed '/^#/d' >"$scratch/bare"
 # Every struct with a format number, and every struct of which such a table has an array, is one of these.
 awk '
