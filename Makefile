@@ -173,6 +173,7 @@ $(call for_variants,estimate,64 32 san64 san32,)
 $(call for_variants,loop_blocks,64 32 san64 san32,)
 $(call for_variants,late,64 32 san64 san32,)
 $(call for_variants,modal_gains,64 32 san64 san32,)
+$(call for_variants,sensor_gate,64 32 san64 san32,)
 DAMPED := @tests/rigs/damped_loop.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o
 $(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
 $(call for_variants,polarity,64 32 san64 san32,$(DAMPED))
@@ -274,6 +275,12 @@ $(B)/test/motion_storms-64: $(B)/64/tests/unit/sweep_motion.o $(B)/64/tests/rigs
 # Fault detector in a loop that damps vibration; `detector-64 45000` runs a million healthy ticks, with check-long.
 UNIT_64 += $(B)/test/detector-64
 $(B)/test/detector-64: $(B)/64/tests/unit/sweep_faults.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ $(HOST_LIBS) -o $@
+
+# Sensor gate in a loop that damps vibration; `gate-64 1000000` runs a million healthy ticks, with check-long.
+UNIT_64 += $(B)/test/gate-64
+$(B)/test/gate-64: $(B)/64/tests/unit/sweep_gate.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 

@@ -349,6 +349,7 @@ void print_check(const analysis *analysis, const work_report *work)
     print_images(analysis);
     print_work(work, &analysis->design);
     print_gains(&analysis->design);
+    print_gate(work);
     print_certificate(&analysis->certificate);
     print_test_plans(analysis);
     if (work->holds)
@@ -405,6 +406,7 @@ void print_check_json(const analysis *from, const work_report *work)
     json_close(&json, '}');
     print_work_json(work, &json);
     print_gains_json(&json, &from->design);
+    print_gate_json(work, &json);
     print_certificate_json(&json, &from->certificate);
     if (detection_make(&detection, from))
         detection_json(&detection, &from->design, &json);

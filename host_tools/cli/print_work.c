@@ -31,6 +31,13 @@ void work_report_make(work_report *report, const analysis *analysis)
         loop_parts_open(&parts, analysis, ignored) < 0)
         return;
     find_bounds(report, analysis, &parts.blocks);
+    report->gate.is_used = parts.gate.is_used;
+    report->gate.judged = parts.gate.judged;
+    report->gate.most = parts.gate.tables.most;
+    report->gate.certain = parts.gate.certain;
+    report->gate.moved = parts.gate.moved;
+    if (parts.gate.is_used)
+        sensor_gate_text(&parts.gate, report->gate.text);
     loop_parts_close(&parts);
 }
 
@@ -94,6 +101,24 @@ void print_work(const work_report *report, const design *design)
         printf("  At %g cycles an instruction a Cortex-M4F at %g MHz holds %.0f ticks a second.\n",
                LOOP_WORK_CYCLES, design->control.clock / 1e6, report->rate);
     putchar('\n');
+}
+
+void print_gate(const work_report *report)
+{
+    if (report->gate.is_used)
+        printf("  %s\n", report->gate.text);
+}
+
+void print_gate_json(const work_report *report, json *json)
+{
+    if (!report->gate.is_used)
+        return;
+    json_open(json, "sensor_gate", '{');
+    json_number(json, "judged", report->gate.judged);
+    json_number(json, "most", report->gate.most);
+    json_number(json, "certain", report->gate.certain);
+    json_number(json, "moved", report->gate.moved);
+    json_close(json, '}');
 }
 
 void print_work_json(const work_report *report, json *json)

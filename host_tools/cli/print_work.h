@@ -23,6 +23,12 @@ typedef struct work_report {
                     reaches (1/s); 0 where the scene file gives no clock frequency */
     bool holds;  /* true where the processor reaches the tick rate of the scene, or the scene file
                     lacks the clock frequency or the tick rate */
+    struct {
+        bool is_used;
+        int judged, most;      /* number of judged sensors; largest number of wrong ones */
+        double certain, moved; /* what is found and what is not, as in struct sensor_gate */
+        char text[SCENE_ERROR];
+    } gate; /* what the sensor gate of the loop finds */
 } work_report;
 
 /*
@@ -47,5 +53,9 @@ void print_work_json(const work_report *report, json *json);
  * scene. Returns 0, or -1 with error filled.
  */
 int work_report_check(const work_report *report, const design *design, char *error);
+
+/* Print what the sensor gate of the loop finds, as sentences or as a member of a JSON object. */
+void print_gate(const work_report *report);
+void print_gate_json(const work_report *report, json *json);
 
 #endif

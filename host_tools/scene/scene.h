@@ -697,6 +697,7 @@ typedef struct scene_limits {
 typedef struct scene_reading {
     int output;
     double noise;
+    double range; /* largest believable size of the reading (unit of the output); 0: not given */
     scene_at at;
 } scene_reading;
 
@@ -735,6 +736,8 @@ typedef enum scene_event_type {
     EVENT_MISSING_SENSORS,
     EVENT_STUCK_SENSORS, /* simulation event: a fraction of the sensors reads NaN
                      (EVENT_MISSING_SENSORS) or keeps its last value (EVENT_STUCK_SENSORS) */
+    EVENT_WRONG_SENSORS, /* simulation event: for some ticks a fraction of the sensors reads too
+                            much, by `error` */
     EVENT_MISSED_TICKS,  /* simulation event: the controller does not run for some ticks */
     EVENT_IMPULSE, /* simulation event: a load acts like a hammer blow; the impulse of its force
                       during `size` seconds is applied in one instant */
@@ -756,10 +759,11 @@ enum { ANNOUNCED_NEVER = -1, ANNOUNCED_DETECTED = -2 };
 
 typedef struct scene_event {
     scene_event_type type;
-    int tick;    /* number of the tick at which the simulation event takes place; events are in
-                    ascending order */
-    double size; /* size of an event: factor of the target or of a load, temperature (K), or
-                    probability that a sensor is affected */
+    int tick;     /* number of the tick at which the simulation event takes place; events are in
+                     ascending order */
+    double size;  /* size of an event: factor of the target or of a load, temperature (K), or
+                     probability that a sensor is affected */
+    double error; /* EVENT_WRONG_SENSORS: what is added to the readings (unit of each reading) */
     int ticks; /* duration of those simulation events that end by themselves, such as missing sensor
                   readings or missed ticks (ticks) */
     int load;  /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
@@ -853,6 +857,8 @@ typedef struct scene_simulate {
     scene_sight sight;
     double noise; /* standard deviation of the noise of a measured shape (length unit of the scene
                      file); the readings of the section `estimate` have their own noise */
+    double range; /* largest believable size of a measured displacement (length unit of the scene
+                     file); 0: not given */
     int delay;    /* delay between measurement and use of the sensors' readings (ticks) */
     double step, dead_band; /* quantisation step of the digital-to-analogue converters and dead band
                                of the amplifiers (V) */
@@ -1011,6 +1017,7 @@ typedef struct scene_control {
                            it then compensates loads more slowly */
     scene_at margin_at; /* position of delay_margin in the scene file, for error messages */
     scene_modal_gains modal_gains;
+    bool sensor_gate; /* true: the loop takes away readings that cannot be (sensor gate) */
 } scene_control;
 
 /* Settings of the supervisor, which brings the amplifiers to safe voltages when control is lost. */

@@ -120,6 +120,9 @@ static const field control_fields[] = {
     {"modal_gains", read_modal_gains, .of = OF_NUMBER, .form = &modal_gains_form,
      .help = "Gains and leaks of shapes, as in adaptive optics, in the place of ticks that go all "
              "the way to the optimum; a loop with them does not damp vibration."},
+    {"sensor_gate", read_flag, offsetof(scene_control, sensor_gate),
+     .help = "Whether readings that cannot be count as missing: those beyond their range, and, "
+             "where there are enough sensors, those that contradict the others; default no."},
     {.key = NULL}};
 
 const form control_form = {.type = FORM_MAP, .fields = control_fields};

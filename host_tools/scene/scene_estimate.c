@@ -50,6 +50,10 @@ static const field reading_fields[] = {
      .help = "Name of an output that a sensor of the firmware measures."},
     {"noise", read_real, offsetof(scene_reading, noise), &noisy, 1, .of = OF_READING,
      .help = "Standard deviation of the noise, in the unit of the output."},
+    {"range", read_real, offsetof(scene_reading, range), &above_zero, .of = OF_READING,
+     .help = "Largest believable size of the reading, in the unit of the output; the loop takes a "
+             "larger one as missing. Default: four times what voltages and loads can make, where "
+             "the scene has control.sensor_gate; otherwise none."},
     {.key = NULL}};
 
 static int read_reading(reader *reader, int node, void *item)

@@ -242,6 +242,10 @@ static const field measurement_fields[] = {
     {"noise", read_real, offsetof(scene_simulate, noise), &not_negative, .of = OF_LENGTH,
      .help = "Standard deviation of the noise of measured shapes; the readings of estimate have "
              "their own; default 0."},
+    {"range", read_real, offsetof(scene_simulate, range), &above_zero, .of = OF_LENGTH,
+     .help = "Largest believable size of a measured displacement; the loop takes a larger one as "
+             "missing. Default: four times what voltages and loads can make, where the scene has "
+             "control.sensor_gate; otherwise none."},
     {"delay", read_int, offsetof(scene_simulate, delay), &late, .of = OF_NUMBER,
      .help = "Delay of the readings in ticks, which the controller knows; default 0."},
     {"drift", read_real, offsetof(scene_simulate, imperfections.drift), &not_negative,
@@ -306,7 +310,7 @@ typedef struct event_text {
     scene_event *event;
     int kinds;
     bool factor_given, ticks_given, announced_given, feed_forward_given, impulse_given,
-        frequency_given;
+        frequency_given, error_given;
 } event_text;
 
 static int read_load_number(reader *reader, int node, scene_event *event)
@@ -328,7 +332,7 @@ static const int event_types[] = {
     EVENT_TARGET,        EVENT_VALUE,        EVENT_LOAD,  EVENT_TEMPERATURE,
     EVENT_DEAD,          EVENT_STUCK,        EVENT_ALIVE, EVENT_MISSING_SENSORS,
     EVENT_STUCK_SENSORS, EVENT_MISSED_TICKS, EVENT_LATE,  EVENT_JITTER,
-    EVENT_DELAY};
+    EVENT_DELAY,         EVENT_WRONG_SENSORS};
 
 /*
  * Permitted range of two keys, both fractions of a tick interval: by how much voltages may be late,
@@ -353,7 +357,8 @@ static int read_event_type(reader *reader, int node, void *to, const void *rule)
     case EVENT_VALUE: return read_row_function(reader, node, &event->value, NULL);
     case EVENT_LOAD: return read_load_number(reader, node, event);
     case EVENT_MISSING_SENSORS:
-    case EVENT_STUCK_SENSORS: return read_real(reader, node, &event->size, &share);
+    case EVENT_STUCK_SENSORS:
+    case EVENT_WRONG_SENSORS: return read_real(reader, node, &event->size, &share);
     case EVENT_MISSED_TICKS: return read_int(reader, node, &event->ticks, &tick_count);
     case EVENT_LATE:
     case EVENT_JITTER: return read_real(reader, node, &event->size, &part);
@@ -386,6 +391,13 @@ static int read_event_frequency(reader *reader, int node, void *to, const void *
     event_text *text = to;
     text->frequency_given = true;
     return read_real(reader, node, &text->event->frequency, rule);
+}
+
+static int read_event_error(reader *reader, int node, void *to, const void *rule)
+{
+    event_text *text = to;
+    text->error_given = true;
+    return read_real(reader, node, &text->event->error, rule);
 }
 
 static int read_event_ticks(reader *reader, int node, void *to, const void *rule)
@@ -454,7 +466,8 @@ static int refine_load(reader *reader, int node, event_text *text)
  */
 static int lasts(scene_event_type type)
 {
-    return type == EVENT_MISSING_SENSORS || type == EVENT_STUCK_SENSORS || type >= EVENT_SINE;
+    return type == EVENT_MISSING_SENSORS || type == EVENT_STUCK_SENSORS ||
+           type == EVENT_WRONG_SENSORS || type >= EVENT_SINE;
 }
 
 /*
@@ -469,7 +482,7 @@ static int check_event(reader *reader, int node, const event_text *text)
         return tree_fault(
             reader->t, node,
             "an event needs one of target, value, load, temperature, dead, stuck, alive, "
-            "missing_sensors, stuck_sensors, missed_ticks, late, jitter, delay");
+            "missing_sensors, stuck_sensors, wrong_sensors, missed_ticks, late, jitter, delay");
     if (text->factor_given != (type == EVENT_LOAD || type == EVENT_SINE) && type != EVENT_IMPULSE)
         return tree_fault(reader->t, node,
                           text->factor_given
@@ -478,9 +491,16 @@ static int check_event(reader *reader, int node, const event_text *text)
     if (text->ticks_given != lasts(type))
         return tree_fault(reader->t, node,
                           text->ticks_given
-                              ? "'ticks' belongs to missing_sensors, stuck_sensors, late, jitter, "
+                              ? "'ticks' belongs to missing_sensors, stuck_sensors, wrong_sensors, "
+                                "late, jitter, "
                                 "delay and a load with a frequency; remove it"
                               : "this event lasts for some ticks; add ticks: 20");
+    if (text->error_given != (type == EVENT_WRONG_SENSORS))
+        return tree_fault(reader->t, node,
+                          text->error_given
+                              ? "'error' belongs to wrong_sensors; remove it"
+                              : "wrong sensors need an error, as error: 0.001, in the unit of the "
+                                "reading");
     if (text->announced_given && !electrodes)
         return tree_fault(reader->t, node,
                           "'announced' belongs to dead and stuck electrodes; remove it");
@@ -532,6 +552,11 @@ static const field event_fields[] = {
      .help = "Fraction of the sensors whose reading is NaN for some ticks."},
     {"stuck_sensors", read_event_type, 0, &event_types[8], .of = OF_NUMBER, .form = &share_form,
      .help = "Fraction of the sensors that keep their last reading for some ticks."},
+    {"wrong_sensors", read_event_type, 0, &event_types[13], .of = OF_NUMBER, .form = &share_form,
+     .help = "Fraction of the sensors, at least one, whose reading is wrong by the error for some "
+             "ticks."},
+    {"error", read_event_error, .of = OF_NUMBER, .form = &number_form,
+     .help = "What is added to the readings of wrong sensors, in the unit of the reading."},
     {"missed_ticks", read_event_type, 0, &event_types[9], .of = OF_NUMBER, .form = &duration_form,
      .help = "Number of ticks in which the controller does not run."},
     {"late", read_event_type, 0, &event_types[10], .of = OF_NUMBER, .form = &part_form,
@@ -569,6 +594,7 @@ static const form_case event_cases[] = {{"target", NULL},
                                         {"alive", NULL},
                                         {"missing_sensors ticks", NULL},
                                         {"stuck_sensors ticks", NULL},
+                                        {"wrong_sensors error ticks", NULL},
                                         {"missed_ticks", NULL},
                                         {"late ticks", NULL},
                                         {"jitter ticks", NULL},

@@ -265,7 +265,8 @@ void imperfections_read(const imperfections *on, int tick, const double *noise, 
         const bool is_stuck = tick < on->sensor[i].stuck_until;
         const bool is_missing = tick < on->sensor[i].nan_until;
         if (!is_stuck)
-            reading[i] = imperfections_sense(on, i, exact[i] + error);
+            reading[i] = imperfections_sense(on, i, exact[i] + error) +
+                         (tick < on->sensor[i].wrong_until ? on->sensor[i].error : 0);
         sensed[i] = is_missing ? (double)NAN : reading[i];
     }
 }

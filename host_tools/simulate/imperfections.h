@@ -39,11 +39,12 @@ typedef struct electrode {
 } electrode;
 
 /*
- * State of a sensor: the ticks until which the sensor gives no reading (NaN) or repeats a stuck
- * reading, and the drift of the sensor.
+ * State of a sensor: the ticks until which the sensor gives no reading (NaN), repeats a stuck
+ * reading or reads too much, and the drift of the sensor.
  */
 typedef struct sensor {
-    int nan_until, stuck_until;
+    int nan_until, stuck_until, wrong_until;
+    double error; /* what is added to the reading of a wrong sensor (unit of the reading) */
     double slope; /* drift of the sensor's reading (unit of the reading per second) */
 } sensor;
 

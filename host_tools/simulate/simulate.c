@@ -198,7 +198,8 @@ static int prepare_controller(simulation *simulation, char *error)
     simulation->estimates = loop_estimates(design);
     simulation->feeds = loop_feeds(design);
     simulation->quantises = loop_quantises(design);
-    if ((simulation->estimates || simulation->feeds) &&
+    const bool has_gate = sensor_gate_is_asked(design);
+    if ((simulation->estimates || simulation->feeds || has_gate) &&
         estimator_open(&simulation->estimator, simulation->nominal, error) < 0)
         return -1;
     const estimator *few = simulation->estimates ? &simulation->estimator : NULL;
@@ -210,9 +211,14 @@ static int prepare_controller(simulation *simulation, char *error)
     if (!wiring_test_open(&simulation->wiring, simulation->nominal, few) ||
         !wiring_test_detector_open(&simulation->pulses, simulation->nominal, few))
         return no_memory(simulation->nominal, error);
+    simulation->gate = calloc(1, sizeof *simulation->gate);
+    if (!simulation->gate || !loop_gate_open(simulation->gate, simulation->nominal,
+                                             &simulation->estimator, &simulation->damper))
+        return no_memory(simulation->nominal, error);
     loop_blocks_fill(simulation->blocks, &simulation->nominal->design, &simulation->estimator,
                      &simulation->damper);
     loop_blocks_test(simulation->blocks, &simulation->wiring, &simulation->pulses);
+    loop_blocks_gate(simulation->blocks, simulation->gate);
     simulation->undamped_blocks = calloc(1, sizeof *simulation->undamped_blocks);
     if (!simulation->undamped_blocks)
         return no_memory(simulation->nominal, error);
@@ -330,6 +336,9 @@ void simulate_close(simulation *simulation)
     damper_close(&simulation->damper);
     wiring_test_close(&simulation->wiring);
     wiring_test_close(&simulation->pulses);
+    if (simulation->gate)
+        sensor_gate_close(simulation->gate);
+    free(simulation->gate);
     free(simulation->blocks);
     free(simulation->undamped_blocks);
     device_remove(simulation->folder);

@@ -75,6 +75,20 @@ static void repair_electrode(loop *loop, int amplifier)
     electrode->is_held = false;
 }
 
+/*
+ * Let sensors read too much: a random fraction of them, at least one.
+ */
+static void falsify_sensors(loop *loop, const scene_event *event, int tick)
+{
+    const int one = random_int(&loop->random, loop->sensors);
+    for (int i = 0; i < loop->sensors; i++) {
+        if (i != one && !(random_uniform(&loop->random) < event->size))
+            continue;
+        loop->sensor[i].error = event->error;
+        loop->sensor[i].wrong_until = tick + event->ticks;
+    }
+}
+
 static void fail_sensors(loop *loop, const scene_event *event, int tick)
 {
     for (int i = 0; i < loop->sensors; i++) {
@@ -112,6 +126,7 @@ static void apply_event(loop *loop, const scene_event *event, int tick)
         if (tick > 0 || !loop->has_failed_sensors)
             fail_sensors(loop, event, tick);
         break;
+    case EVENT_WRONG_SENSORS: falsify_sensors(loop, event, tick); break;
     case EVENT_MISSED_TICKS: loop->missed_until = tick + event->ticks; break;
     case EVENT_IMPULSE: plant_kick(&loop->simulation->plant, event->load, event->size); break;
     case EVENT_SINE:

@@ -97,6 +97,10 @@ static void name_event(const design *design, const scene_event *event, char *tex
         snprintf(text, room, "%g%% of the sensors %s, %d ticks", 100 * event->size,
                  event->type == EVENT_MISSING_SENSORS ? "missing" : "stuck", event->ticks);
         break;
+    case EVENT_WRONG_SENSORS:
+        snprintf(text, room, "a sensor and %g%% of them wrong by %g, %d ticks", 100 * event->size,
+                 event->error, event->ticks);
+        break;
     case EVENT_MISSED_TICKS: snprintf(text, room, "%d ticks missed", event->ticks); break;
     case EVENT_IMPULSE:
     case EVENT_SINE: name_motion(design, event, text, room); break;

@@ -21,6 +21,7 @@
 #include "plant.h"
 
 struct loop_blocks;
+struct sensor_gate;
 
 /*
  * Control laws of a simulation: LAW_CONTROLLER is the library's controller, and LAW_CLAMP (clipped
@@ -141,6 +142,7 @@ typedef struct simulation {
                             loads; empty unless `estimates` or `feeds` is set */
     damper damper; /* tables of the stage of the control tick that damps vibration; unused for a
                       quasi-static plant */
+    struct sensor_gate *gate; /* tables of the sensor gate, which takes wrong readings away */
     wiring_test pulses; /* tables of the test pulses (slow, smooth pulses of an amplifier's voltage)
                            of the fault detector in a loop that damps vibration; unused unless the
                            scene lets the controller itself detect electrode faults */

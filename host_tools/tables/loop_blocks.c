@@ -127,6 +127,11 @@ static bool has_pulse_detector(const loop_blocks *blocks)
     return blocks->pulses && blocks->pulses->is_used && blocks->damper->is_used;
 }
 
+static bool has_gate(const loop_blocks *blocks)
+{
+    return blocks->gate && blocks->gate->is_used;
+}
+
 static bool has_supervisor(const loop_blocks *blocks)
 {
     return loop_supervises(blocks->design, blocks->damper->is_used);
@@ -172,6 +177,11 @@ static const void *known_tables(loop_blocks *blocks)
 static const void *estimator_tables(loop_blocks *blocks)
 {
     return &blocks->estimator->tables;
+}
+
+static const void *gate_tables(loop_blocks *blocks)
+{
+    return &blocks->gate->tables;
 }
 
 static const void *damper_tables(loop_blocks *blocks)
@@ -275,6 +285,14 @@ static double tolerated_unit(const design *design)
     if (!(target > 0))
         return reachable;
     return reachable > 0 ? fmin(target, reachable) : target;
+}
+
+bool loop_gate_open(sensor_gate *gate, const analysis *analysis, const estimator *estimator,
+                    const damper *damper)
+{
+    const design *design = &analysis->design;
+    return sensor_gate_open(gate, analysis, estimator, loop_estimates(design), damper,
+                            tolerated_unit(design));
 }
 
 /*
@@ -424,6 +442,40 @@ static void write_known(emitter *emitter, const loop_blocks *blocks)
         fprintf(emitter->file, "&%s_reading_feed_forward};\n", emitter->prefix);
     else
         fputs("NULL};\n", emitter->file);
+}
+
+static void write_gate(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_sensor_gate *tables = &blocks->gate->tables;
+    const size_t judged = tables->directions > 0 ? tables->sensors : 0;
+    const uint16_t counts[5] = {tables->sensors, tables->directions, tables->most, tables->patience,
+                                tables->replaces};
+    static const char *const name[] = {"gate_weight", "gate_basis", "gate_free", "gate_threshold"};
+    fprintf(emitter->file, "#define %s_GATE_DIRECTIONS %u\n#define %s_GATE_MOST %u\n",
+            emitter->upper, tables->directions, emitter->upper, tables->most);
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emit_reals(emitter, "range", tables->range, tables->sensors,
+               "largest believable size of each reading");
+    if (judged > 0) {
+        emit_reals(emitter, name[0], tables->weight, judged, "weight of each reading");
+        emit_reals(emitter, name[1], tables->basis, judged * tables->directions,
+                   "orthonormal basis (columns) of the weighted readings (rows) that voltages, "
+                   "modes and loads can make");
+        emit_reals(emitter, name[2], tables->free, judged,
+                   "part of an error of each reading that shows in its residual");
+        emit_reals(emitter, name[3], tables->threshold, judged,
+                   "smallest weighted error of each reading that is gated");
+    }
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &tables->ratio, 1);
+    emit_begin(emitter, "sensor_gate", "sensor_gate", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_range,", counts[0], counts[1], counts[2],
+            counts[3], counts[4], emitter->prefix);
+    for (size_t i = 0; i < sizeof name / sizeof *name; i++)
+        if (judged > 0)
+            fprintf(emitter->file, " %s_%s,", emitter->prefix, name[i]);
+        else
+            fputs(" NULL,", emitter->file);
+    fprintf(emitter->file, " PZS_R(%.17g)\n};\n", tables->ratio);
 }
 
 static void write_governor(emitter *emitter, const loop_blocks *blocks)
@@ -676,6 +728,8 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 BLOCK_BYTES(loop, PZS_LOOP_BYTES(0, of->inputs))
 BLOCK_BYTES(selftest, PZS_SELFTEST_BLOCK_BYTES(of->inputs, of->readings))
 BLOCK_BYTES(reading_delay, PZS_READING_DELAY_BLOCK_BYTES(of->inputs, of->readings, of->delay))
+BLOCK_BYTES(sensor_gate,
+            PZS_SENSOR_GATE_BLOCK_BYTES(of->readings, of->gate_directions, of->gate_most))
 BLOCK_BYTES(feed_forward, PZS_FEED_FORWARD_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(governor, PZS_GOVERNOR_BLOCK_BYTES(of->inputs, of->outputs))
 BLOCK_BYTES(modal_gains, PZS_MODAL_GAINS_BLOCK_BYTES(of->inputs, of->gain_modes))
@@ -725,6 +779,8 @@ static const struct {
      curve_bytes, curve_macro, loop_work_curve},
     {&pzs_effect_block, has_compensation, compensation_tables, write_compensation, "effect",
      "hysteresis", effect_bytes, effect_macro, loop_work_effect},
+    {&pzs_sensor_gate_block, has_gate, gate_tables, write_gate, "sensor_gate", "sensor_gate",
+     sensor_gate_bytes, sensor_gate_macro, loop_work_gate},
     {&pzs_reading_delay_block, has_delay, delay_tables, write_delay, "reading_delay",
      "reading_delay", reading_delay_bytes, reading_delay_macro, loop_work_delay},
     {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
@@ -774,6 +830,12 @@ void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiri
 {
     blocks->wiring = wiring;
     blocks->pulses = pulses;
+    list_blocks(blocks);
+}
+
+void loop_blocks_gate(loop_blocks *blocks, const sensor_gate *gate)
+{
+    blocks->gate = gate;
     list_blocks(blocks);
 }
 
@@ -840,11 +902,19 @@ static size_t count_row_entries(const loop_blocks *blocks)
     return rows ? rows->sums.start[rows->sums.count] : 0;
 }
 
+/* Return the tables of the sensor gate, with all sizes 0 where the loop has none. */
+static pzs_sensor_gate gate_sizes(const loop_blocks *blocks)
+{
+    const pzs_sensor_gate none = {.directions = 0};
+    return has_gate(blocks) ? blocks->gate->tables : none;
+}
+
 static block_counts count(const loop_blocks *blocks)
 {
     const sparse_facts sparse =
         sparse_tables_count(blocks->design, loop_blocks_read_entries(blocks));
     const size_t entries = sparse.is_used ? sparse.entries : 0;
+    const pzs_sensor_gate gate = gate_sizes(blocks);
     const block_counts of = {
         .inputs = blocks->design->problem.inputs,
         .outputs = blocks->design->problem.outputs,
@@ -856,6 +926,8 @@ static block_counts count(const loop_blocks *blocks)
         .creeps = blocks->compensation.tables.creeps,
         .loads = loop_feeds(blocks->design) ? blocks->estimator->shape_table.inputs : 0,
         .entries = entries,
+        .gate_directions = gate.directions,
+        .gate_most = gate.most,
         .has_gains = has_modal_gains(blocks),
         .gain_modes = blocks->design->gains.tables.modes,
         .has_other_leak = blocks->design->gains.tables.other_leak > 0,
@@ -1044,16 +1116,20 @@ int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error)
     const bool has_pulses = wiring_test_detector_open(&parts->pulses, analysis, few);
     loop_blocks_fill(&parts->blocks, design, &parts->estimator, &parts->damper);
     loop_blocks_test(&parts->blocks, &parts->wiring, &parts->pulses);
-    if (has_test && has_pulses)
+    const bool has_gate = loop_gate_open(&parts->gate, analysis, &parts->estimator, &parts->damper);
+    loop_blocks_gate(&parts->blocks, &parts->gate);
+    if (has_test && has_pulses && has_gate)
         return 0;
     loop_parts_close(parts);
-    return scene_fault(design->simulate.at, error, "not enough memory for the test pulses");
+    return scene_fault(design->simulate.at, error,
+                       "not enough memory for the test pulses and the sensor gate");
 }
 
 void loop_parts_close(loop_parts *parts)
 {
     wiring_test_close(&parts->wiring);
     wiring_test_close(&parts->pulses);
+    sensor_gate_close(&parts->gate);
     damper_close(&parts->damper);
     estimator_close(&parts->estimator);
 }

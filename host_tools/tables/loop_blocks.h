@@ -12,6 +12,7 @@
 #include "../model/wiring_test.h"
 #include "emit.h"
 #include "loop_work.h"
+#include "sensor_gate.h"
 
 typedef struct loop_blocks {
     const design *design;
@@ -22,6 +23,8 @@ typedef struct loop_blocks {
     const wiring_test *pulses; /* tables of the test pulses (slow, smooth pulses of an amplifier's
                                   voltage) of the fault detector in a loop that damps vibration;
                                   NULL: the loop has no such detector */
+    const sensor_gate *gate;   /* tables of the sensor gate, which takes wrong readings away; NULL:
+                                  the loop has none */
     /*
      * Tables of those blocks (stages of a control tick) whose data are neither in the numerical
      * model of the scene (struct design) nor in the shape estimator nor in the vibration damper.
@@ -66,6 +69,7 @@ typedef struct loop_parts {
     wiring_test wiring; /* tables of the self-test of amplifiers, cables and sensors */
     wiring_test pulses; /* tables of the test pulses (slow, smooth pulses of an amplifier's voltage)
                            of the fault detector, in a loop that damps vibration */
+    sensor_gate gate;
     loop_blocks blocks;
 } loop_parts;
 
@@ -116,6 +120,23 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
  *   pulses in  tables of the test pulses of the fault detector; must outlive the list
  */
 void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiring_test *pulses);
+
+/*
+ * Make the tables of the sensor gate of a scene, which is unused where the scene does not ask for
+ * it.
+ *   analysis   in  analysis whose influence matrix is computed
+ *   estimator  in  shape estimator with the effects of the loads
+ *   damper     in  tables of the vibration damper
+ * Returns whether memory sufficed; call sensor_gate_close in either case.
+ */
+bool loop_gate_open(sensor_gate *gate, const analysis *analysis, const estimator *estimator,
+                    const damper *damper);
+
+/*
+ * Add the sensor gate to a filled list of blocks (stages of a control tick), if it is used.
+ *   gate in  tables of the sensor gate; must outlive the list
+ */
+void loop_blocks_gate(loop_blocks *blocks, const sensor_gate *gate);
 
 /*
  * Write the blocks (stages) of a control loop as C source: their tables, the list PREFIX_blocks and

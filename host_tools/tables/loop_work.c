@@ -92,6 +92,23 @@ double loop_work_delay(const block_counts *of, const loop_processor *on)
            on->other * (held + 100 * (double)of->readings + 4 * pushed * (double)of->inputs + 300);
 }
 
+/*
+ * Upper bound of the instructions of the sensor gate: residuals of all readings, and for each
+ * sensor that is left out of the fit a row of the projector, its parts along the rows before, and a
+ * search for the next suspect.
+ */
+double loop_work_gate(const block_counts *of, const loop_processor *on)
+{
+    const size_t sensors = of->readings, directions = of->gate_directions;
+    const double most = (double)of->gate_most, readings = (double)sensors;
+    if (directions == 0)
+        return on->other * (30 * readings + 200);
+    const double row = product(on, sensors, directions) +
+                       on->other * ((50 + 4 * most) * readings + 8 * (double)directions + 400);
+    return 2 * product(on, sensors, directions) + most * row +
+           on->other * (90 * readings + 8 * (double)directions + 800);
+}
+
 double loop_work_feed_forward(const block_counts *of, const loop_processor *on)
 {
     const double changed = (double)(of->readings + of->outputs);

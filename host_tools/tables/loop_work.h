@@ -28,7 +28,9 @@ typedef struct block_counts {
     size_t row_entries; /* number of coefficients in all limits of sums of voltages */
     size_t entries; /* number of entries of the influence matrix in the tables, if it is stored as
                    sparse rows; 0: it is stored as a full matrix */
-    bool has_gains; /* whether the loop has gains and leaks of modes (patterns of voltages) */
+    size_t gate_directions, gate_most; /* columns of the sensor gate's basis, and largest number of
+                                          sensors that it leaves out of a fit */
+    bool has_gains;      /* whether the loop has gains and leaks of modes (patterns of voltages) */
     size_t gain_modes;   /* number of modes (patterns of voltages) with gains and leaks of their own
                           */
     bool has_other_leak; /* whether the voltages outside the span of these modes have a leak, which
@@ -87,9 +89,9 @@ extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
  */
 typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
 loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,
-    loop_work_governor, loop_work_modal_gains, loop_work_free_functions, loop_work_estimator,
-    loop_work_vibration, loop_work_effect, loop_work_step, loop_work_row_step, loop_work_inverse,
-    loop_work_curve, loop_work_curve_inverse, loop_work_amplifier, loop_work_detector,
-    loop_work_pulse_detector, loop_work_supervisor;
+    loop_work_governor, loop_work_gate, loop_work_modal_gains, loop_work_free_functions,
+    loop_work_estimator, loop_work_vibration, loop_work_effect, loop_work_step, loop_work_row_step,
+    loop_work_inverse, loop_work_curve, loop_work_curve_inverse, loop_work_amplifier,
+    loop_work_detector, loop_work_pulse_detector, loop_work_supervisor;
 
 #endif

@@ -228,6 +228,26 @@ static void silence(void)
         readings[i] = uniform() < part ? (pzs_real)NAN : readings[i];
 }
 
+/* Whether the loop has a block of this type. */
+static bool has_block(const pzs_block_type *type)
+{
+    bool is_there = false;
+    for (uint32_t k = 0; k < DEMO_BLOCKS; k++)
+        is_there = is_there || demo_blocks[k].type == type;
+    return is_there;
+}
+
+/* Let up to six sensors be wrong, the same ones for 16 ticks; not those that read 0 on supports. */
+static void falsify(int tick)
+{
+    int sensor = tick / 16;
+    for (int i = 0; i < tick / 16 % 7; i++) {
+        sensor = (sensor * 31 + 17) % DEMO_READINGS;
+        if (PZS_ABS(readings[sensor]) > 0)
+            readings[sensor] += PZS_R(0.01) * ((pzs_real)(i + 1) + PZS_R(0.01) * uniform());
+    }
+}
+
 /* Targets and disturbances of one tick of the search; each episode has its own kinds of them. */
 static void disturb(int tick)
 {
@@ -242,6 +262,8 @@ static void disturb(int tick)
     }
     if (tick % hold == 0)
         jump(size);
+    if (has_block(&pzs_sensor_gate_block))
+        falsify(tick);
     if (is_silent && tick % 4 == 0)
         silence();
     if (is_late && tick % 8 == 0)
@@ -257,9 +279,7 @@ static void disturb(int tick)
 static const pzs_real *acting_voltages(int tick)
 {
     static pzs_real acting[DEMO_INPUTS];
-    bool is_dead = false;
-    for (uint32_t k = 0; k < DEMO_BLOCKS; k++)
-        is_dead = is_dead || demo_blocks[k].type == &pzs_pulse_detector_block;
+    const bool is_dead = has_block(&pzs_pulse_detector_block);
     memcpy(acting, loop.info.voltage, sizeof acting);
     if (is_dead && tick >= CALM && tick % (4 * EPISODE) >= 2 * EPISODE)
         acting[0] = 0;

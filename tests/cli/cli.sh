@@ -150,6 +150,12 @@ cp "$dir/measured-matrix.csv" "$dir/twin.csv"
 run 2 check "$dir/measured.yaml" --set 'simulate.plant={curve_error: 0.1}' && says 'add influence.curve' &&
     run 2 calibrate "$dir/measured.yaml" --set "$curve" --set "$unipolar" --voltages "$dir/measured-matrix.csv" --shapes "$dir/twin.csv" && says 'influence.curve'
 check 'an error of a curve needs a curve, and calibrate has none' $?
+gate='control={rate: 50, sensor_gate: true}'
+run 0 check plate-50-patches --set "$gate" --json && json "j['sensor_gate']['judged']==121 and j['sensor_gate']['most']==4 and j['sensor_gate']['moved']<.03" &&
+    run 0 check plate-few-sensors --set control.sensor_gate=true && grep -qF 'No sensor is judged by the others' "$dir/out" &&
+    run 2 simulate plate-50-patches --set 'simulate={ticks: 9, events: [{at: 1, wrong_sensors: 0, ticks: 3}]}' && says 'wrong sensors need an error' &&
+    run 2 simulate plate-50-patches --set 'simulate={ticks: 9, events: [{at: 1, target: 1, error: 3}]}' && says "'error' belongs to wrong_sensors"
+check 'check tells what the sensor gate finds; wrong sensors need an error' $?
 gains='control.modal_gains={modes: 4, gain: [0.6, 0.4, 0.3, 0.2], leak: 0.002, other_gain: 0.1}'
 run 0 check "$dir/measured.yaml" --set "$gains" && grep -qF 'gains of modes: 4 singular vectors of the influence matrix, gain 0.2 to 0.6, leak 0.002; the rest: gain 0.1, leak 0' "$dir/out" &&
     run 0 check "$dir/measured.yaml" --set "$gains" --json && json "j['modal_gains']['gain']==[.6,.4,.3,.2] and abs(j['modal_gains']['growth']-.92)<1e-6 and abs(j['modal_gains']['noise']-.6/(.602*1.398)**.5)<1e-9" &&

@@ -13,7 +13,7 @@ enum { MOST_CHANGES = 24 };
 
 int scene_run_read(scene *scene, const char *name, const char *changes, char error[SCENE_ERROR])
 {
-    char path[512], text[4096];
+    char path[512], text[20000];
     const char *set[MOST_CHANGES];
     int sets = 0;
     snprintf(path, sizeof path, strchr(name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml", name);

@@ -84,6 +84,8 @@ if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
         # shellcheck disable=SC2086
         loop 'free functions, without a damper' plate-50-patches $limits --set 'safety={}' --set 'target.free=[piston]'
         # shellcheck disable=SC2086
+        loop 'sensor gate' plate-50-patches $limits --set 'control={rate: 400, clock: 168 MHz, sensor_gate: true}'
+        # shellcheck disable=SC2086
         loop 'without supervisor' plate-50-patches $limits --set 'control={rate: 1000, clock: 168 MHz}' --set safety=none
         # shellcheck disable=SC2086
         loop 'hysteresis' plate-50-patches $limits --set 'control={rate: 500, clock: 168 MHz}' --set \
