@@ -222,8 +222,8 @@ static void keep_name(const cell *cell, char *name)
 }
 
 /*
- * Take the cells of the present line of the text table as the names of the columns. Returns 0, or
- * -1 with error filled.
+ * Take the cells (entries between delimiters) of the present line of the text table as the names of
+ * the columns. Returns 0, or -1 with error filled.
  */
 static int keep_column_names(text_reader *reader)
 {

@@ -171,7 +171,7 @@ static void find_loose(const collection *collection, quad_loose *loose)
 
 /*
  * Sort key by which repeated elements of a mesh file are found: four node numbers in ascending
- * order, and the index of the cell.
+ * order, and the index of the element among the cells of the file.
  */
 typedef struct corners {
     int64_t node[4];

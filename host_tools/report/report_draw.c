@@ -27,7 +27,8 @@ static bool is_place(const double at[2])
 
 void draw_line(FILE *file, const double (*at)[2], int count)
 {
-    int first = 0; /* index of the first point of the part that is being drawn */
+    int first = 0; /* index of the first point of the piece of the line that is being drawn; a point
+                      with NAN ends a piece */
     for (int k = 0; k < count; k++) {
         const bool is_last = k + 1 == count || !is_place(at[k + 1]);
         if (!is_place(at[k]))

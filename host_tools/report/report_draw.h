@@ -74,7 +74,10 @@ const char *draw_colour(const draw_scale *scale, double value);
 const char *draw_tone(const draw_scale *scale, double value);
 void draw_legend(FILE *file, const draw_scale *scale, double x, double y);
 
-/* An axis: values (low, high) and pixels (from, to) of its ends; a logarithmic one in percent. */
+/*
+ * An axis of a diagram: values (low, high) and pixel coordinates (from, to) of its two ends. A
+ * logarithmic y axis shows its values with a percent sign.
+ */
 typedef struct draw_axis {
     double low, high, from, to;
     bool is_log;

@@ -87,7 +87,8 @@ typedef struct trace {
 /* An electrode that is drawn on a map: a patch of whole elements, or one of arbitrary outline. */
 typedef struct electrode {
     const shell *map;
-    trace area, border; /* polygons of its parts in the elements, and lines of its border */
+    trace area, border; /* polygons of the parts of the electrode in the elements, and lines of its
+                           border */
     const char *frame;  /* style class of the border */
     double middle[2];   /* middle of the bounding box */
     bool is_hollow;     /* whether the middle lies outside the electrode, as of a ring */

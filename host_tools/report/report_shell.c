@@ -14,13 +14,19 @@
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
-/* A cell and the sum of the coordinates of its corners towards the viewer, for sorting. */
+/*
+ * A cell (quadrilateral of a picture), and the sum of the coordinates of its corners towards the
+ * viewer, by which cells are sorted.
+ */
 typedef struct shell_depth {
     double depth;
     int cell;
 } shell_depth;
 
-/* Fill in points and cells of a picture of the mesh in space: its nodes and its elements. */
+/*
+ * Fill in points and cells (quadrilaterals) of a picture of the mesh in space: its nodes and its
+ * elements.
+ */
 static void fill_from_elements(shell *shell)
 {
     for (int n = 0; n < shell->points; n++) {
@@ -31,7 +37,10 @@ static void fill_from_elements(shell *shell)
         shell->cell[k / 4][k % 4] = shell->mesh->element[k / 4][k % 4];
 }
 
-/* Fill in points and cells of a flat picture (map) over the coordinates theta1 and theta2. */
+/*
+ * Fill in points and cells (quadrilaterals) of a flat picture, a map over the surface coordinates
+ * theta1 and theta2.
+ */
 static void fill_from_parameters(shell *shell)
 {
     const scene_line *line = shell->mesh->line;
@@ -126,7 +135,10 @@ void shell_include(shell *shell)
     }
 }
 
-/* Interpolate values at the four corners of a cell bilinearly at a point inside (shell_inside). */
+/*
+ * Interpolate values at the four corners of a cell (quadrilateral of a picture) bilinearly at a
+ * point inside (shell_inside).
+ */
 static double interpolate(const double corner[4], const double share[2])
 {
     const double a = share[0], b = share[1];
@@ -146,7 +158,10 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
     at[1] = interpolate(corner[1], share);
 }
 
-/* Append the part of a cell between two opposite corners (shell_inside) to an SVG path. */
+/*
+ * Append a rectangular part of a cell (quadrilateral of a picture), given by two opposite corners
+ * in the coordinates of shell_inside, to an SVG path.
+ */
 static void draw_part(const shell *shell, int cell, const double from[2], const double to[2])
 {
     const double share[4][2] = {

@@ -63,11 +63,14 @@ typedef struct shell {
     bool is_map;
     int points, cells, plans;
     shell_point *point; /* [points] points of the picture */
-    int (*cell)[4]; /* [2 cells] indices of the points at the corners of each cell; the second half
-                       is work memory for the cells of one electrode */
+    /*
+     * [2 * cells][4] indices, in `point`, of the corners of each cell (quadrilateral of the
+     * picture); the second `cells` rows are work memory for the cells of one electrode
+     */
+    int (*cell)[4];
     int *plan;  /* [actuators] index of the map on which each actuator is drawn (there are several
                    maps if patches overlap); -1: the actuator has no patches or stacks */
-    void *work; /* work memory to sort cells or their sides */
+    void *work; /* work memory to sort cells (quadrilaterals of the picture) or their sides */
     const double *vector; /* [nodes][3] displacements of the nodes along x, y and z; NULL: the mesh
                              is drawn without displacement */
     double factor;        /* factor by which the drawn displacement is magnified */
@@ -85,8 +88,8 @@ void shell_close(shell *shell);
  * Places in the picture of a mesh:
  *   shell_place    computes the coordinates of a point with its displacement
  *   shell_at       computes its pixel coordinates
- *   shell_inside   computes the pixel coordinates of a point inside a cell: share [2], from 0 to 1,
- *       increases from corner 0 to corner 1, and from corner 0 to corner 3
+ *   shell_inside computes the pixel coordinates of a point inside a cell (quadrilateral): share
+ *       [2], from 0 to 1, increases from corner 0 to corner 1, and from corner 0 to corner 3
  *   shell_include  includes the undeformed mesh and the displaced mesh in the view
  *   shell_outer_sides  finds the sides of single cells and returns their number
  *   shell_outer_side   computes the pixel coordinates of the ends of one of them, until the next
