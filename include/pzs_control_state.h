@@ -744,8 +744,9 @@ typedef struct pzs_sensor_gate_state {
 } pzs_sensor_gate_state;
 
 typedef struct pzs_modal_gains_state {
-    pzs_step_filter filter; /* function that changes the gradient of the control step by gains and
-                               leaks; set in each tick, because memory may be damaged */
+    pzs_step_filter filter; /* function that changes the gradient of the control step, so that each
+                               mode goes only a part (gain) of its way and loses a part (leak) of
+                               its coordinate; set in each tick, because memory may be damaged */
     const struct pzs_modal_gains *tables;
     pzs_real *gradient; /* [inputs] work array (m2/V): first half the gradient of the objective with
                            its sign changed, before gains act on it; then the correction of this
@@ -755,7 +756,8 @@ typedef struct pzs_modal_gains_state {
     pzs_real *product;   /* [inputs] product of the Hessian of the optimisation with `deviation`
                             (m2/V) */
     pzs_real *step; /* [modes] wanted change of the coordinate of each mode in this tick (m), minus
-                       the change by which other_gain and other_leak would move it */
+                       the change that the gain and the leak of the voltages which belong to no mode
+                       would give it */
     pzs_real *coordinate; /* [modes] present coordinate of each mode (m), 0 at the reference
                              voltages */
 } pzs_modal_gains_state;
@@ -810,17 +812,19 @@ typedef struct pzs_polarity_state {
     pzs_real *direction; /* [outputs] last jump of the target shape (m) */
     pzs_real least; /* smallest change of a scalar product (jump `direction` times shape) from which
                        the monitor judges in which direction the structure moves (m2) */
-    pzs_real most_idle; /* largest size of the change of this scalar product with the predicted
-                           shape at which a structure need not respond (m2) */
+    pzs_real most_idle; /* largest absolute change of the scalar product of the jump `direction`
+                           with the predicted shape at which hysteresis may keep the structure from
+                           moving (m2) */
     pzs_real before[2]; /* scalar products of the jump of the target (`direction`) with the
                            predicted shape [0] and with the measured shape [1], both at the time of
                            the jump (m2) */
     pzs_real now[2];    /* present scalar products of the target's last jump (`direction`) with the
                            predicted shape [0] and the measured shape [1] (m2); one tick updates
                            the first product, the next tick the second, and so on */
-    uint32_t remaining; /* number of ticks left in which the monitor judges the motion after the
-                           last jump of the target; the first two ticks after a jump only compute
-                           the two products in `before` */
+    uint32_t remaining; /* number of further ticks in which the polarity monitor judges the motion
+                           after the last jump of the target (it detects motion against the
+                           prediction); the first two ticks after a jump only compute the two
+                           products in `before` */
     uint32_t first; /* start value of `remaining`: number of ticks in which the motion after a jump
                        of the target is judged */
 } pzs_polarity_state;
@@ -857,8 +861,9 @@ typedef struct pzs_monitor_state {
     pzs_real moved; /* exponentially decaying sum of the squared predicted changes of the shape in
                        the last ticks (m2), to which `answered` is compared */
     pzs_real answered; /* exponentially decaying sum of predicted times measured change of the shape
-                          in the last ticks (m2); divided by `moved` it tells how well the structure
-                          follows its model */
+                          in the last ticks (m2); divided by `moved`, the decaying sum of the
+                          squared predicted changes, it tells how well the structure follows its
+                          model */
     /*
      * number by which the divergence monitor notices that voltages were fixed or released, or that
      * a test signal began or ended, so that the predicted shape may have jumped: 2 * (number of

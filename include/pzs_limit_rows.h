@@ -24,9 +24,9 @@ extern "C" {
 typedef struct pzs_limit_rows {
     const struct pzs_limit_row_calls *call; /* functions that implement limits of sums of voltages:
                                                always &pzs_limit_rows_calls */
-    pzs_rows sums; /* coefficients of the voltages in the limited sums (dimensionless): row k holds
-                      those of sum k, and the column numbers `dof` are inputs, each at most once in
-                      a row */
+    pzs_rows sums; /* coefficients of the voltages in the limited sums of voltages (dimensionless):
+                      row k holds those of sum k, and the column numbers `dof` are inputs, each at
+                      most once in a row */
     const pzs_real *lower; /* [sums.count] lower limit of each weighted sum of voltages, or
                               -infinity (V) */
     const pzs_real *upper; /* [sums.count] upper limit of each weighted sum of voltages, or infinity

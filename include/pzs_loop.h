@@ -1695,8 +1695,10 @@ typedef enum pzs_selftest_verdict {
 /* Results of the self-test that a program may read. */
 typedef struct pzs_selftest_info {
     pzs_selftest_verdict verdict;
-    const pzs_wiring *amplifier; /* [inputs] finding of the self-test about each amplifier */
-    const pzs_wiring *sensor;    /* [sensors] finding of the self-test about each sensor */
+    const pzs_wiring *amplifier; /* [inputs] fault that the self-test has found at each amplifier,
+                                    such as a wrong sign, or that it works */
+    const pzs_wiring *sensor; /* [sensors] fault that the self-test has found at each sensor, such
+                                 as a wrong sign, or that it works */
     uint32_t remaining; /* largest number of ticks that the self-test may still take; 0: it has
                            ended */
     uint32_t work;      /* work of the self-test's evaluation in the last tick: number of compared

@@ -419,10 +419,12 @@ typedef struct pzs_contact_face {
     uint32_t crc;           /* checksum of the contact tables and their arrays, computed by
                                pzs_contact_face_seal */
     uint8_t face;           /* face of the shell that may come into contact: 0 inner, 1 outer */
-    uint16_t input;         /* index of the input that moves the contact body by its value times
-                               `motion`; 0xFFFF: the body does not move. The tables of the structure
-                               contain no force entries for this input */
-    pzs_real motion[3];     /* displacement of the contact body per unit of its input (m) */
+    uint16_t input; /* index of the input of the structure (an entry of its input vector, such as a
+                       voltage or a load) that moves the contact body: the body is displaced by the
+                       value of this input times `motion`. 0xFFFF: the body does not move. For this
+                       input the tables of the structure contain no forces */
+    pzs_real motion[3]; /* displacement (m) of the contact body along x, y and z per unit of the
+                           input that moves it (member `input`) */
     /*
      * length that scales tolerances of the contact (m): largest side of the axis-parallel box
      * around the contact face of the shell. A gap between shell and contact body counts as closed

@@ -37,7 +37,8 @@ typedef struct run {
                        measured under known voltages), with the found wiring faults taken into
                        account (V) */
     poke_drift drift;
-    double *shape; /* [pokes][outputs] measured shapes without the drift that was found */
+    double *shape; /* [pokes][outputs] shapes measured under known voltages, one row for each
+                      measurement, without the drift that was found */
     calibration result;
 } run;
 

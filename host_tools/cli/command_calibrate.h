@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The command `pzs calibrate`: influence matrix from measured pokes (shapes under known voltages).
+ * The command `pzs calibrate`: computes the influence matrix from shapes that were measured under
+ * known voltages.
  */
 #ifndef COMMAND_CALIBRATE_H
 #define COMMAND_CALIBRATE_H

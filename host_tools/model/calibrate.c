@@ -96,8 +96,8 @@ static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
 }
 
 /*
- * Return the sum of the squares of the rows `rest` of reduced pokes: the part of the measured
- * shapes that no influence matrix explains, such as noise.
+ * Return the sum of the squares of `rest`, the part of the measured shapes that no influence matrix
+ * explains, such as noise.
  */
 static double rest_of(const poke_reduction *reduction)
 {

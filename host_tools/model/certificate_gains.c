@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Spectral radius of a control loop with gains and leaks of modes (certificate_gains.h). */
+/*
+ * Spectral radius of a control loop in which each mode goes only a part (gain) of its wanted change
+ * in a tick, and loses a part (leak) of its coordinate (certificate_gains.h).
+ */
 #include "certificate_gains.h"
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +12,10 @@
 
 /* ---- groups ----------------------------------------------------------------- */
 
-/* Group of voltages with one gain and one leak, before its matrices are computed. */
+/*
+ * Group of voltages that have the same gain (part of a wanted change that a tick makes) and the
+ * same leak (part of a voltage that is lost in a tick), before its matrices are computed.
+ */
 typedef struct members {
     double gain, leak;
     size_t count;  /* number of modes in the group */
@@ -27,8 +33,9 @@ static bool belongs(const pzs_modal_gains *gains, size_t mode, const members *gr
 }
 
 /*
- * List the groups of voltages: first the group of the voltages that belong to no mode, then the
- * groups of modes, in the order of the modes.
+ * List the groups of voltages that have the same gain and the same leak (pzs_modal_gains): first
+ * the group of the voltages that belong to no mode, then the groups of modes, in the order of the
+ * modes.
  *   list [modes + 1] out  groups
  * Returns the number of groups; a group with gain 0 and leak 0 counts, too.
  */
@@ -245,8 +252,8 @@ typedef struct transition {
 } transition;
 
 /*
- * Return the index of the state for coordinate i of a group. `part` is the number of the state
- * among those of one coordinate, from 0 (states_of).
+ * Return the row of the transition matrix for one state of coordinate i of a group of voltages.
+ * `part` tells which of the states of this coordinate, counted from 0 in the order of states_of.
  */
 static size_t state_of(const transition *transition, size_t group, size_t part, size_t i)
 {

@@ -20,9 +20,10 @@ enum {
 };
 
 /*
- * Return the safety distance (V) that the sum in limit row k must keep from its limits when the
- * host computes voltages that obey all limits. A controller in single precision tightens the limits
- * by a margin against rounding errors; the safety distance is twice this margin.
+ * Return the safety distance (V) that the sum in limit row k (limits of a weighted sum of voltages)
+ * must keep from its limits when the host computes voltages that obey all limits. A controller in
+ * single precision tightens the limits by a margin against rounding errors; the safety distance is
+ * twice this margin.
  */
 static double safe_margin(const design *design, int k)
 {

@@ -281,9 +281,10 @@ static void blend(double share, const double before[3], double now[3])
 }
 
 /*
- * Take a share of the second change of the in-plane stresses, so that the changes that would follow
- * are contained. With changes w, r w, r^2 w, ... the sum is w/(1 - r), which is the first change
- * and 1/(1 - r) of the second one. Where the changes do not alternate (r > 0), the share is 1.
+ * Multiply the second change of the in-plane stresses by a factor `share`, so that it includes the
+ * further changes that would follow. With changes w, r w, r^2 w, ... the sum is w/(1 - r), which is
+ * the first change and 1/(1 - r) of the second one. Where the changes do not alternate (r > 0), the
+ * factor is 1.
  *   before [samples] in  samples before the second change
  */
 static void sum_changes(const stress_field *field, const stress_sample *before)

@@ -252,7 +252,7 @@ static double median_gain(wiring *wiring)
 
 /*
  * Standard error of the gain of an electrode (ratio of its actual to its model influence), from the
- * Cholesky factor of the normal equations for the gains, which find_gains has left.
+ * Cholesky factor of the normal equations for the gains, which find_gains has computed.
  */
 static double gain_error(wiring *wiring, size_t actuator)
 {

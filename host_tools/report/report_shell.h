@@ -88,7 +88,7 @@ void shell_close(shell *shell);
  * Places in the picture of a mesh:
  *   shell_place    computes the coordinates of a point with its displacement
  *   shell_at       computes its pixel coordinates
- *   shell_inside computes the pixel coordinates of a point inside a cell (quadrilateral): share
+ *   shell_inside   computes the pixel coordinates of a point inside a cell (quadrilateral): share
  *       [2], from 0 to 1, increases from corner 0 to corner 1, and from corner 0 to corner 3
  *   shell_include  includes the undeformed mesh and the displaced mesh in the view
  *   shell_outer_sides  finds the sides of single cells and returns their number

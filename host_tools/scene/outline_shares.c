@@ -64,14 +64,14 @@ static bool has_layer(const outline_work *work, int element)
 }
 
 /*
- * What is found about one electrode, summed over the elements that it covers. is_mirrored,
+ * Area and orientation of one electrode, found from all elements that it covers. is_mirrored,
  * is_direct: whether the inner, or the outer, face of the surface is seen along the normal of the
  * plane in which outlines are drawn. Both are true if the outline lies over two parts of the
  * surface, such as both halves of a cylinder.
  */
 typedef struct electrode_sums {
-    double plane_area; /* area of the electrode's part that lies on the surface, measured in the
-                          plane of the outlines */
+    double plane_area; /* area of that part of the electrode which lies on the surface, measured in
+                          the plane in which the outlines are drawn */
     bool is_mirrored, is_direct;
 } electrode_sums;
 

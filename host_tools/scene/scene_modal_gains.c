@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Section control.modal_gains of a scene file. Each mode (a shape) has a gain, the part of an error
- * that a control tick corrects, and a leak, the part of the mode's voltages that is lost in a tick.
+ * Section control.modal_gains of a scene file. Each mode (a shape) has a gain, the part of a wanted
+ * change that a control tick makes, and a leak, the part of the mode's coordinate that is lost in a
+ * tick.
  */
 #include "scene_file.h"
 #include "scene_parts.h"
@@ -129,8 +130,8 @@ static int check_range(reader *reader, int node, int k, double value, const rang
 
 /*
  * Read one number for each mode of control.modal_gains, from a list or a file: the gains of the
- * modes in the control loop (part of an error that a tick corrects), or their leaks (part of the
- * mode's voltages that is lost in a tick).
+ * modes in the control loop (part of a wanted change that a tick makes), or their leaks (part of
+ * the mode's coordinate that is lost in a tick).
  */
 static int read_each(reader *reader, int node, int modes, const range *range, double *value)
 {

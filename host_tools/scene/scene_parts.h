@@ -204,8 +204,9 @@ field_read read_estimate;
 field_read read_dynamics, read_control;
 
 /*
- * Reader of the gains and leaks of modes in the section of the control loop, into the scene of the
- * reader (scene_modal_gains.c).
+ * Reader of the key control.modal_gains of a scene file (scene_modal_gains.c): for each mode, the
+ * part of a wanted change that a control tick makes (gain), and the part of its coordinate that is
+ * lost in a tick (leak).
  */
 field_read read_modal_gains;
 extern const form modal_gains_form;

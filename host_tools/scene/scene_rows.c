@@ -232,8 +232,8 @@ typedef struct absolute_text {
     double limit;
     int *list;      /* [count] indices of the amplifiers whose voltages enter, as absolute values, a
                        weighted sum with an upper limit */
-    double *weight; /* [weights] weights of the amplifiers in a limited sum: weight times absolute
-                       value of the voltage, summed over the amplifiers in `list`, has the upper
+    double *weight; /* [weights] weights of the amplifiers in a limited sum of voltages: the sum,
+                       over the amplifiers in `list`, of weight times absolute voltage has the upper
                        limit `limit` */
     int count, weights;
 } absolute_text;

@@ -20,10 +20,11 @@ static const double longest_fading = 128;
  */
 static const double slower = 1.5;
 
-/* Alarms of the supervisor in a batch of storms. */
+/* Alarms of the supervisor in several storms (simulations with fast jumps of the target). */
 typedef struct alarms {
     int count;
-    int enough; /* number of alarms after which no further storm is run */
+    int enough; /* number of alarms after which no further storm (simulation with fast jumps of the
+                   target) is run */
 } alarms;
 
 static bool visit_alarm(void *context, const storm_task *task, const storm_result *result)
@@ -35,8 +36,9 @@ static bool visit_alarm(void *context, const storm_task *task, const storm_resul
 }
 
 /*
- * Count the storms in which the supervisor takes control away; no further storm is run after
- * `enough` of them. Returns 0, or -1 with error filled.
+ * Count the storms (simulations with fast jumps of the target) in which the supervisor takes
+ * control away from the loop; no further storm is run after `enough` of them. Returns 0, or -1 with
+ * error filled.
  */
 static int count_alarms(const storm_rig *rig, int enough, int *count, char *error)
 {

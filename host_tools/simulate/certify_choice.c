@@ -310,8 +310,8 @@ static int keeps_margin(const trial *trial, bool *keeps, char *error)
 
 /*
  * Test the chosen settings with another gain of the low-pass filter of the residual readings. Keep
- * this gain if the loop still passes the tests that it passed before: growth, storms, load steps,
- * and readings one tick older or newer.
+ * this gain if the loop still passes the tests that it passed before: growth of small vibrations,
+ * fast jumps of the target, sudden loads, and readings one tick older or newer.
  *   is_kept out  whether the gain is kept
  * Returns 0, or -1 with error filled.
  */

@@ -121,7 +121,7 @@ storm_plant trial_plant(int i, int older)
 typedef struct storms {
     certificate_loop *loop;
     int count;
-    int enough; /* number of failures after which no further storm is run */
+    int enough; /* number of failed simulations after which no further one is run */
 } storms;
 
 static bool visit_storm(void *context, const storm_task *task, const storm_result *result)

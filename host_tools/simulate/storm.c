@@ -15,7 +15,8 @@ enum {
     REST_PERIODS = 12, /* length of the last part of a storm (a simulation with fast target jumps),
                           in which the target no longer jumps, in periods of the first vibration
                           mode */
-    EVERY_LEAST = 10,  /* fewest and most ticks between two jumps of the target */
+    EVERY_LEAST = 10,  /* fewest and most ticks between two jumps of the target in a storm (stress
+                          test of a control loop) */
     EVERY_MOST = 1200,
     REST_LEAST = 1200, /* fewest ticks at the end of a storm (simulation with fast jumps of the
                           target) during which the target stays the same: six time constants of the
@@ -84,11 +85,13 @@ static void set_noise(storm *storm)
 
 /* Times of a storm (simulation of a control loop with fast jumps of the target), in ticks. */
 typedef struct schedule {
-    int every; /* time between two jumps of the target (ticks) */
+    int every; /* time between two jumps of the target in a storm, a stress test of a control loop
+                  (ticks) */
     int jumps; /* number of the tick in which the target jumps for the last time, to the target of
                   the scene */
-    int ticks; /* largest number of ticks of the storm */
-    int end;   /* number of ticks at the end of the storm over which its result is taken */
+    int ticks; /* largest number of ticks of the storm (simulation with fast jumps of the target) */
+    int end;   /* number of ticks at the end of the storm (simulation with fast jumps of the target)
+                  in which its result is measured */
 } schedule;
 
 static schedule schedule_of(const storm_rig *rig)

@@ -25,7 +25,8 @@ typedef struct storm_result {
                       voltage limits */
     int ticks;
     bool passed;
-    bool is_stopped; /* true: the supervisor has taken control away, which ends the storm */
+    bool is_stopped; /* true: the supervisor has taken control away from the loop, which ends the
+                        simulation */
 } storm_result;
 
 /* Run one storm, a simulation with fast target jumps. Returns 0, or -1 with error filled. */

@@ -8,11 +8,14 @@
 /* Largest number of simulations of a batch. */
 enum { STORM_BATCH_LIMIT = 64 };
 
-/* One simulation of a batch: a storm, or the growth of a small vibration. */
+/*
+ * One of several simulations that run in parallel: a storm (fast jumps of the target), or the
+ * growth of a small vibration.
+ */
 typedef struct storm_task {
     storm_plant plant;
     int growth_ticks; /* number of ticks over which the growth of a small vibration is measured; 0:
-                         the simulation is a storm */
+                         the simulation is a storm (fast jumps of the target) */
 } storm_task;
 
 /*

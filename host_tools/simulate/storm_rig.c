@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Data that all storms of a control loop share (storm_rig.h). */
+/*
+ * Data that all storms (simulations with fast jumps of the target) of a control loop share
+ * (storm_rig.h).
+ */
 #include "storm_rig.h"
 #include <math.h>
 #include <stdlib.h>
@@ -122,8 +125,8 @@ static void close_ticks(storm_rig *rig)
 }
 
 /*
- * Fill the matrices that every tick of a storm uses, from the static responses and the vibration
- * modes. Returns whether memory sufficed.
+ * Fill, from the static responses and the vibration modes, the matrices that every tick of a storm
+ * (simulation with fast jumps of the target) uses. Returns whether memory sufficed.
  */
 static bool fill_ticks(storm_rig *rig)
 {

@@ -64,8 +64,8 @@ typedef struct storm_rig {
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     const pzs_supervision *supervision; /* tables of the loop's supervisor; NULL: it has none */
-    bool is_supervised; /* true: storms run with the supervisor, and end where it takes control away
-                         */
+    bool is_supervised; /* true: the simulations run with the supervisor, and end where it takes
+                           control away from the loop */
     int delay; /* delay of the sensor readings between measurement and use, as the scene file states
                   it (ticks) */
     double interval;  /* time between control ticks (s) */

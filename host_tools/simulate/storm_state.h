@@ -93,7 +93,7 @@ pzs_status storm_tick(storm *storm);
 
 /*
  * Compute the present displacements of the targets by vibration into storm->part, if this has not
- * been done in this tick. These sums over all modes are most of the work of a storm.
+ * been done in this tick. These sums over all modes are most of the work of a simulation.
  */
 void storm_observe_vibration(storm *storm);
 
@@ -122,10 +122,11 @@ double storm_offset(const storm *storm, size_t row);
 void storm_compute_rest(storm *storm, const double *voltage);
 
 /*
- * Compute the shape with which the end of a storm is compared, for the last target: the best shape
- * within the voltages on the ceramic, by the structure's own influence matrix. On a structure
- * linearised about a deformed state it is the shape at which the loop comes to rest with the
- * controller's matrix.
+ * Compute the shape with which the shape at the end of a storm (simulation with fast jumps of the
+ * target) is compared. It is the best approximation of the last target that the voltages on the
+ * ceramic allow, by the influence matrix of the simulated structure. On a structure linearised
+ * about a deformed state it is the shape at which the loop comes to rest with the influence matrix
+ * of the controller.
  *   voltage [amplifiers] out  voltages of this shape (V)
  */
 pzs_status storm_find_best(storm *storm, double *voltage);

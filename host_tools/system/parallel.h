@@ -15,13 +15,15 @@ enum { PARALLEL_LIMIT = 64 };
 typedef struct parallel_work {
     void *context;
     /*
-     * Compute one part, from any thread. The function writes nothing that another part reads or
-     * writes; errors are stored with the results of the part.
+     * Compute one part of the work that several threads share; called from any thread. The function
+     * writes nothing that another part reads or writes; errors are stored with the results of the
+     * part.
      */
     void (*run)(void *context, int part);
     /*
-     * Accept the result of a part, after those of all parts before it. Returns whether the work
-     * goes on; if not, the parts behind this one, of which some may have run, are not accepted.
+     * Accept the result of one part of the work that several threads share, after the results of
+     * all parts before it. Returns whether the work goes on; if not, the parts behind this one, of
+     * which some may have run, are not accepted.
      */
     bool (*accept)(void *context, int part);
 } parallel_work;

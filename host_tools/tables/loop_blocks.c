@@ -315,9 +315,10 @@ static const double idle_part = 0.5;
  *   noise        tolerated noise of the readings: that of the scene, at least 0.005 W
  *   fading       factor by which the tolerated effect of target changes decays in a tick. With
  *                observed modes: 1/e in two periods of the first mode, or in more periods if a
- *                storm of the certificate would otherwise raise an alarm. Without an observed mode:
- *                as slowly as the damper corrects static errors of the model, which until then look
- *                like a vibration. Without a vibration model: 1/e in 50 ticks
+ *                stability test with fast jumps of the target would otherwise raise an alarm.
+ *                Without an observed mode: as slowly as the damper corrects static errors of the
+ *                model, which until then look like a vibration. Without a vibration model: 1/e in
+ *                50 ticks
  *   alarm_ticks  number of implausible ticks until an alarm: half the time of `fading`, in general
  *                a period of the first vibration mode, at least 20 (for vibration twice as many)
  *   slack        motion of the predicted shape that hysteresis may take: twice most_hysteresis

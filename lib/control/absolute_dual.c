@@ -40,12 +40,14 @@ typedef enum {
     INPUT_AT_BOUND, /* the voltage is kept at its lower or upper bound by a multiplier that must not
                        change its sign */
     INPUT_AT_ZERO /* the voltage is kept at 0 V by a multiplier from 0 to 2f, where f is the sum of
-                     (weight * multiplier) over the limited sums that contain the voltage */
+                     (weight * multiplier) over the limits of weighted sums of absolute voltages
+                     that contain the voltage */
 } input_state;
 
 /*
  * Result of one iteration of the dual active-set method. The iteration changes the multiplier of
- * one voltage or limited sum, the entering quantity, to bring this quantity to its bound.
+ * one voltage, or of one limited sum of voltages, to bring it to its bound. This voltage or sum is
+ * called the entering quantity.
  */
 typedef enum {
     PULL_FAILED, /* the iterations must end, because no change of the entering quantity's multiplier
@@ -75,9 +77,9 @@ static bool is_pending(const rows_run *run, uint32_t row)
 }
 
 /*
- * Compute the slope f of each input (m2/V): the sum of (weight of the input * multiplier) over the
- * limited sums that contain its voltage. These limits add f * |voltage| to half the objective.
- * Returns the slopes [inputs].
+ * Compute the slope f of each input (m2/V): the sum of (weight of the input * multiplier) over
+ * those limits of weighted sums of absolute voltages that contain its voltage. These limits add f *
+ * |voltage| to half the objective. Returns the slopes [inputs].
  */
 static pzs_real *find_slopes(const rows_run *run)
 {
@@ -111,8 +113,8 @@ static void reverse_free(const rows_run *run, uint32_t i)
 
 /*
  * Reverse the chosen sign of each free input whose voltage is on the other side of 0 V, if the
- * input may have both signs and its limited sums have no multipliers. If the work limit leaves no
- * time for this, set `is_cut`: the optimiser then ends.
+ * input may have both signs and no limited sum of voltages that contains it has a multiplier. If
+ * the work limit leaves no time for this, set `is_cut`: the optimiser then ends.
  */
 static void follow_unconstrained(const rows_run *run)
 {
@@ -138,9 +140,9 @@ static void follow_unconstrained(const rows_run *run)
 
 /*
  * For each input at 0 V with a multiplier m > 2f reverse the chosen sign, 1 or -1, with which
- * limited sums count its voltage. Here f is the sum of (weight * multiplier) over these sums. With
- * the opposite sign the multiplier is 2f - m < 0, which is too small to keep the input at 0 V: the
- * input becomes free next.
+ * limited sums of absolute voltages count its voltage. Here f is the sum of (weight * multiplier)
+ * over these sums. With the opposite sign the multiplier is 2f - m < 0, which is too small to keep
+ * the input at 0 V: the input becomes free next.
  *   rounding in  an excess of m over 2f up to this size does not count (m2/V)
  * Returns whether a sign was reversed.
  */
@@ -164,9 +166,9 @@ static bool reverse_exceeding(const rows_run *run, pzs_real rounding)
 }
 
 /*
- * Make free every voltage and limited sum whose multiplier has a value that cannot keep it at its
- * bound or at 0 V (input_state). Repeat this until no such multiplier is left or the work limit
- * stops the optimiser.
+ * Make free every voltage, and every limited sum of voltages, whose multiplier has a value that
+ * cannot keep it at its bound or at 0 V (input_state). Repeat this until no such multiplier is left
+ * or the work limit stops the optimiser.
  *   rounding in  multipliers that are wrong by no more than this do not count (m2/V)
  */
 static void drop_wrong(const rows_run *run, pzs_real rounding)
@@ -186,12 +188,13 @@ static void drop_wrong(const rows_run *run, pzs_real rounding)
 /* ---- iteration ----------------------------------------------------------------- */
 
 /*
- * An iteration, as in boxls_dual.c, moves one free quantity (voltage or limited sum) from outside
- * towards its bound by changing the multiplier of this quantity, the entering quantity. Active
- * quantities, those kept at a bound or at 0 V, stay there, and their multipliers follow.
+ * An iteration, as in boxls_dual.c, moves one free quantity (voltage or limited sum of absolute
+ * voltages) from outside towards its bound by changing the multiplier of this quantity, the
+ * entering quantity. Active quantities, those kept at a bound or at 0 V, stay there, and their
+ * multipliers follow.
  *
- * For each input let f be the sum of (weight * multiplier) over the limited sums that contain its
- * voltage. The iteration ends at the first of these events:
+ * For each input let f be the sum of (weight * multiplier) over the limited sums that contain it.
+ * The iteration ends at the first of these events:
  *   - the entering quantity reaches its bound and becomes active;
  *   - the multiplier of an active quantity becomes 0: this quantity becomes free;
  *   - the multiplier of an input at 0 V becomes 2f (input_state): the input becomes free with the
@@ -203,17 +206,17 @@ static void drop_wrong(const rows_run *run, pzs_real rounding)
  */
 
 /*
- * A limited sum may leave its limit when the chosen sign of one of its voltages is reversed, unless
- * that voltage is 0 V. Such a sum becomes free but keeps its multiplier. Later iterations either
- * bring the sum to its limit or its multiplier to 0. Their number is finite, because every
- * iteration of positive length raises the dual objective.
+ * A limited sum of absolute voltages may leave its limit when the chosen sign of one of its
+ * voltages is reversed, unless that voltage is 0 V. Such a sum becomes free but keeps its
+ * multiplier. Later iterations either bring the sum to its limit or its multiplier to 0. The number
+ * of iterations is finite, because each one of positive length raises the dual objective.
  */
 
 /*
  * Find the input whose multiplier reaches the value 2f first in the present iteration. Here f is
- * the sum of (weight * multiplier) over the limited sums that contain the voltage of the input.
- * Only inputs kept at 0 V and the entering input can be found.
- *   entering in      quantity (voltage or limited sum) whose multiplier the iteration changes
+ * the sum of (weight * multiplier) over the limited sums of absolute voltages that contain the
+ * input. Only inputs kept at 0 V and the entering input can be found.
+ *   entering in      voltage or limited sum of voltages whose multiplier the iteration changes
  *   sense    in      sign of this change, 1 or -1
  *   part     in/out  in: largest size of this change; out: its size when the multiplier of the
  *                    found input becomes 2f, unchanged if none is found (m2/V)
@@ -249,8 +252,8 @@ static uint32_t first_crossing(const rows_run *run, uint32_t entering, pzs_real 
 
 /*
  * Reverse the chosen sign of input i and make the input free, because its multiplier m has become
- * 2f. Here f is the sum of (weight * multiplier) over the limited sums that contain the voltage.
- * With the opposite sign the multiplier is 2f - m = 0.
+ * 2f. Here f is the sum of (weight * multiplier) over the limited sums of absolute voltages that
+ * contain the input. With the opposite sign the multiplier is 2f - m = 0.
  */
 static pull_end cross(const rows_run *run, uint32_t i)
 {
@@ -269,8 +272,8 @@ static pull_end cross(const rows_run *run, uint32_t i)
 }
 
 /*
- * Keep quantity i (a voltage or limited sum) at its bound from now on, with its present multiplier,
- * if the active set has room.
+ * Keep quantity i (a voltage or limited sum of voltages) at its bound from now on, with its present
+ * multiplier, if the active set has room.
  */
 static void join(const rows_run *run, uint32_t i)
 {
@@ -282,9 +285,9 @@ static void join(const rows_run *run, uint32_t i)
 }
 
 /*
- * Whether it is only a rounding error that a quantity (voltage or limited sum) seems to be outside
- * its bounds by the distance `outside` (V). The quantity must be a linear combination of those that
- * are kept at their bounds.
+ * Whether it is only a rounding error that a quantity (voltage or limited sum of voltages) seems to
+ * be outside its bounds by the distance `outside` (V). The quantity must be a linear combination of
+ * those that are kept at their bounds.
  */
 static bool is_explained(const rows_run *run, pzs_real outside)
 {
@@ -299,9 +302,9 @@ static bool is_explained(const rows_run *run, pzs_real outside)
 
 /*
  * Make one iteration: change the multiplier of the entering quantity i, a free voltage or limited
- * sum, until this quantity reaches its bound or another event ends the iteration. A free sum below
- * its limit that still has a multiplier (is_pending) is treated here, too: its multiplier is
- * reduced.
+ * sum of voltages, until this quantity reaches its bound or another event ends the iteration. A
+ * free sum below its limit that still has a multiplier (is_pending) is treated here, too: its
+ * multiplier is reduced.
  */
 static pull_end pull(const rows_run *run, uint32_t i)
 {
@@ -342,9 +345,9 @@ static pull_end pull(const rows_run *run, uint32_t i)
 }
 
 /*
- * Choose the entering quantity, whose multiplier the next iteration changes: a limited sum that is
- * free but still has a multiplier (is_pending); if there is none, the free voltage or limited sum
- * that is farthest outside its bounds. Returns the number of quantities if all are inside.
+ * Choose the entering quantity, whose multiplier the next iteration changes: a limited sum of
+ * voltages that is free but still has a multiplier (is_pending); if there is none, the free voltage
+ * or sum that is farthest outside its bounds. Returns the number of quantities if all are inside.
  */
 static uint32_t choose_entering(const rows_run *run)
 {
@@ -358,9 +361,9 @@ static uint32_t choose_entering(const rows_run *run)
 }
 
 /*
- * Iterate until no voltage or limited sum is outside its bounds by more than rounding errors.
- * Returns false if the iterations end before that: at the work limit, after `most` iterations of
- * the optimiser, or because an iteration fails (PULL_FAILED).
+ * Iterate until no voltage and no limited sum of voltages is outside its bounds by more than
+ * rounding errors. Returns false if the iterations end before that: at the work limit, after `most`
+ * iterations of the optimiser, or because an iteration fails (PULL_FAILED).
  */
 static bool pull_all(const rows_run *run, uint32_t most)
 {
@@ -380,10 +383,10 @@ static bool pull_all(const rows_run *run, uint32_t most)
 }
 
 /*
- * Examine again the voltages and limited sums that this round has ignored, because they were
- * outside their bounds by no more than rounding errors. First move those kept at a bound exactly to
- * it, which removes rounding errors. Returns false if the iterations end before all are inside
- * (pull_all).
+ * Examine again the voltages and limited sums of voltages that this round (sequence of iterations)
+ * has ignored, because they were outside their bounds by no more than rounding errors. First move
+ * those kept at a bound exactly to it, which removes rounding errors. Returns false if the
+ * iterations end before all are inside (pull_all).
  */
 static bool pull_ignored(const rows_run *run, uint32_t most)
 {

@@ -352,8 +352,8 @@ static bool is_converged(pzs_optimiser *optimiser)
  *     feasible box. Only then an input at a bound is released.
  *   - An iteration of zero length makes F smaller; one of positive length lowers the objective. No
  *     face occurs twice, and the number of faces is finite.
- *   - Releases of several inputs together never raise the objective, and their number in a round is
- *     limited.
+ *   - Releases of several inputs together never raise the objective, and their number in a round
+ *     (sequence of iterations) is limited.
  */
 
 typedef struct blocking {
@@ -907,8 +907,8 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     pzs_boxls_true_gradient(optimiser);
     /*
      * The work limit may stop the dual active-set method at voltages whose objective is larger than
-     * at the start of the round. The round then ends at the minimum of the objective on the
-     * straight line between both voltage vectors.
+     * at the start of its round (sequence of iterations). The round then ends at the minimum of the
+     * objective on the straight line between both voltage vectors.
      */
     if (!complete && pzs_boxls_shorten(optimiser))
         pzs_boxls_true_gradient(optimiser);
@@ -964,8 +964,9 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
         optimiser->is_verified = true;
         optimiser->checked_next = 0;
     }
-    // Compare with the rounding-error bound from before the round: the present bound grows with the
-    // voltages, so that voltages that diverge could satisfy it.
+    // Compare the violation of the optimality (KKT) conditions with its rounding-error bound from
+    // before these iterations. The present bound grows with the voltages, so that even voltages
+    // that diverge could satisfy it.
     if (!moved || (optimiser->is_optimal && optimiser->kkt_violation <= rounding) ||
         pzs_boxls_has_decreased(optimiser)) {
         optimiser->is_predicted = optimiser->is_predicted && !moved;

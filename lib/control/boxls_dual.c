@@ -37,7 +37,8 @@
  * distance d (V) that is only a rounding error. It counts as such an error if
  *   PIVOT_TO_VALUE * d <= pivot_rounding * multiplier_change
  *   pivot_rounding     estimated rounding error of a pivot (V2/m2)
- *   multiplier_change  sum of the sizes of all changes of multipliers in the round (m2/V)
+ *   multiplier_change  sum of the sizes of all changes of multipliers in the present sequence of
+ *                      iterations (m2/V)
  */
 #define PIVOT_TO_VALUE 16
 /*

@@ -3,7 +3,8 @@
  * Free functions of the target: shapes, such as a piston or a tilt, along which the structure may
  * move as it likes. The influence matrix of the controller lacks them, but the readings have them,
  * so that a healthy structure deviates from its prediction along free functions without any bound.
- * The block gives the blocks after it a function that takes them out of shapes: of a shape x
+ * The block gives the blocks after it a function that removes the free functions from shapes: of a
+ * shape x
  *
  *     x - F F'x, and 0 at outputs of weight 0
  *

@@ -97,7 +97,7 @@
 #define SWEEPS 4u
 /*
  * Largest number of times that the optimiser, after a sequence of iterations, moves the active
- * voltages and limited sums back to their bounds to correct rounding errors.
+ * voltages and limited sums of voltages back to their bounds to correct rounding errors.
  */
 #define CORRECTIONS 2u
 
@@ -132,8 +132,8 @@ static uint64_t end_work(const rows_run *run)
 
 /*
  * Return the number of multiply-adds that are left for iterations within the optimiser's work
- * limit. The work at the end of a round (end_work) is already subtracted: corrections of the
- * voltages for rounding errors, and a gradient computed from the Hessian.
+ * limit. The work at the end of a round of iterations (end_work) is already subtracted: corrections
+ * of the voltages for rounding errors, and a gradient computed from the Hessian.
  */
 static uint64_t remaining_work(const rows_run *run)
 {
@@ -192,7 +192,8 @@ static void set_scales(const rows_run *run)
 
 /*
  * Begin to compute the optimiser's tableau anew: set its start matrix and mark all voltages and
- * limited sums as active. Pivot exchanges of all inputs (complete_tableau) then give the tableau.
+ * limited sums of voltages as active. Pivot exchanges of all inputs (complete_tableau) then give
+ * the tableau.
  *   upper left              Hessian with the shift of its diagonal
  *   lower left, upper right negative scaled coefficients of the limited sums
  *   lower right             zero
@@ -247,7 +248,8 @@ static uint32_t next_pivot(const rows_run *run)
 /*
  * Estimate the rounding error of the pivots in the dual active-set method, in proportion to the
  * largest absolute diagonal entry of the optimiser's tableau. The tableau is the matrix that gives
- * changes of voltages and limited sums from changes of the multipliers of their limits.
+ * changes of voltages, and of limited sums of voltages, from changes of the multipliers of their
+ * limits.
  */
 static void measure_pivots(const rows_run *run)
 {
@@ -263,8 +265,8 @@ static void measure_pivots(const rows_run *run)
 /*
  * Begin to compute the optimiser's tableau anew with a larger number (shift) added to the diagonal
  * of the Hessian. The shift is a multiple of the last one, between LEAST_CURVATURE and
- * MOST_CURVATURE. The tableau gives changes of voltages and limited sums from changes of
- * multipliers.
+ * MOST_CURVATURE. The tableau is the matrix that gives changes of voltages, and of limited sums of
+ * voltages, from changes of multipliers.
  */
 static void raise_shift(const rows_run *run)
 {
@@ -275,10 +277,10 @@ static void raise_shift(const rows_run *run)
 }
 
 /*
- * Continue to compute the optimiser's tableau (matrix that gives changes of voltages and limited
- * sums from changes of multipliers) anew, as far as the work limit of the optimiser allows. The
- * diagonal of the Hessian is shifted if one of its pivots is too small. Returns whether the tableau
- * is complete.
+ * Continue to compute the optimiser's tableau (matrix that gives changes of voltages, and of
+ * limited sums of voltages, from changes of multipliers) anew, as far as the work limit of the
+ * optimiser allows. The diagonal of the Hessian is shifted if one of its pivots is too small.
+ * Returns whether the tableau is complete.
  */
 static bool complete_tableau(const rows_run *run)
 {
@@ -310,7 +312,8 @@ static bool complete_tableau(const rows_run *run)
 /* ---- start of a round ------------------------------------------------------ */
 
 /*
- * Compute bounds and margin of all voltages and scaled limit rows.
+ * Compute bounds and margin of all voltages and of all scaled limit rows (limits of weighted sums
+ * of voltages).
  *   margin of a row      distance by which both its limits are narrowed, for rounding errors
  *   margin of a voltage  distance from a bound up to which it counts as at this bound: the largest
  *                        margin of a row, at most an eighth of the distance between its bounds
@@ -378,9 +381,9 @@ pzs_real pzs_rows_subtract(const rows_run *run, pzs_real *gradient)
 }
 
 /*
- * Return by how much the multiplier of quantity k (voltage or limited sum) violates the optimality
- * (KKT) conditions (m2/V); zero or negative if it does not. The permitted sign depends on the
- * bounds at which the quantity is, to within solver->margin:
+ * Return by how much the multiplier of quantity k (voltage or limited sum of voltages) violates the
+ * optimality (KKT) conditions (m2/V); zero or negative if it does not. The permitted sign depends
+ * on the bounds at which the quantity is, to within solver->margin:
  *   lower bound  positive or zero
  *   upper bound  negative or zero
  *   both bounds  any
@@ -400,7 +403,7 @@ static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 
 /*
  * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present voltages
- * and limited sums.
+ * and limited sums of voltages.
  *   reduced [inputs] in  gradient minus the contributions of the active limits of sums (m2/V)
  * Also stores in solver->gap the duality gap, an upper bound of the distance of half the objective
  * from its minimum (m2).
@@ -454,8 +457,9 @@ static void measure_violation(const rows_run *run)
     optimiser->kkt_violation = total_violation(run, reduced);
     const pzs_real bound = ROUNDING_FACTOR * (optimiser->target_rounding +
                                               optimiser->model_rounding + 4 * PZS_EPSILON * forces);
-    // The gradient may nearly vanish, and with it this bound; rounding errors alone would then
-    // count as a violation. The bound is therefore at least that of the first round of the tick.
+    // The gradient may nearly vanish, and with it its rounding-error bound; rounding errors alone
+    // would then count as a violation of the optimality conditions. The bound is therefore at least
+    // that of the first sequence of iterations (round) in the tick.
     run->solver->least_rounding =
         run->solver->least_rounding > 0 ? run->solver->least_rounding : bound;
     optimiser->rounding_bound =
@@ -472,9 +476,9 @@ static pzs_real largest_of(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Predict the step to the minimum of the objective over the free voltages and limited sums, while
- * the active ones are kept at their bounds. Rounding errors of the tableau affect only the changes
- * from the present values, and decay with repeated steps.
+ * Predict the step to the minimum of the objective over the free voltages and limited sums of
+ * voltages, while the active ones are kept at their bounds. Rounding errors of the tableau affect
+ * only the changes from the present values, and decay with repeated steps.
  *   scratch [inputs]        in   of run->optimiser: gradient minus the contributions of the active
  *                                limits of sums (measure_violation); overwritten
  *   next_voltage, direction out  of run->tableau: voltages and sums after the step; multipliers of
@@ -580,7 +584,7 @@ static bool are_rows_inside(const rows_run *run)
 
 /*
  * Correct the voltages for the rounding errors of the iterations, so that the active voltages and
- * limited sums are at their bounds.
+ * limited sums of voltages are at their bounds.
  */
 static void correct_active(const rows_run *run)
 {
@@ -608,7 +612,7 @@ static void return_inside(const rows_run *run)
 /*
  * Take the result of the iterations as the new voltages of the controller, corrected so that they
  * obey all bounds and limit rows (limits of sums of voltages) exactly. Returns false if this was
- * possible only by moving the voltages back towards those at the start of the round.
+ * possible only by moving the voltages back towards those at the start of the iterations.
  */
 static bool take_voltages(const rows_run *run, bool is_complete)
 {
@@ -661,9 +665,10 @@ static void undo_round(const rows_run *run)
 /* ---- rounds ------------------------------------------------------------------ */
 
 /*
- * Voltages inside limit rows are found in rounds, until the multipliers prove the voltages optimal
- * up to rounding errors. A round starts with the gradient computed from the Hessian and the sums
- * computed from the limit rows, and ends with voltages inside all bounds and limit rows:
+ * Voltages inside limit rows (limits of weighted sums of voltages) are found in rounds, until the
+ * multipliers prove the voltages optimal up to rounding errors. A round starts with the gradient
+ * computed from the Hessian and the sums computed from the limit rows, and ends with voltages
+ * inside all bounds and limit rows:
  *   step        to the minimum over the free quantities (voltages and limited sums), with the
  *               active ones at their bounds;
  *   iterations  of the dual active-set method, until all quantities are inside their bounds and all
@@ -734,9 +739,9 @@ static void follow_signs(const rows_run *run)
 }
 
 /*
- * Make the iterations of the dual active-set method until every quantity (voltage or limited sum)
- * is inside its bounds and every multiplier has a permitted value. Returns false if the iterations
- * end earlier, for example at the work limit.
+ * Make the iterations of the dual active-set method until every quantity (voltage or limited sum of
+ * voltages) is inside its bounds and every multiplier has a permitted value. Returns false if the
+ * iterations end earlier, for example at the work limit.
  */
 static bool iterate(const rows_run *run)
 {
@@ -748,9 +753,9 @@ static bool iterate(const rows_run *run)
 
 /*
  * Make the iterations of a round: the step to the minimum over the free quantities (voltages and
- * limited sums), then the dual active-set method. The voltages that they reach become the new ones;
- * if limits of sums are violated, they are moved back towards the start as far as necessary.
- * Returns whether no voltage had to be moved back.
+ * limited sums of voltages), then the dual active-set method. The voltages that they reach become
+ * the new ones; if limits of sums are violated, they are moved back towards the start as far as
+ * necessary. Returns whether no voltage had to be moved back.
  */
 static bool run_round(const rows_run *run)
 {
@@ -765,8 +770,8 @@ static bool run_round(const rows_run *run)
     predict_step(run);
     /*
      * remaining_work has already subtracted the work of two products of the Hessian with a vector,
-     * for the end of the round. The dual active-set method subtracts the same work again, so it is
-     * added here.
+     * for the end of the round (sequence of iterations). The dual active-set method subtracts the
+     * same work again, so it is added here.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = iterate(run);
@@ -819,8 +824,9 @@ static void judge_round(const rows_run *run, bool is_whole)
 
 /*
  * Make one round (sequence of iterations) of the optimiser and keep the new voltages unless they
- * raise the objective. The tableau (matrix that gives changes of voltages and limited sums from
- * changes of multipliers) must be complete. Returns whether another round may lower the objective.
+ * raise the objective. The tableau (matrix that gives changes of voltages, and of limited sums of
+ * voltages, from changes of multipliers) must be complete. Returns whether another round may lower
+ * the objective.
  */
 static bool make_round(const rows_run *run)
 {
@@ -844,9 +850,9 @@ static bool make_round(const rows_run *run)
 }
 
 /*
- * Compute the rest of the optimiser's tableau (matrix that gives changes of voltages and limited
- * sums from changes of multipliers) if it is incomplete. Returns whether the work limit then allows
- * another round (sequence of iterations).
+ * Compute the rest of the optimiser's tableau (matrix that gives changes of voltages, and of
+ * limited sums of voltages, from changes of multipliers) if it is incomplete. Returns whether the
+ * work limit then allows another round (sequence of iterations).
  */
 static bool may_make_round(const rows_run *run)
 {
