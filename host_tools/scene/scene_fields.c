@@ -22,8 +22,9 @@ static const double smallest = 1e-60, largest = 1e60;
 const range above_zero = {0, HUGE_VAL, 1, "must be above 0"};
 const range not_negative = {0, HUGE_VAL, 0, "must not be below 0"};
 
-static const char *const kind_names[] = {"a single value", "a list [...]",
-                                         "a mapping {key: value}"};
+static const char *const kind_names[TREE_MAP + 1] = {[TREE_SCALAR] = "a single value",
+                                                     [TREE_LIST] = "a list [...]",
+                                                     [TREE_MAP] = "a mapping {key: value}"};
 
 /*
  * Return the edit distance between two words; it is INT_MAX if one of them is too long to be

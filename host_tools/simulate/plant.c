@@ -14,11 +14,9 @@
 #include "influence_sum.h"
 #include "plant_motion.h"
 
-/*
- * All ways of computing the motion of a plant with inertia, in the order of the enumeration
- * scene_motion.
- */
-static const plant_motion *const motions[] = {&plant_modal, &plant_nonlinear};
+/* All ways of computing the motion of a plant with inertia. */
+static const plant_motion *const motions[MOTION_NONLINEAR + 1] = {
+    [MOTION_MODAL] = &plant_modal, [MOTION_NONLINEAR] = &plant_nonlinear};
 
 /* ---- preparation of the plant ----------------------------------------- */
 

@@ -1219,7 +1219,9 @@ static void write_rows(const emitter *emitter, const design *design)
 
 static void write_nodes(const emitter *emitter, const design *design)
 {
-    static const char *const component[] = {"u1", "u2", "u3", "x", "y", "z"};
+    static const char *const component[COMPONENT_Z + 1] = {
+        [COMPONENT_U1] = "u1", [COMPONENT_U2] = "u2", [COMPONENT_U3] = "u3",
+        [COMPONENT_X] = "x",   [COMPONENT_Y] = "y",   [COMPONENT_Z] = "z"};
     static const char *const face[] = {[FACE_OUTER] = "outer face",
                                        [FACE_INNER] = "inner face",
                                        [FACE_MIDDLE] = "middle surface",

@@ -18,7 +18,8 @@
 #include "loop_blocks.h"
 #include "tables_nonlinear.h"
 
-const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonlinear"};
+const char *const tables_image_name[TABLES_IMAGES] = {
+    [TABLES_CONTROL] = "control", [TABLES_LINEAR] = "linear", [TABLES_NONLINEAR] = "nonlinear"};
 
 /* ---- mechanical structure --------------------------------------------- */
 
